@@ -1,0 +1,3 @@
+//! The `slcal` binary.
+
+fn main() {}

@@ -1,0 +1,43 @@
+//! Points in space: the hand-over from `reconstruct` to files, viewers and `evaluate`.
+
+use nalgebra::{Point2, Point3};
+
+/// The coordinate frame of a cloud.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Frame {
+    /// x right, y down, z forward from the camera's centre.
+    #[default]
+    Camera,
+    /// The sheet of the rig's first view.
+    Plane,
+}
+
+/// A reconstructed point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CloudPoint {
+    /// Position, mm.
+    pub position: Point3<f64>,
+    /// The camera pixel in which it was seen.
+    pub pixel: Point2<f64>,
+    /// sRGB.
+    pub color: [u8; 3],
+    /// 1σ along the camera's ray, mm.
+    pub sigma_mm: f64,
+    /// Index of the slit; 0 when the match did not come from stripes.
+    pub slit: u16,
+    /// Between 0 and 1.
+    pub confidence: f64,
+}
+
+/// Points, and the triangles between them when a mesh was asked for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PointCloud {
+    /// The points.
+    pub points: Vec<CloudPoint>,
+    /// Indices into `points`, counter-clockwise as the camera sees them.
+    pub triangles: Vec<[u32; 3]>,
+    /// Whose coordinates these are.
+    pub frame: Frame,
+    /// The camera's centre in these coordinates, mm.
+    pub camera_centre: Point3<f64>,
+}

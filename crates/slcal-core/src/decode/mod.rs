@@ -1,0 +1,1 @@
+//! Photograph of stripes → matches.

@@ -1,0 +1,1 @@
+//! Photograph → observations: the checkerboard's corners and the sheet's edges, to sub-pixel.

@@ -1,0 +1,1 @@
+//! How well a cloud fits a plane or a sphere.

@@ -1,0 +1,24 @@
+//! Values of projective and Euclidean geometry: no estimation, no images, no knowledge of what they are used for.
+//!
+//! Conventions: integer pixel coordinates are pixel centres; device frames are x right, y down, z forward;
+//! lengths are millimetres; transforms are named `a_from_b`.
+
+mod camera;
+mod distortion;
+mod homography;
+mod line;
+mod plane;
+mod point;
+mod pose;
+mod ray;
+mod rectangle;
+
+pub use camera::{Camera, Intrinsics};
+pub use distortion::Distortion;
+pub use homography::Homography;
+pub use line::Line;
+pub use plane::Plane;
+pub use point::{ProjectivePoint, VanishingPoints};
+pub use pose::Pose;
+pub use ray::Ray;
+pub use rectangle::{RectangleSize, Side};

@@ -1,0 +1,33 @@
+//! Projector–camera calibration from one photograph, and one-shot structured-light reconstruction.
+//!
+//! The folders are the verbs of the work, in the order in which data passes through them:
+//! [`pattern`] (what is projected), [`detect`] (photograph → [`Observations`]), [`calibrate`] (observations → [`Rig`]),
+//! [`decode`] (photograph → [`Matches`]), [`reconstruct`] (matches + rig → [`PointCloud`]), [`evaluate`] (cloud → plane,
+//! sphere). They meet in the plain types at the top of the crate and rest on [`geometry`] (values) and [`solve`]
+//! (numerics). [`mod@format`] reads and writes those types as JSON, CSV and PLY on any `Read` and `Write`.
+//!
+//! The crate opens no files, prints nothing, starts no threads, reads no clock and keeps no global state. Lengths are
+//! millimetres, angles radians, pixels have integer centres; see [`geometry`] for the frames.
+
+pub mod calibrate;
+pub mod decode;
+pub mod detect;
+pub mod evaluate;
+pub mod format;
+pub mod geometry;
+pub mod pattern;
+pub mod photo;
+pub mod reconstruct;
+pub mod solve;
+
+mod cloud;
+mod error;
+mod matches;
+mod observations;
+mod rig;
+
+pub use cloud::{CloudPoint, Frame, PointCloud};
+pub use error::{Error, ErrorClass, Result};
+pub use matches::{Match, Matches};
+pub use observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
+pub use rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning};

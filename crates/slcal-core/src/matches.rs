@@ -1,0 +1,29 @@
+//! Camera pixel ↔ projector coordinate: the hand-over from `decode` (or any other decoder) to `reconstruct`.
+
+use nalgebra::Point2;
+
+/// One correspondence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Match {
+    /// Camera pixel (u, v); sub-pixel across the stripe, integer along it.
+    pub camera: Point2<f64>,
+    /// Projector column, px, when known.
+    pub projector_column: Option<f64>,
+    /// Projector row, px, when known.
+    pub projector_row: Option<f64>,
+    /// Index of the slit, when the match comes from stripes.
+    pub slit: Option<u16>,
+    /// Between 0 and 1.
+    pub confidence: f64,
+    /// 1σ of the camera position across the stripe, px.
+    pub sigma_px: f64,
+    /// Colour of the photograph there, sRGB.
+    pub color: [u8; 3],
+}
+
+/// A set of correspondences, ordered by image row (column for row patterns), then by position.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Matches {
+    /// The correspondences.
+    pub items: Vec<Match>,
+}

@@ -1,0 +1,105 @@
+//! From code values to linear light.
+
+use serde::{Deserialize, Serialize};
+
+use super::Samples;
+use crate::error::{Error, Result};
+
+/// The transfer curve of a photograph.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Encoding {
+    /// IEC 61966-2-1, what cameras and PNG files use unless they say otherwise.
+    #[default]
+    Srgb,
+    /// Code values are proportional to light (raw conversions, many 16-bit files).
+    Linear,
+    /// Light = value^γ.
+    Gamma(f64),
+}
+
+impl Encoding {
+    /// Checks the parameter.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a γ that is not between 0.1 and 10.
+    pub fn validate(self) -> Result<()> {
+        match self {
+            Self::Gamma(g) if !(0.1..=10.0).contains(&g) => {
+                Err(Error::invalid("gamma", "srgb, linear or a number from 0.1 to 10", g))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Linear light (0–1) of a code value (0–1).
+    #[must_use]
+    pub fn to_linear(self, value: f64) -> f64 {
+        match self {
+            Self::Linear => value,
+            Self::Gamma(g) => value.powf(g),
+            Self::Srgb if value <= 0.040_45 => value / 12.92,
+            Self::Srgb => ((value + 0.055) / 1.055).powf(2.4),
+        }
+    }
+
+    /// Code value (0–1) of linear light (0–1).
+    #[must_use]
+    pub fn from_linear(self, light: f64) -> f64 {
+        let light = light.clamp(0.0, 1.0);
+        match self {
+            Self::Linear => light,
+            Self::Gamma(g) => light.powf(g.recip()),
+            Self::Srgb if light <= 0.003_130_8 => light * 12.92,
+            Self::Srgb => 1.055 * light.powf(1.0 / 2.4) - 0.055,
+        }
+    }
+
+    /// The curve tabulated for all code values of a photograph's samples.
+    #[must_use]
+    pub fn table(self, samples: Samples<'_>) -> LinearTable {
+        let count = match samples {
+            Samples::U8(_) => 1 << 8,
+            Samples::U16(_) => 1 << 16,
+        };
+        let top = f64::from(count - 1);
+        LinearTable((0..count).map(|i| self.to_linear(f64::from(i) / top) as f32).collect())
+    }
+}
+
+/// Linear light (0–1) by code value.
+#[derive(Debug, Clone)]
+pub struct LinearTable(Vec<f32>);
+
+impl LinearTable {
+    /// Light of a code value; the caller guarantees that the table was made for this sample type.
+    #[inline]
+    #[must_use]
+    pub fn light(&self, code: usize) -> f32 {
+        self.0[code]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_invert_and_hold_known_values() {
+        for curve in [Encoding::Srgb, Encoding::Linear, Encoding::Gamma(2.2)] {
+            for i in 0..=100 {
+                let v = f64::from(i) / 100.0;
+                assert!((curve.from_linear(curve.to_linear(v)) - v).abs() < 1e-6);
+            }
+        }
+        // IEC 61966-2-1: code 128 of 255 is 21.586 % of the light.
+        assert!((Encoding::Srgb.to_linear(128.0 / 255.0) - 0.215_86).abs() < 1e-5);
+    }
+
+    #[test]
+    fn gamma_is_checked() {
+        assert!(Encoding::Gamma(f64::NAN).validate().is_err());
+        assert!(Encoding::Gamma(0.0).validate().is_err());
+        assert!(Encoding::Gamma(2.2).validate().is_ok());
+    }
+}

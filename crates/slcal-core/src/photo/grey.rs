@@ -1,0 +1,106 @@
+//! One channel of linear light.
+
+/// A grey image in linear light, 0–1, row-major.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GreyImage {
+    width: usize,
+    height: usize,
+    data: Vec<f32>,
+}
+
+impl GreyImage {
+    /// An image whose pixels are `f(x, y)`.
+    pub fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> f32) -> Self {
+        let mut data = Vec::with_capacity(width * height);
+        for y in 0..height {
+            for x in 0..width {
+                data.push(f(x, y));
+            }
+        }
+        Self { width, height, data }
+    }
+
+    /// Width, px.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height, px.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// One row.
+    #[must_use]
+    pub fn row(&self, y: usize) -> &[f32] {
+        &self.data[y * self.width..(y + 1) * self.width]
+    }
+
+    /// The value of a pixel.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, x: usize, y: usize) -> f32 {
+        self.data[y * self.width + x]
+    }
+
+    /// Bilinear interpolation at a position; `None` outside the centres of the border pixels.
+    #[inline]
+    #[must_use]
+    pub fn bilinear(&self, x: f64, y: f64) -> Option<f64> {
+        let inside = x >= 0.0 && y >= 0.0 && x <= (self.width - 1) as f64 && y <= (self.height - 1) as f64;
+        if !inside {
+            return None;
+        }
+        let (x0, y0) =
+            ((x as usize).min(self.width.saturating_sub(2)), (y as usize).min(self.height.saturating_sub(2)));
+        let (fx, fy) = (x - x0 as f64, y - y0 as f64);
+        let (x1, y1) = ((x0 + 1).min(self.width - 1), (y0 + 1).min(self.height - 1));
+        let at = |x, y| f64::from(self.at(x, y));
+        let top = at(x0, y0) + fx * (at(x1, y0) - at(x0, y0));
+        let bottom = at(x0, y1) + fx * (at(x1, y1) - at(x0, y1));
+        Some(top + fy * (bottom - top))
+    }
+
+    /// The mean over blocks of `factor`×`factor` pixels; the last, incomplete blocks are left out. Pixel (x, y) of the
+    /// result has its centre at (x·factor + (factor−1)/2, …) of this image.
+    #[must_use]
+    pub fn reduced(&self, factor: usize) -> Self {
+        let (w, h) = (self.width / factor, self.height / factor);
+        let scale = 1.0 / (factor * factor) as f32;
+        Self::from_fn(w, h, |x, y| {
+            let block = (0..factor)
+                .map(|j| self.row(y * factor + j)[x * factor..(x + 1) * factor].iter().sum::<f32>());
+            block.sum::<f32>() * scale
+        })
+    }
+
+    /// All pixels, row-major.
+    #[must_use]
+    pub fn data(&self) -> &[f32] {
+        &self.data
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bilinear_is_exact_on_a_ramp_up_to_the_border_and_nothing_beyond() {
+        let image = GreyImage::from_fn(5, 4, |x, y| x as f32 + 10.0 * y as f32);
+        assert!((image.bilinear(2.25, 1.5).unwrap() - 17.25).abs() < 1e-6);
+        assert_eq!(image.bilinear(4.0, 3.0), Some(34.0));
+        assert_eq!(image.bilinear(4.01, 0.0), None);
+        assert_eq!(image.bilinear(f64::NAN, 0.0), None);
+    }
+
+    #[test]
+    fn reduction_keeps_the_mean() {
+        let image = GreyImage::from_fn(7, 6, |x, _| x as f32);
+        let small = image.reduced(3);
+        assert_eq!((small.width(), small.height()), (2, 2));
+        assert_eq!(small.at(1, 1), 4.0);
+    }
+}

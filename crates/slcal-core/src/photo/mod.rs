@@ -1,0 +1,9 @@
+//! Photographs as the rest of the library sees them: borrowed pixels of any layout, and linear light.
+
+mod encoding;
+mod grey;
+mod view;
+
+pub use encoding::{Encoding, LinearTable};
+pub use grey::GreyImage;
+pub use view::{Layout, PhotoView, Samples};

@@ -1,0 +1,225 @@
+//! Borrowed photographs: from `image` buffers or straight from a driver's memory.
+
+use image::DynamicImage;
+
+use super::{Encoding, GreyImage, LinearTable};
+use crate::error::{Error, Result};
+
+/// The samples of a photograph, 8 or 16 bit.
+#[derive(Debug, Clone, Copy)]
+pub enum Samples<'a> {
+    /// 8 bit.
+    U8(&'a [u8]),
+    /// 16 bit, native byte order.
+    U16(&'a [u16]),
+}
+
+/// The samples of one pixel, in memory order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layout {
+    /// One sample.
+    Grey,
+    /// Grey and an alpha that is ignored.
+    GreyAlpha,
+    /// Red first.
+    Rgb,
+    /// Blue first.
+    Bgr,
+    /// Red first, alpha ignored.
+    Rgba,
+}
+
+impl Layout {
+    fn channels(self) -> usize {
+        match self {
+            Self::Grey => 1,
+            Self::GreyAlpha => 2,
+            Self::Rgb | Self::Bgr => 3,
+            Self::Rgba => 4,
+        }
+    }
+
+    /// Whether the three colours differ.
+    #[must_use]
+    pub fn has_color(self) -> bool {
+        self.channels() >= 3
+    }
+
+    /// Offsets of red, green and blue within a pixel.
+    fn rgb_offsets(self) -> [usize; 3] {
+        match self {
+            Self::Grey | Self::GreyAlpha => [0, 0, 0],
+            Self::Rgb | Self::Rgba => [0, 1, 2],
+            Self::Bgr => [2, 1, 0],
+        }
+    }
+}
+
+/// A borrowed photograph.
+#[derive(Debug, Clone, Copy)]
+pub struct PhotoView<'a> {
+    samples: Samples<'a>,
+    width: usize,
+    height: usize,
+    row_stride: usize,
+    layout: Layout,
+}
+
+impl<'a> PhotoView<'a> {
+    /// A view of `height` rows that start every `row_stride` samples.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a side is zero, the stride is shorter than a row, or the samples are too few.
+    pub fn new(
+        samples: Samples<'a>,
+        width: usize,
+        height: usize,
+        row_stride: usize,
+        layout: Layout,
+    ) -> Result<Self> {
+        let row = width.saturating_mul(layout.channels());
+        let needed = row_stride.saturating_mul(height.saturating_sub(1)).saturating_add(row);
+        let found = match samples {
+            Samples::U8(s) => s.len(),
+            Samples::U16(s) => s.len(),
+        };
+        if width == 0 || height == 0 || row_stride < row || found < needed {
+            return Err(Error::invalid(
+                "photograph",
+                format!("at least 1x1 pixels, a stride of {row} samples or more and {needed} samples in all"),
+                format!("{width}x{height} pixels, a stride of {row_stride} and {found} samples"),
+            ));
+        }
+        Ok(Self { samples, width, height, row_stride, layout })
+    }
+
+    /// Width, px.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height, px.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Order of the samples of a pixel.
+    #[must_use]
+    pub fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    /// The table from this photograph's code values to linear light.
+    #[must_use]
+    pub fn linear_table(&self, encoding: Encoding) -> LinearTable {
+        encoding.table(self.samples)
+    }
+
+    /// The code values of a pixel as 0–1, red, green, blue.
+    #[inline]
+    #[must_use]
+    pub fn rgb_code(&self, x: usize, y: usize) -> [f32; 3] {
+        let at = y * self.row_stride + x * self.layout.channels();
+        self.layout.rgb_offsets().map(|o| match self.samples {
+            Samples::U8(s) => f32::from(s[at + o]) / 255.0,
+            Samples::U16(s) => f32::from(s[at + o]) / 65535.0,
+        })
+    }
+
+    /// Writes the linear light (red, green, blue) of one row into `out`, which must hold `width` entries.
+    pub fn linear_rgb_row(&self, y: usize, table: &LinearTable, out: &mut [[f32; 3]]) {
+        let [r, g, b] = self.layout.rgb_offsets();
+        let channels = self.layout.channels();
+        let range = y * self.row_stride..y * self.row_stride + self.width * channels;
+        match self.samples {
+            Samples::U8(s) => {
+                for (o, p) in out.iter_mut().zip(s[range].chunks_exact(channels)) {
+                    *o = [p[r], p[g], p[b]].map(|c| table.light(usize::from(c)));
+                }
+            }
+            Samples::U16(s) => {
+                for (o, p) in out.iter_mut().zip(s[range].chunks_exact(channels)) {
+                    *o = [p[r], p[g], p[b]].map(|c| table.light(usize::from(c)));
+                }
+            }
+        }
+    }
+
+    /// Linear light averaged over the three channels with equal weights: the sheet and the projector's light are
+    /// white, so that equal weights carry the least noise.
+    #[must_use]
+    pub fn linear_grey(&self, encoding: Encoding) -> GreyImage {
+        let table = self.linear_table(encoding);
+        let mut row = vec![[0.0_f32; 3]; self.width];
+        let mut current = usize::MAX;
+        GreyImage::from_fn(self.width, self.height, |x, y| {
+            if y != current {
+                self.linear_rgb_row(y, &table, &mut row);
+                current = y;
+            }
+            (row[x][0] + row[x][1] + row[x][2]) / 3.0
+        })
+    }
+}
+
+impl<'a> TryFrom<&'a DynamicImage> for PhotoView<'a> {
+    type Error = Error;
+
+    /// A view of a decoded picture; floating-point pictures are refused.
+    fn try_from(image: &'a DynamicImage) -> Result<Self> {
+        let (samples, layout) = match image {
+            DynamicImage::ImageLuma8(i) => (Samples::U8(i.as_raw()), Layout::Grey),
+            DynamicImage::ImageLumaA8(i) => (Samples::U8(i.as_raw()), Layout::GreyAlpha),
+            DynamicImage::ImageRgb8(i) => (Samples::U8(i.as_raw()), Layout::Rgb),
+            DynamicImage::ImageRgba8(i) => (Samples::U8(i.as_raw()), Layout::Rgba),
+            DynamicImage::ImageLuma16(i) => (Samples::U16(i.as_raw()), Layout::Grey),
+            DynamicImage::ImageLumaA16(i) => (Samples::U16(i.as_raw()), Layout::GreyAlpha),
+            DynamicImage::ImageRgb16(i) => (Samples::U16(i.as_raw()), Layout::Rgb),
+            DynamicImage::ImageRgba16(i) => (Samples::U16(i.as_raw()), Layout::Rgba),
+            other => {
+                return Err(Error::invalid(
+                    "photograph",
+                    "8 or 16 bit, grey or RGB(A)",
+                    format!("{:?}", other.color()),
+                ));
+            }
+        };
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        Self::new(samples, width, height, width * layout.channels(), layout)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layouts_and_strides_give_the_same_light() {
+        let rgb = [10_u8, 20, 30, 40, 50, 60];
+        let bgr = [30_u8, 20, 10, 60, 50, 40, 99, 99];
+        let wide: Vec<u16> = rgb.iter().map(|&c| u16::from(c) * 257).collect();
+        let views = [
+            PhotoView::new(Samples::U8(&rgb), 1, 2, 3, Layout::Rgb).unwrap(),
+            PhotoView::new(Samples::U8(&bgr), 1, 2, 3, Layout::Bgr).unwrap(),
+            PhotoView::new(Samples::U16(&wide), 1, 2, 3, Layout::Rgb).unwrap(),
+        ];
+        let mut rows = [[[0.0; 3]; 1]; 3];
+        for (view, row) in views.iter().zip(&mut rows) {
+            view.linear_rgb_row(1, &view.linear_table(Encoding::Linear), row);
+        }
+        for row in rows {
+            for (light, code) in row[0].iter().zip([40.0, 50.0, 60.0]) {
+                assert!((light - code / 255.0).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn too_few_samples_are_refused() {
+        assert!(PhotoView::new(Samples::U8(&[0; 11]), 2, 2, 6, Layout::Rgb).is_err());
+        assert!(PhotoView::new(Samples::U8(&[0; 12]), 2, 2, 5, Layout::Rgb).is_err());
+        assert!(PhotoView::new(Samples::U8(&[]), 0, 0, 0, Layout::Rgb).is_err());
+    }
+}

@@ -1,0 +1,1 @@
+//! Matches and rig → points in space.
