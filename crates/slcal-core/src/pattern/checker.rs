@@ -3,6 +3,9 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
+use super::draw::check_panel;
+use crate::error::{Error, Result};
+
 /// Colour of a square or of the background.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -33,11 +36,114 @@ pub struct CheckerPattern {
     pub background: SquareColor,
 }
 
+/// How to lay out a checkerboard; it is centred on the panel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CheckerConfig {
+    /// Columns and rows of squares; their sum must be odd.
+    pub squares: [u32; 2],
+    /// Side of a square, px; `None`: a sixteenth of the panel's height, or less where that leaves no square's width
+    /// around the board.
+    pub square_px: Option<f64>,
+    /// Colour of the top-left square.
+    pub first_square: SquareColor,
+    /// Colour around the squares.
+    pub background: SquareColor,
+}
+
+impl Default for CheckerConfig {
+    fn default() -> Self {
+        Self {
+            squares: [11, 8],
+            square_px: None,
+            first_square: SquareColor::Black,
+            background: SquareColor::White,
+        }
+    }
+}
+
+/// Fewest squares per side: two rows of inner corners are the least that carries a homography.
+const MIN_SQUARES: u32 = 3;
+/// Smallest square, px: below, its corners cannot be told from the projector's pixels.
+const MIN_SQUARE_PX: f64 = 4.0;
+/// Background around the board in squares: the outermost squares must be seen as squares.
+const MARGIN_SQUARES: f64 = 0.5;
+
+impl CheckerConfig {
+    /// Checks what does not depend on the panel.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the field.
+    pub fn validate(&self) -> Result<()> {
+        let [c, r] = self.squares;
+        if c < MIN_SQUARES || r < MIN_SQUARES || c > 1000 || r > 1000 {
+            return Err(Error::invalid("squares", "3 to 1000 columns and rows", format!("{c}x{r}")));
+        }
+        if (c + r).is_multiple_of(2) {
+            return Err(Error::invalid(
+                "squares",
+                "an odd sum of columns and rows (11x8, say): with an even sum the board looks the same after half a turn, \
+                 and nobody can tell which corner is the first",
+                format!("{c}x{r}"),
+            ));
+        }
+        match self.square_px {
+            Some(s) if !(s.is_finite() && s >= MIN_SQUARE_PX) => {
+                Err(Error::invalid("square side", format!("at least {MIN_SQUARE_PX} px"), s))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 impl CheckerPattern {
+    /// A board in the middle of the panel, its edges on pixel boundaries.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for an even sum of columns and rows, or a board that does not fit on the panel with half a
+    /// square around it.
+    pub fn new(projector: [u32; 2], config: &CheckerConfig) -> Result<Self> {
+        check_panel(projector)?;
+        config.validate()?;
+        let [w, h] = projector.map(f64::from);
+        let [columns, rows] = config.squares.map(f64::from);
+        let side = config
+            .square_px
+            .unwrap_or_else(|| (h / 16.0).min(w / (columns + 2.0)).min(h / (rows + 2.0)).floor());
+        let most = (w / (columns + 2.0 * MARGIN_SQUARES)).min(h / (rows + 2.0 * MARGIN_SQUARES));
+        if side > most || side < MIN_SQUARE_PX {
+            return Err(Error::invalid(
+                "checkerboard",
+                format!(
+                    "{columns}x{rows} squares of {MIN_SQUARE_PX} to {most:.1} px, so that half a square stays free around them on a panel of {w}x{h} px"
+                ),
+                format!("squares of {side} px"),
+            ));
+        }
+        Ok(Self {
+            projector,
+            squares: config.squares,
+            square_px: side,
+            origin_px: Point2::new(
+                ((w - columns * side) / 2.0).floor() - 0.5,
+                ((h - rows * side) / 2.0).floor() - 0.5,
+            ),
+            first_square: config.first_square,
+            background: config.background,
+        })
+    }
+
     /// The inner corner in column `i` and row `j` (0-based), projector px.
     #[must_use]
     pub fn inner_corner(&self, i: u32, j: u32) -> Point2<f64> {
         self.origin_px + nalgebra::Vector2::new(f64::from(i + 1), f64::from(j + 1)) * self.square_px
+    }
+
+    /// All inner corners, row-major, projector px: (columns − 1)·(rows − 1) of them.
+    #[must_use]
+    pub fn inner_corners(&self) -> Vec<Point2<f64>> {
+        let [c, r] = self.squares.map(|n| n.saturating_sub(1));
+        (0..r).flat_map(|j| (0..c).map(move |i| self.inner_corner(i, j))).collect()
     }
 
     /// The outer corners TL, TR, BR, BL of the board, projector px.
@@ -46,5 +152,85 @@ impl CheckerPattern {
         let [w, h] = self.squares.map(|n| f64::from(n) * self.square_px);
         let o = self.origin_px;
         [o, Point2::new(o.x + w, o.y), Point2::new(o.x + w, o.y + h), Point2::new(o.x, o.y + h)]
+    }
+
+    /// Whether the board looks the same after half a turn (columns + rows is even): patterns from elsewhere may.
+    #[must_use]
+    pub fn half_turn_ambiguous(&self) -> bool {
+        (self.squares[0] ^ self.squares[1]).is_multiple_of(2)
+    }
+
+    /// Checks that the fields agree with each other. Boards from elsewhere may be ambiguous and lie anywhere on the
+    /// panel.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the field, what it holds and what it should.
+    pub fn validate(&self) -> Result<()> {
+        check_panel(self.projector)?;
+        let [c, r] = self.squares;
+        if c < 2 || r < 2 || c > 1000 || r > 1000 {
+            return Err(Error::invalid("squares", "2 to 1000 columns and rows", format!("{c}x{r}")));
+        }
+        if !(self.square_px.is_finite() && self.square_px > 0.0) {
+            return Err(Error::invalid("square_px", "a positive length", self.square_px));
+        }
+        let [w, h] = self.projector.map(f64::from);
+        let [tl, _, br, _] = self.outline();
+        // A hair of slack: 0.1 + 0.2 in somebody's generator is not an error.
+        let slack = 1e-6 * (w + h) - 0.5;
+        if !(tl.x >= -1.0 - slack && tl.y >= -1.0 - slack && br.x <= w + slack && br.y <= h + slack) {
+            return Err(Error::invalid(
+                "origin_px",
+                format!("a board inside the panel of {w}x{h} px"),
+                format!("corners from ({}, {}) to ({}, {})", tl.x, tl.y, br.x, br.y),
+            ));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_is_the_board_of_the_rendered_scenes() {
+        let p = CheckerPattern::new([1024, 768], &CheckerConfig::default()).unwrap();
+        assert_eq!((p.squares, p.square_px), ([11, 8], 48.0));
+        assert_eq!(p.origin_px, Point2::new(247.5, 191.5));
+        assert_eq!((p.first_square, p.background), (SquareColor::Black, SquareColor::White));
+        assert_eq!(p.inner_corner(0, 0), Point2::new(295.5, 239.5));
+        assert_eq!(p.inner_corners().len(), 70);
+        assert_eq!(p.inner_corners()[10], p.inner_corner(0, 1));
+        assert!(!p.half_turn_ambiguous());
+        p.validate().unwrap();
+    }
+
+    #[test]
+    fn common_panels_get_a_board_on_whole_pixels_with_room_around_it() {
+        for panel in
+            [[640, 360], [854, 480], [1280, 800], [1920, 1080], [3840, 2160], [912, 1140], [480, 854]]
+        {
+            let p = CheckerPattern::new(panel, &CheckerConfig::default()).unwrap();
+            p.validate().unwrap();
+            assert_eq!((p.origin_px.x + 0.5).fract(), 0.0);
+            let [tl, _, br, _] = p.outline();
+            let room = tl.x.min(tl.y).min(f64::from(panel[0]) - br.x).min(f64::from(panel[1]) - br.y);
+            assert!(room >= p.square_px / 2.0 - 1.0, "{panel:?}: {room}");
+        }
+    }
+
+    #[test]
+    fn impossible_boards_are_refused_with_a_reason() {
+        let with = |squares, square_px| {
+            let config = CheckerConfig { squares, square_px, ..CheckerConfig::default() };
+            CheckerPattern::new([1024, 768], &config).map_err(|e| e.to_string())
+        };
+        assert!(with([10, 8], None).unwrap_err().contains("half a turn"));
+        assert!(with([11, 8], Some(100.0)).unwrap_err().contains("85.3"));
+        assert!(with([11, 8], Some(f64::NAN)).is_err());
+        assert!(with([0, 7], None).is_err());
+        assert!(with([501, 400], None).is_err());
+        assert!(CheckerPattern::new([0, 0], &CheckerConfig::default()).is_err());
     }
 }

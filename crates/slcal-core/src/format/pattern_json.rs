@@ -1,0 +1,277 @@
+//! Pattern files: JSON with `"schema": "slcal-pattern/1"` and a `kind`.
+
+use std::io::{Read, Write};
+
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::error::{Error, Result};
+use crate::pattern::{Axis, CheckerPattern, Pattern, SquareColor, StripePattern, unique_window};
+
+const SCHEMA: &str = "slcal-pattern/1";
+const WHAT: &str = "pattern JSON";
+
+#[derive(Serialize, Deserialize)]
+struct CheckerFile {
+    projector: [u32; 2],
+    squares: [u32; 2],
+    square_px: f64,
+    origin_px: [f64; 2],
+    first_square: SquareColor,
+    background: SquareColor,
+}
+
+#[derive(Serialize, Deserialize)]
+struct StripesFile {
+    projector: [u32; 2],
+    #[serde(default)]
+    axis: Axis,
+    palette: Vec<[u8; 3]>,
+    sequence: Vec<u8>,
+    centres_px: Vec<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    width_px: Option<Width>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    order: Option<u32>,
+}
+
+/// One width for all slits, or one for each.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Width {
+    All(f64),
+    Each(Vec<f64>),
+}
+
+#[derive(Serialize)]
+struct Envelope<'a, T> {
+    schema: &'a str,
+    kind: &'a str,
+    #[serde(flatten)]
+    body: T,
+}
+
+fn malformed(detail: impl Into<String>) -> Error {
+    Error::Malformed { what: WHAT, detail: detail.into() }
+}
+
+/// Reads a pattern of either kind. `axis`, `width_px` and `order` of stripes may be left out by other programs
+/// (columns, half the period, the shortest window that is unique); fields that are not known are ignored.
+///
+/// # Errors
+/// [`Error::Malformed`] naming the field that is missing, of the wrong type, or inconsistent; [`Error::Io`] when the
+/// stream fails.
+pub fn read_pattern(mut input: impl Read) -> Result<Pattern> {
+    let mut text = Vec::new();
+    input
+        .read_to_end(&mut text)
+        .map_err(|e| Error::Io { what: "reading a pattern", detail: e.to_string() })?;
+    let value: Value =
+        serde_json::from_slice(&text).map_err(|e| malformed(format!("this is not JSON: {e}")))?;
+    let tag = |name: &str| value.get(name).and_then(Value::as_str);
+    if tag("schema") != Some(SCHEMA) {
+        let found = value.get("schema").map_or("none".into(), Value::to_string);
+        return Err(malformed(format!("expected \"schema\": \"{SCHEMA}\", found {found}")));
+    }
+    // Both branches name the field that a value broke, whether serde or the pattern itself noticed.
+    let broken = |e: Error| match e {
+        Error::Invalid { what, expected, found } => {
+            malformed(format!("{what}: expected {expected}, found {found}"))
+        }
+        e => e,
+    };
+    match tag("kind") {
+        Some("checker") => checker(value.clone()).map_err(broken).map(Pattern::Checker),
+        Some("stripes") => stripes(value.clone()).map_err(broken).map(Pattern::Stripes),
+        _ => {
+            let found = value.get("kind").map_or("none".into(), Value::to_string);
+            Err(malformed(format!("expected \"kind\": \"checker\" or \"stripes\", found {found}")))
+        }
+    }
+}
+
+fn checker(value: Value) -> Result<CheckerPattern> {
+    let f: CheckerFile = serde_json::from_value(value).map_err(|e| malformed(format!("checker: {e}")))?;
+    let pattern = CheckerPattern {
+        projector: f.projector,
+        squares: f.squares,
+        square_px: f.square_px,
+        origin_px: Point2::from(f.origin_px),
+        first_square: f.first_square,
+        background: f.background,
+    };
+    pattern.validate()?;
+    Ok(pattern)
+}
+
+fn stripes(value: Value) -> Result<StripePattern> {
+    let f: StripesFile = serde_json::from_value(value).map_err(|e| malformed(format!("stripes: {e}")))?;
+    let mut pattern = StripePattern {
+        projector: f.projector,
+        axis: f.axis,
+        order: f.order.unwrap_or_else(|| unique_window(&f.sequence).max(1) as u32),
+        palette: f.palette,
+        sequence: f.sequence,
+        centres_px: f.centres_px,
+        width_px: 0.0,
+    };
+    pattern.width_px = match f.width_px {
+        Some(Width::All(width)) => width,
+        Some(Width::Each(mut widths)) => {
+            let n = pattern.sequence.len();
+            if widths.len() != n || widths.is_empty() {
+                let found = widths.len();
+                return Err(Error::invalid(
+                    "width_px",
+                    format!("one number, or one for each of {n} slits"),
+                    found,
+                ));
+            }
+            widths.sort_by(f64::total_cmp);
+            widths[widths.len() / 2]
+        }
+        None => pattern.period_px() / 2.0,
+    };
+    pattern.validate()?;
+    Ok(pattern)
+}
+
+/// Writes a pattern of either kind.
+///
+/// # Errors
+/// [`Error::Io`] when the stream fails.
+pub fn write_pattern(pattern: &Pattern, mut output: impl Write) -> Result<()> {
+    let io = |detail: String| Error::Io { what: "writing a pattern", detail };
+    match pattern {
+        Pattern::Checker(p) => {
+            let body = CheckerFile {
+                projector: p.projector,
+                squares: p.squares,
+                square_px: p.square_px,
+                origin_px: [p.origin_px.x, p.origin_px.y],
+                first_square: p.first_square,
+                background: p.background,
+            };
+            serde_json::to_writer_pretty(&mut output, &Envelope { schema: SCHEMA, kind: "checker", body })
+        }
+        Pattern::Stripes(p) => {
+            let body = StripesFile {
+                projector: p.projector,
+                axis: p.axis,
+                palette: p.palette.clone(),
+                sequence: p.sequence.clone(),
+                centres_px: p.centres_px.clone(),
+                width_px: Some(Width::All(p.width_px)),
+                order: Some(p.order),
+            };
+            serde_json::to_writer_pretty(&mut output, &Envelope { schema: SCHEMA, kind: "stripes", body })
+        }
+    }
+    .map_err(|e| io(e.to_string()))?;
+    writeln!(output).map_err(|e| io(e.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::{CheckerConfig, StripeConfig};
+    use serde_json::json;
+
+    fn text(pattern: &Pattern) -> Value {
+        let mut out = Vec::new();
+        write_pattern(pattern, &mut out).unwrap();
+        serde_json::from_slice(&out).unwrap()
+    }
+
+    fn read(value: &Value) -> std::result::Result<Pattern, String> {
+        read_pattern(value.to_string().as_bytes()).map_err(|e| e.to_string())
+    }
+
+    fn default_stripes() -> Pattern {
+        Pattern::Stripes(StripePattern::new([1024, 768], &StripeConfig::default()).unwrap())
+    }
+
+    fn default_checker() -> Pattern {
+        Pattern::Checker(CheckerPattern::new([1024, 768], &CheckerConfig::default()).unwrap())
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        for pattern in [default_checker(), default_stripes()] {
+            assert_eq!(read(&text(&pattern)).unwrap(), pattern);
+        }
+    }
+
+    #[test]
+    fn the_files_of_the_rendered_scenes_are_the_defaults() {
+        let folder = "../../../shared/data/rendered/paper_tilted/patterns";
+        for (name, pattern) in [("checker.json", default_checker()), ("stripes.json", default_stripes())] {
+            let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join(name);
+            let Ok(file) = std::fs::File::open(path) else {
+                println!("skipped: {name} of the rendered scenes is not there");
+                continue;
+            };
+            assert_eq!(read_pattern(file).unwrap(), pattern);
+        }
+    }
+
+    #[test]
+    fn stripes_from_elsewhere_need_only_colours_and_centres() {
+        let file = json!({"schema": SCHEMA, "kind": "stripes", "projector": [800, 600], "note": "three colours",
+            "palette": [[255, 0, 0], [0, 255, 0], [0, 0, 255]], "sequence": [0, 1, 2, 0, 2], "centres_px": [10, 20.25, 33, 47, 60]});
+        let Pattern::Stripes(p) = read(&file).unwrap() else { panic!("stripes") };
+        assert_eq!((p.axis, p.order, p.width_px), (Axis::Columns, 2, 13.0 / 2.0));
+        let mut each = file.clone();
+        each["width_px"] = json!([5, 5, 6, 5, 5]);
+        let Pattern::Stripes(p) = read(&each).unwrap() else { panic!("stripes") };
+        assert_eq!(p.width_px, 5.0);
+    }
+
+    #[test]
+    fn an_ambiguous_board_from_elsewhere_is_read_and_flagged() {
+        let mut file = text(&default_checker());
+        file["squares"] = json!([10, 8]);
+        let Pattern::Checker(p) = read(&file).unwrap() else { panic!("checker") };
+        assert!(p.half_turn_ambiguous());
+    }
+
+    #[test]
+    fn broken_files_name_what_is_broken() {
+        let checker = text(&default_checker());
+        let stripes = text(&default_stripes());
+        let cases: [(&Value, &str, Value, &str); 15] = [
+            (&checker, "schema", json!("slcal-rig/1"), "slcal-rig/1"),
+            (&checker, "kind", json!("dots"), "dots"),
+            (&checker, "squares", Value::Null, "squares"),
+            (&checker, "squares", json!([1, 8]), "squares"),
+            (&checker, "square_px", json!("wide"), "expected f64"),
+            (&checker, "square_px", json!(0), "square_px"),
+            (&checker, "origin_px", json!([900, 191.5]), "inside the panel"),
+            (&checker, "first_square", json!("blue"), "blue"),
+            (&stripes, "centres_px", Value::Null, "centres_px"),
+            (&stripes, "centres_px", json!([1, 2]), "each of the 64"),
+            (&stripes, "sequence", json!([9]), "centres_px"),
+            (&stripes, "palette", json!([[1, 2, 3]]), "sequence[3]"),
+            (&stripes, "projector", json!([500, 768]), "centres_px[31]"),
+            (&stripes, "width_px", json!(-1), "width_px"),
+            (&stripes, "axis", json!("diagonal"), "diagonal"),
+        ];
+        for (base, field, value, expected) in cases {
+            let mut file = base.clone();
+            if value.is_null() {
+                file.as_object_mut().unwrap().remove(field);
+            } else {
+                file[field] = value;
+            }
+            let message = read(&file).unwrap_err();
+            assert!(message.contains(expected), "{field}: {message}");
+        }
+        let mut swapped = stripes.clone();
+        swapped["centres_px"][5] = json!(7.5);
+        assert!(read(&swapped).unwrap_err().contains("centres_px[5]"));
+        assert!(read_pattern(&b"\x89PNG"[..]).unwrap_err().to_string().contains("not JSON"));
+        assert!(read_pattern(&b"[1, NaN]"[..]).is_err());
+        assert!(read_pattern(&b"7"[..]).unwrap_err().to_string().contains("schema"));
+    }
+}

@@ -1,0 +1,300 @@
+//! Drawing: patterns anew through a homography, pictures by interpolation; mixing happens in linear light.
+
+use image::{Rgb, RgbImage};
+use nalgebra::{Matrix3, Point2, Vector3};
+
+use super::{Axis, CheckerPattern, SquareColor, StripePattern};
+use crate::error::{Error, Result};
+use crate::geometry::Homography;
+use crate::photo::Encoding;
+
+/// Samples per side of a pixel that tell whether it holds an edge; thinner features than a quarter of a pixel may be
+/// missed.
+const COARSE_SAMPLES: u32 = 4;
+/// Samples per side of a pixel that holds an edge: 256 in all, one per level of an 8-bit image.
+const FINE_SAMPLES: u32 = 16;
+/// Largest supersampling per side when a picture is reduced; beyond, the picture has become a blur.
+const MAX_REDUCTION: u32 = 16;
+/// Largest panel side, px: beyond any projector, and keeps a mistyped size from allocating the machine away.
+pub(super) const MAX_PANEL_PX: u32 = 16384;
+
+/// Refuses panels without pixels or of absurd size.
+pub(super) fn check_panel([w, h]: [u32; 2]) -> Result<()> {
+    if (1..=MAX_PANEL_PX).contains(&w) && (1..=MAX_PANEL_PX).contains(&h) {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        "projector panel",
+        format!("a width and a height from 1 to {MAX_PANEL_PX} px"),
+        format!("{w}x{h}"),
+    ))
+}
+
+impl CheckerPattern {
+    /// What to project, pixel by pixel.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a panel without pixels or wider than 16384 px.
+    pub fn image(&self) -> Result<RgbImage> {
+        self.draw_warped(&Homography::identity())
+    }
+
+    /// The pattern drawn anew where the homography takes it: a point of the pattern at panel pixel p is drawn at
+    /// `panel_from_pattern`·p; around it lies the background. Edges are antialiased in linear light.
+    ///
+    /// # Errors
+    /// [`Error::Degenerate`] for a singular homography; [`Error::Invalid`] as for [`CheckerPattern::image`].
+    pub fn draw_warped(&self, panel_from_pattern: &Homography) -> Result<RgbImage> {
+        let light = |c: SquareColor| if c == SquareColor::White { [1.0; 3] } else { [0.0; 3] };
+        let (first, background) = (light(self.first_square), light(self.background));
+        let second = first.map(|c| 1.0 - c);
+        let [columns, rows] = self.squares.map(f64::from);
+        let (origin, scale) = (self.origin_px, self.square_px.recip());
+        let [cx, cy] = [columns, rows].map(|n| n / 2.0 * self.square_px);
+        let centre = Point2::new(origin.x + cx, origin.y + cy);
+        draw(self.projector, panel_from_pattern, centre, background, |p| {
+            let (i, j) = (((p.x - origin.x) * scale).floor(), ((p.y - origin.y) * scale).floor());
+            if !(i >= 0.0 && j >= 0.0 && i < columns && j < rows) {
+                return background;
+            }
+            if (i as u32 + j as u32).is_multiple_of(2) { first } else { second }
+        })
+    }
+}
+
+impl StripePattern {
+    /// What to project, pixel by pixel.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a panel without pixels or wider than 16384 px.
+    pub fn image(&self) -> Result<RgbImage> {
+        self.draw_warped(&Homography::identity())
+    }
+
+    /// The slits drawn anew where the homography takes them, as [`CheckerPattern::draw_warped`].
+    ///
+    /// # Errors
+    /// [`Error::Degenerate`] for a singular homography; [`Error::Invalid`] as for [`StripePattern::image`].
+    pub fn draw_warped(&self, panel_from_pattern: &Homography) -> Result<RgbImage> {
+        let palette: Vec<[f64; 3]> = self.palette.iter().map(|&c| linear(c)).collect();
+        let [w, h] = self.projector.map(f64::from);
+        let half = self.width_px / 2.0;
+        draw(self.projector, panel_from_pattern, Point2::new(w / 2.0, h / 2.0), [0.0; 3], |p| {
+            if !(p.x >= -0.5 && p.y >= -0.5 && p.x < w - 0.5 && p.y < h - 0.5) {
+                return [0.0; 3];
+            }
+            let at = if self.axis == Axis::Columns { p.x } else { p.y };
+            let next = self.centres_px.partition_point(|&c| c < at - half);
+            let inside = self.centres_px.get(next).is_some_and(|&c| c <= at + half);
+            let hue = self.sequence.get(next).map_or(usize::MAX, |&s| usize::from(s));
+            if inside { palette.get(hue).copied().unwrap_or([0.0; 3]) } else { [0.0; 3] }
+        })
+    }
+}
+
+/// Any picture moved by a homography: Catmull–Rom interpolation in linear light, supersampled where the picture is
+/// reduced; `background` where the picture does not reach.
+///
+/// # Errors
+/// [`Error::Degenerate`] for a singular homography; [`Error::Invalid`] for sizes without pixels or beyond 16384 px.
+pub fn warp_image(
+    picture: &RgbImage,
+    size: [u32; 2],
+    target_from_source: &Homography,
+    background: [u8; 3],
+) -> Result<RgbImage> {
+    check_panel([picture.width(), picture.height()])?;
+    let [w, h] = [picture.width(), picture.height()].map(f64::from);
+    let source = Inverse::new(target_from_source, Point2::new(w / 2.0, h / 2.0))?;
+    check_panel(size)?;
+    let table: Vec<f64> = (0..=255_u8).map(|c| Encoding::Srgb.to_linear(f64::from(c) / 255.0)).collect();
+    let background = linear(background);
+    Ok(RgbImage::from_fn(size[0], size[1], |x, y| {
+        let n = source.reduction(f64::from(x), f64::from(y)).clamp(1.0, f64::from(MAX_REDUCTION)) as u32;
+        Rgb(encode(mean(n, x, y, |p| {
+            source.map(p).and_then(|q| catmull_rom(picture, &table, q)).unwrap_or(background)
+        })))
+    }))
+}
+
+/// The way back from the drawn picture to its source, for what lies on the near side of the horizon.
+struct Inverse(Matrix3<f64>);
+
+impl Inverse {
+    fn new(target_from_source: &Homography, centre: Point2<f64>) -> Result<Self> {
+        let inverse = target_from_source.inverse().ok_or(Error::Degenerate {
+            what: "homography to draw through",
+            measure: 0.0,
+            limit: 0.0,
+            advice: "it flattens the pattern to a line or a point".into(),
+        })?;
+        // What is in front of the horizon is what lies on the same side of it as the source's centre.
+        let side = (target_from_source.0 * Vector3::new(centre.x, centre.y, 1.0)).z;
+        Ok(Self(if side < 0.0 { -inverse.0 } else { inverse.0 }))
+    }
+
+    fn map(&self, p: Point2<f64>) -> Option<Point2<f64>> {
+        let q = self.0 * Vector3::new(p.x, p.y, 1.0);
+        let mapped = Point2::new(q.x / q.z, q.y / q.z);
+        (q.z > 0.0 && mapped.x.is_finite() && mapped.y.is_finite()).then_some(mapped)
+    }
+
+    /// How many source pixels fall on a pixel of the target, per side.
+    fn reduction(&self, x: f64, y: f64) -> f64 {
+        let j = Homography(self.0).jacobian(Point2::new(x, y));
+        let longest = j.column(0).norm().max(j.column(1).norm());
+        if longest.is_finite() { (longest - 1e-6).ceil() } else { 1.0 }
+    }
+}
+
+/// Draws a function of the pattern's coordinates, antialiased.
+fn draw(
+    size: [u32; 2],
+    panel_from_pattern: &Homography,
+    centre: Point2<f64>,
+    background: [f64; 3],
+    light: impl Fn(Point2<f64>) -> [f64; 3],
+) -> Result<RgbImage> {
+    check_panel(size)?;
+    let source = Inverse::new(panel_from_pattern, centre)?;
+    let at = |p| source.map(p).map_or(background, &light);
+    Ok(RgbImage::from_fn(size[0], size[1], |x, y| {
+        let first = at(sample(COARSE_SAMPLES, x, y, 0));
+        let flat = (1..COARSE_SAMPLES * COARSE_SAMPLES).all(|k| at(sample(COARSE_SAMPLES, x, y, k)) == first);
+        Rgb(encode(if flat { first } else { mean(FINE_SAMPLES, x, y, at) }))
+    }))
+}
+
+/// The `k`-th of n×n sample positions in a pixel, row-major.
+fn sample(n: u32, x: u32, y: u32, k: u32) -> Point2<f64> {
+    let offset = |i: u32| (f64::from(i) + 0.5) / f64::from(n) - 0.5;
+    Point2::new(f64::from(x) + offset(k % n), f64::from(y) + offset(k / n))
+}
+
+fn mean(n: u32, x: u32, y: u32, at: impl Fn(Point2<f64>) -> [f64; 3]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for k in 0..n * n {
+        for (s, c) in sum.iter_mut().zip(at(sample(n, x, y, k))) {
+            *s += c;
+        }
+    }
+    sum.map(|s| s / f64::from(n * n))
+}
+
+fn linear(code: [u8; 3]) -> [f64; 3] {
+    code.map(|c| Encoding::Srgb.to_linear(f64::from(c) / 255.0))
+}
+
+fn encode(light: [f64; 3]) -> [u8; 3] {
+    light.map(|c| (Encoding::Srgb.from_linear(c) * 255.0).round() as u8)
+}
+
+/// Interpolates linear light; `None` outside the picture's pixels. Border pixels are repeated.
+fn catmull_rom(picture: &RgbImage, table: &[f64], p: Point2<f64>) -> Option<[f64; 3]> {
+    let (w, h) = (i64::from(picture.width()), i64::from(picture.height()));
+    if !(p.x >= -0.5 && p.y >= -0.5 && p.x < w as f64 - 0.5 && p.y < h as f64 - 0.5) {
+        return None;
+    }
+    let (x0, y0) = (p.x.floor(), p.y.floor());
+    let (wx, wy) = (cubic_weights(p.x - x0), cubic_weights(p.y - y0));
+    let mut sum = [0.0; 3];
+    for (j, wj) in wy.iter().enumerate() {
+        let y = (y0 as i64 + j as i64 - 1).clamp(0, h - 1) as u32;
+        for (i, wi) in wx.iter().enumerate() {
+            let x = (x0 as i64 + i as i64 - 1).clamp(0, w - 1) as u32;
+            for (s, &c) in sum.iter_mut().zip(&picture.get_pixel(x, y).0) {
+                *s += wi * wj * table[usize::from(c)];
+            }
+        }
+    }
+    Some(sum)
+}
+
+/// Catmull–Rom weights of the four neighbours at fraction `t` after the second.
+fn cubic_weights(t: f64) -> [f64; 4] {
+    let (t2, t3) = (t * t, t * t * t);
+    [
+        0.5 * (-t + 2.0 * t2 - t3),
+        0.5 * (2.0 - 5.0 * t2 + 3.0 * t3),
+        0.5 * (t + 4.0 * t2 - 3.0 * t3),
+        0.5 * (t3 - t2),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::{CheckerConfig, StripeConfig};
+
+    fn shared(name: &str) -> Option<RgbImage> {
+        let folder = "../../../shared/data/rendered/paper_tilted/patterns";
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join(name);
+        if !path.exists() {
+            println!("skipped: {name} of the rendered scenes is not there");
+            return None;
+        }
+        Some(image::open(path).unwrap().to_rgb8())
+    }
+
+    #[test]
+    fn defaults_are_what_was_projected_in_the_rendered_scenes() {
+        let checker = CheckerPattern::new([1024, 768], &CheckerConfig::default()).unwrap();
+        if let Some(truth) = shared("checker.png") {
+            assert!(checker.image().unwrap() == truth);
+        }
+        let stripes = StripePattern::new([1024, 768], &StripeConfig::default()).unwrap();
+        if let Some(truth) = shared("stripes.png") {
+            assert!(stripes.image().unwrap() == truth);
+        }
+    }
+
+    #[test]
+    fn a_shift_by_half_a_pixel_mixes_light_and_not_code() {
+        let checker = CheckerPattern::new([1024, 768], &CheckerConfig::default()).unwrap();
+        let shift = Homography(Matrix3::new(1.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0));
+        let drawn = checker.draw_warped(&shift).unwrap();
+        assert_eq!(drawn.get_pixel(247, 200).0, [255; 3]);
+        assert_eq!(drawn.get_pixel(248, 200).0, [188; 3], "half the light is sRGB 188");
+        assert_eq!(drawn.get_pixel(249, 200).0, [0; 3]);
+    }
+
+    #[test]
+    fn corners_are_drawn_where_the_homography_takes_them() {
+        let checker = CheckerPattern::new([800, 600], &CheckerConfig::default()).unwrap();
+        let h = Homography(Matrix3::new(0.9, 0.05, 30.0, -0.04, 0.85, 60.0, 1e-4, -5e-5, 1.0));
+        for h in [h, Homography(-h.0)] {
+            let drawn = checker.draw_warped(&h).unwrap();
+            for (i, j) in [(0, 0), (9, 6), (4, 3)] {
+                let c = h.map(checker.inner_corner(i, j)).unwrap();
+                let at = |dx: f64, dy: f64| drawn.get_pixel((c.x + dx) as u32, (c.y + dy) as u32).0[0];
+                let white = u8::from((i + j) % 2 == 1) * 255;
+                assert_eq!([at(-8.0, -8.0), at(8.0, 8.0)], [white; 2]);
+                assert_eq!([at(8.0, -8.0), at(-8.0, 8.0)], [255 - white; 2]);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_drawn_beyond_the_horizon() {
+        let stripes = StripePattern::new([640, 480], &StripeConfig::default()).unwrap();
+        let h = Homography(Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0 / 300.0, 1.0));
+        assert!(stripes.draw_warped(&h).unwrap().pixels().any(|p| p.0 != [0; 3]));
+        assert!(stripes.draw_warped(&Homography(Matrix3::zeros())).is_err());
+    }
+
+    #[test]
+    fn warping_keeps_whole_pixel_shifts_exact_and_straight_ramps_straight() {
+        let picture = RgbImage::from_fn(40, 30, |x, y| Rgb([(x * 6) as u8, (y * 8) as u8, 200]));
+        let shift = Homography(Matrix3::new(1.0, 0.0, 3.0, 0.0, 1.0, -2.0, 0.0, 0.0, 1.0));
+        let moved = warp_image(&picture, [40, 30], &shift, [9, 8, 7]).unwrap();
+        assert_eq!(moved.get_pixel(13, 8), picture.get_pixel(10, 10));
+        assert_eq!(moved.get_pixel(1, 8).0, [9, 8, 7]);
+        // Reduced to a third: each pixel is the mean light of its nine.
+        let third =
+            Homography(Matrix3::new(1.0 / 3.0, 0.0, -1.0 / 3.0, 0.0, 1.0 / 3.0, -1.0 / 3.0, 0.0, 0.0, 1.0));
+        let board = RgbImage::from_fn(30, 30, |x, _| Rgb([if x % 3 == 0 { 255 } else { 0 }; 3]));
+        let small = warp_image(&board, [10, 10], &third, [0; 3]).unwrap();
+        let expected = (Encoding::Srgb.from_linear(1.0 / 3.0) * 255.0).round() as u8;
+        assert!(small.get_pixel(5, 5).0[0].abs_diff(expected) <= 1);
+    }
+}
