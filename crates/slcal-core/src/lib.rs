@@ -26,6 +26,10 @@ mod matches;
 mod observations;
 mod rig;
 
+pub use calibrate::{
+    CalibrateConfig, Calibration, CalibrationReport, DistortionModel, Method, PrincipalPointRule,
+    calibrate_observations,
+};
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Error, ErrorClass, Result};
 pub use matches::{Match, Matches};

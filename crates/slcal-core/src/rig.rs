@@ -66,8 +66,8 @@ pub struct View {
     pub projector_vanishing_points: Option<VanishingPoints>,
     /// Corners of the sheet TL, TR, BR, BL in the camera image, px.
     pub corners_px: [Point2<f64>; 4],
-    /// Residuals.
-    pub rms_px: ViewRms,
+    /// Residuals; `None` in rigs from elsewhere that do not state them.
+    pub rms_px: Option<ViewRms>,
 }
 
 /// How far the result can be trusted; from the predicted σ of the focal lengths.

@@ -1,12 +1,13 @@
 //! The pinhole model with distortion; a projector is the same thing with its light reversed.
 
 use nalgebra::{Matrix3, Point2, Point3, Vector2, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::Distortion;
 use crate::error::{Error, Result};
 
 /// The matrix K = [[fx, s, cx], [0, fy, cy], [0, 0, 1]], px.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Intrinsics {
     /// Focal length along x, px.
     pub fx: f64,
@@ -75,7 +76,7 @@ impl Intrinsics {
 }
 
 /// An image plane of known size behind a lens: camera or projector.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// Width of the image or panel, px.
     pub width: u32,

@@ -1,0 +1,143 @@
+//! What the user may ask of a calibration.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::geometry::Camera;
+
+/// What is known about a principal point.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PrincipalPointRule {
+    /// The image's centre, uncertain by [`CalibrateConfig::principal_point_sigma`] of the width along both axes.
+    Prior,
+    /// Exactly the image's centre.
+    Centre,
+    /// Unknown; only several well-spread views determine it.
+    Free,
+    /// Exactly this pixel.
+    Exact(f64, f64),
+    /// The horizontal centre as in [`Prior`](Self::Prior), the vertical one unknown to the order of the panel's
+    /// height: a projector with lens shift.
+    Shift,
+}
+
+/// Which estimator to use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Maximum likelihood of everything that was seen, with priors.
+    #[default]
+    Ml,
+    /// The two vanishing points of R. Orghidan et al., "Structured light self-calibration with vanishing points",
+    /// Machine Vision and Applications 25:489-500 (2014), for comparison and teaching.
+    TwoVp,
+}
+
+/// Which distortion coefficients of the camera are estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DistortionModel {
+    /// For now the same as `None`: the decision whether a photograph shows distortion is not made yet.
+    #[default]
+    Auto,
+    /// None: a pinhole.
+    None,
+    /// k1.
+    K1,
+    /// k1 and k2.
+    K1K2,
+    /// k1, k2, p1, p2, k3.
+    Full,
+}
+
+/// Parameters of [`calibrate_observations`](super::calibrate_observations).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CalibrateConfig {
+    /// The camera's principal point; default [`PrincipalPointRule::Prior`].
+    pub camera_pp: PrincipalPointRule,
+    /// The projector's principal point; default [`PrincipalPointRule::Shift`]. [`Method::TwoVp`], which needs an exact
+    /// one, takes the centre for `Prior` and `Shift`.
+    pub projector_pp: PrincipalPointRule,
+    /// The estimator; default [`Method::Ml`].
+    pub method: Method,
+    /// Distortion of the camera; default [`DistortionModel::Auto`]. Ignored when the camera is known.
+    pub distortion: DistortionModel,
+    /// A camera whose intrinsics and distortion are known and held fixed; default none.
+    pub known_camera: Option<Camera>,
+    /// Return a rig with the verdict `degenerate` instead of an error; default `false`. An imaginary focal length stays
+    /// an error.
+    pub allow_degenerate: bool,
+    /// 1σ of a principal point under `Prior`, as a share of the image's width; default 0.02 (published consumer cameras
+    /// lie 0.5–3.5 % off the centre).
+    pub principal_point_sigma: f64,
+    /// 1σ of k1 (and, a fortiori, of the smaller coefficients) when distortion is estimated; default 0.1.
+    pub distortion_sigma: f64,
+}
+
+impl Default for CalibrateConfig {
+    fn default() -> Self {
+        Self {
+            camera_pp: PrincipalPointRule::Prior,
+            projector_pp: PrincipalPointRule::Shift,
+            method: Method::Ml,
+            distortion: DistortionModel::Auto,
+            known_camera: None,
+            allow_degenerate: false,
+            principal_point_sigma: 0.02,
+            distortion_sigma: 0.1,
+        }
+    }
+}
+
+impl CalibrateConfig {
+    /// Checks the values.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for numbers that are not finite or widths that are not positive.
+    pub fn validate(&self) -> Result<()> {
+        for (name, rule) in [("camera_pp", self.camera_pp), ("projector_pp", self.projector_pp)] {
+            if let PrincipalPointRule::Exact(x, y) = rule
+                && !(x.is_finite() && y.is_finite())
+            {
+                return Err(Error::invalid(name, "two finite pixel coordinates", format!("{x},{y}")));
+            }
+        }
+        for (name, sigma) in [
+            ("principal_point_sigma", self.principal_point_sigma),
+            ("distortion_sigma", self.distortion_sigma),
+        ] {
+            if !(sigma.is_finite() && sigma > 0.0) {
+                return Err(Error::invalid(name, "a positive number", sigma));
+            }
+        }
+        if let Some(camera) = &self.known_camera {
+            let k = &camera.intrinsics;
+            let finite = camera.distortion.to_array().iter().all(|x| x.is_finite());
+            if !(finite && k.matrix().iter().all(|x| x.is_finite()) && k.fx > 0.0 && k.fy > 0.0) {
+                return Err(Error::invalid(
+                    "known_camera",
+                    "positive focal lengths and finite coefficients",
+                    format!("{:?}", k.matrix().as_slice()),
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_valid_and_nonsense_is_not() {
+        assert!(CalibrateConfig::default().validate().is_ok());
+        let d = CalibrateConfig::default;
+        assert!(CalibrateConfig { principal_point_sigma: 0.0, ..d() }.validate().is_err());
+        assert!(CalibrateConfig { distortion_sigma: f64::NAN, ..d() }.validate().is_err());
+        let nan = PrincipalPointRule::Exact(f64::NAN, 1.0);
+        assert!(CalibrateConfig { camera_pp: nan, ..d() }.validate().is_err());
+    }
+}

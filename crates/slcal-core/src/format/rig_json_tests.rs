@@ -1,0 +1,148 @@
+use super::*;
+
+fn rig() -> Rig {
+    let size = RectangleSize::new(594.0, 420.0).unwrap();
+    let camera = Camera {
+        width: 1280,
+        height: 960,
+        intrinsics: Intrinsics { fx: 1500.1, fy: 1499.0 / 7.0, skew: 0.1, cx: 1.0 / 3.0, cy: -4.0 },
+        distortion: Distortion { k1: -0.1, k2: 1e-17, p1: 0.1 + 0.2, p2: 0.0, k3: 0.0 },
+    };
+    let pose = Pose {
+        rotation: Rotation3::from_euler_angles(0.3, -0.2, 0.1),
+        translation: Vector3::new(-20.0, 1.0 / 7.0, 900.0),
+    };
+    let sigma = Some(DeviceSigma { focal_px: 1.5, cx_px: 2.0, cy_px: 3.0, distortion: [0.1; 5] });
+    Rig {
+        camera: Device { model: camera, sigma },
+        projector: Some(Device { model: camera, sigma: None }),
+        stereo: Some(StereoPose {
+            projector_from_camera: pose.inverse(),
+            sigma_t_mm: Some([0.1, 0.2, 0.3]),
+            sigma_r_rad: None,
+        }),
+        views: vec![View {
+            photo: Some("a.png".into()),
+            size,
+            camera_from_sheet: pose,
+            projector_from_sheet: Some(pose.inverse()),
+            camera_vanishing_points: vanishing_points_of(&camera, &pose),
+            projector_vanishing_points: None,
+            corners_px: project_corners(&camera, &pose, size).unwrap(),
+            rms_px: Some(ViewRms { edges: 0.1, corners: None, projector: Some(0.3) }),
+        }],
+        method: "ml".into(),
+        quality: Some(Quality {
+            verdict: Verdict::Fair,
+            focal_sigma_percent_camera: 5.0,
+            focal_sigma_percent_projector: Some(0.1),
+            expected_point_sigma_mm: Some(0.3),
+            warnings: vec![Warning { code: "a".into(), message: "b".into(), advice: "c".into() }],
+        }),
+        covariance: Some(Covariance {
+            parameters: vec!["camera.focal_px".into(), "camera.cx_px".into()],
+            matrix: DMatrix::from_row_slice(2, 2, &[1.0, 1.0 / 3.0, 1.0 / 3.0, 2.0]),
+        }),
+    }
+}
+
+fn text(rig: &Rig) -> String {
+    let mut out = Vec::new();
+    write_rig(rig, &mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+#[test]
+fn a_rig_survives_writing_and_reading_bit_by_bit() {
+    let mut rig = rig();
+    // A missing value is derived on reading, so give every one for the comparison.
+    rig.views[0].projector_vanishing_points =
+        Some(vanishing_points_of(&rig.camera.model, &rig.views[0].camera_from_sheet));
+    assert_eq!(read_rig(text(&rig).as_bytes()).unwrap(), rig);
+    let alone = Rig { projector: None, stereo: None, views: vec![], quality: None, covariance: None, ..rig };
+    let written = text(&alone);
+    assert!(written.contains("\"projector\": null") && written.contains("\"projector_from_camera\": null"));
+    assert_eq!(read_rig(written.as_bytes()).unwrap(), alone);
+}
+
+#[test]
+fn every_required_field_is_named_when_it_is_missing() {
+    let full: Value = serde_json::from_str(&text(&rig())).unwrap();
+    for (path, name) in [
+        ("", "schema"),
+        ("", "units"),
+        ("", "pixel_centre"),
+        ("", "camera"),
+        ("", "projector"),
+        ("", "projector_from_camera"),
+        ("/camera", "width"),
+        ("/camera", "K"),
+        ("/projector", "height"),
+        ("/projector", "distortion"),
+        ("/projector_from_camera", "R"),
+        ("/projector_from_camera", "t"),
+    ] {
+        let mut cut = full.clone();
+        cut.pointer_mut(path).unwrap().as_object_mut().unwrap().remove(name).unwrap();
+        let message = read_rig(cut.to_string().as_bytes()).unwrap_err().to_string();
+        assert!(message.contains(&format!("`{name}`")), "{path}/{name}: {message}");
+        assert!(message.contains(path.trim_start_matches('/')), "{path}/{name}: {message}");
+    }
+}
+
+#[test]
+fn the_required_fields_suffice_and_unknown_ones_are_skipped() {
+    let minimal = r#"{"schema": "slcal-rig/1", "units": "mm", "pixel_centre": "integer", "mine": [1],
+        "camera": {"width": 4, "height": 3, "K": [[5,0,1],[0,5,1],[0,0,1]], "distortion": [0,0,0,0,0], "x": 1},
+        "projector": {"width": 4, "height": 3, "K": [[5,0,1],[0,5,1],[0,0,1]], "distortion": [0,0,0,0,0]},
+        "projector_from_camera": {"R": [[1,0,0],[0,1,0],[0,0,1]], "t": [1,2,3]},
+        "views": [{"photo": "no pose"}]}"#;
+    let rig = read_rig(minimal.as_bytes()).unwrap();
+    assert_eq!(rig.baseline_mm(), Some(14f64.sqrt()));
+    assert!(rig.views.is_empty() && rig.quality.is_none());
+    for (from, to) in [
+        ("slcal-rig/1", "slcal-rig/2"),
+        ("\"mm\"", "\"m\""),
+        ("\"integer\"", "\"half\""),
+        ("[[1,0,0],[0,1,0],[0,0,1]]", "[[1,0,0],[0,1,0],[0,0,-1]]"),
+        ("[[5,0,1],[0,5,1],[0,0,1]]", "[[-5,0,1],[0,5,1],[0,0,1]]"),
+        ("[1,2,3]", "[1,2,NaN]"),
+        ("[1,2,3]", "[1,2,null]"),
+        ("[1,2,3]", "[1,2,1e999]"),
+        ("\"width\": 4", "\"width\": 0"),
+    ] {
+        let broken = minimal.replace(from, to);
+        let error = read_rig(broken.as_bytes()).unwrap_err();
+        assert!(matches!(error, Error::Malformed { .. }), "{to}: {error}");
+    }
+    assert!(read_rig(&b"PNG"[..]).is_err());
+    assert!(read_rig(&b"[]"[..]).is_err());
+}
+
+#[test]
+fn numbers_that_json_cannot_hold_are_refused() {
+    let mut rig = rig();
+    rig.quality.as_mut().unwrap().focal_sigma_percent_camera = f64::INFINITY;
+    assert!(write_rig(&rig, Vec::new()).unwrap_err().to_string().contains("quality"));
+}
+
+#[test]
+fn the_rendered_truth_reads() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/rendered");
+    let Ok(scenes) = std::fs::read_dir(folder) else {
+        eprintln!("skipped: no rendered scenes");
+        return;
+    };
+    for scene in scenes {
+        let path = scene.unwrap().path().join("truth_rig.json");
+        if let Ok(file) = std::fs::File::open(&path) {
+            let rig = read_rig(file).unwrap();
+            assert_eq!(rig.views.len(), 1);
+            let seen = project_corners(&rig.camera.model, &rig.views[0].camera_from_sheet, rig.views[0].size)
+                .unwrap();
+            for (a, b) in seen.iter().zip(rig.views[0].corners_px) {
+                assert!((a - b).norm() < 1e-6, "{}", path.display());
+            }
+        }
+    }
+}
