@@ -1,1 +1,47 @@
-//! The `slcal` command.
+//! The `slcal` command as a library: [`run`] takes the command line and returns the exit code, so that a thin binary and
+//! the Python package's entry point are the same program.
+//!
+//! `args` is the command line as typed, `verbs` has one file per verb (load → one call of the core → print or write), `io`
+//! has all files, `output` all printing and `exit` all exit codes.
+
+mod args;
+mod exit;
+mod io;
+mod output;
+mod size;
+mod verbs;
+
+use std::ffi::OsString;
+
+use clap::Parser;
+
+use crate::args::Cli;
+use crate::exit::Failure;
+use crate::output::{Printer, Verbosity};
+
+/// Runs a command line (the program's name first) and returns the exit code: 0 done, 2 wrong command line, 3 input
+/// unreadable or malformed, 4 sheet, pattern or stripes not found, 5 geometry degenerate, 1 anything else.
+pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(message) => {
+            // Help and version are results; a closed pipe while printing them is no failure.
+            let _ = message.print();
+            return u8::try_from(message.exit_code()).unwrap_or(2);
+        }
+    };
+    let printer = Printer::new(match (cli.quiet, cli.verbose) {
+        (true, _) => Verbosity::Quiet,
+        (_, true) => Verbosity::Verbose,
+        _ => Verbosity::Normal,
+    });
+    match verbs::run(cli.verb, printer) {
+        Ok(()) => 0,
+        Err(failure) => {
+            if !matches!(failure, Failure::ClosedPipe) {
+                printer.error(&failure);
+            }
+            failure.code()
+        }
+    }
+}

@@ -1,3 +1,7 @@
-//! The `slcal` binary.
+//! The `slcal` command; everything it does is in the library.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    ExitCode::from(slcal_cli::run(std::env::args_os()))
+}

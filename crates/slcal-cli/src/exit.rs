@@ -1,0 +1,122 @@
+//! What can end a run before it is done, and the exit code that each such end has.
+
+use std::fmt;
+use std::path::Path;
+
+use slcal_core::{Error, ErrorClass};
+
+/// The exit codes of the command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Exit {
+    /// Anything that has no code of its own: an output that cannot be written, for instance.
+    Other = 1,
+    /// The command line is wrong.
+    Usage = 2,
+    /// An input cannot be read or is malformed.
+    Input = 3,
+    /// The sheet, the pattern or the stripes were not found in a photograph.
+    NotFound = 4,
+    /// The geometry does not determine the answer.
+    Degenerate = 5,
+}
+
+impl From<ErrorClass> for Exit {
+    fn from(class: ErrorClass) -> Self {
+        match class {
+            ErrorClass::Usage => Self::Usage,
+            ErrorClass::Input => Self::Input,
+            ErrorClass::NotFound => Self::NotFound,
+            ErrorClass::Degenerate => Self::Degenerate,
+            _ => Self::Other,
+        }
+    }
+}
+
+/// Why a run ended early.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// An error to be shown.
+    Error {
+        /// The code of the process.
+        exit: Exit,
+        /// What was expected, what was found, what to do.
+        message: String,
+    },
+    /// The reader of stdout went away; nobody is left to tell.
+    ClosedPipe,
+}
+
+impl Failure {
+    pub(crate) fn new(exit: Exit, message: impl Into<String>) -> Self {
+        Self::Error { exit, message: message.into() }
+    }
+
+    /// A wrong command line that clap cannot see.
+    pub(crate) fn usage(message: impl Into<String>) -> Self {
+        Self::new(Exit::Usage, message)
+    }
+
+    /// An error of the core that arose from a file: the message names the file, and a value that the core calls
+    /// invalid is a malformed input here, not a wrong command line.
+    pub(crate) fn in_file(path: &Path, error: &Error) -> Self {
+        let exit = match Exit::from(error.class()) {
+            Exit::Usage => Exit::Input,
+            other => other,
+        };
+        Self::new(exit, format!("{}: {error}", path.display()))
+    }
+
+    /// The code of the process.
+    pub(crate) fn code(&self) -> u8 {
+        match self {
+            Self::Error { exit, .. } => *exit as u8,
+            Self::ClosedPipe => 0,
+        }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::new(Exit::from(error.class()), error.to_string())
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Error { message, .. } => f.write_str(message),
+            Self::ClosedPipe => Ok(()),
+        }
+    }
+}
+
+/// Shorthand for what verbs return.
+pub(crate) type Outcome<T = ()> = Result<T, Failure>;
+
+/// Names the file that a core error arose from.
+pub(crate) trait InFile<T> {
+    /// See [`Failure::in_file`].
+    fn in_file(self, path: &Path) -> Outcome<T>;
+}
+
+impl<T> InFile<T> for slcal_core::Result<T> {
+    fn in_file(self, path: &Path) -> Outcome<T> {
+        self.map_err(|e| Failure::in_file(path, &e))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_have_the_codes_of_the_interface() {
+        let imaginary = Error::ImaginaryFocal { device: "camera", f_squared: -1.0, advice: String::new() };
+        assert_eq!(Failure::from(imaginary).code(), 5);
+        let invalid = Error::invalid("sheet size", "two lengths", "none");
+        assert_eq!(Failure::from(invalid.clone()).code(), 2);
+        let in_file = Failure::in_file(Path::new("rig.json"), &invalid);
+        assert_eq!(in_file.code(), 3);
+        assert!(in_file.to_string().starts_with("rig.json: sheet size"));
+    }
+}

@@ -1,0 +1,60 @@
+//! All files: photographs and texts in, complete files out.
+
+mod photo;
+mod write;
+
+use std::fs;
+use std::io::Read as _;
+use std::path::Path;
+
+pub(crate) use photo::{decode_photo, load_photo};
+pub(crate) use write::{Destination, File, check_distinct, png_bytes, write_all};
+
+use crate::exit::{Exit, Failure, Outcome};
+
+/// Inputs above this are refused unread: the largest photographs that are accepted stay below it even uncompressed.
+const MAX_INPUT_BYTES: u64 = 2 << 30;
+
+/// Whether a path stands for stdin or stdout.
+pub(crate) fn is_dash(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// How a path is called in messages.
+pub(crate) fn input_name(path: &Path) -> String {
+    if is_dash(path) { "stdin".to_owned() } else { path.display().to_string() }
+}
+
+/// The bytes of an input file, or of stdin for `-`. `kind` says what was expected ("a photograph").
+pub(crate) fn read_bytes(path: &Path, kind: &str) -> Outcome<Vec<u8>> {
+    let unreadable = |e: &std::io::Error| {
+        let advice = match e.kind() {
+            std::io::ErrorKind::NotFound => "no such file; check the name",
+            std::io::ErrorKind::PermissionDenied => "not allowed to read it; check its permissions",
+            std::io::ErrorKind::IsADirectory => "it is a folder; give the file",
+            _ => return Failure::new(Exit::Input, format!("{}: expected {kind}: {e}", input_name(path))),
+        };
+        Failure::new(Exit::Input, format!("{}: expected {kind}: {advice}", input_name(path)))
+    };
+    let mut bytes = Vec::new();
+    let limit = MAX_INPUT_BYTES + 1;
+    if is_dash(path) {
+        std::io::stdin().lock().take(limit).read_to_end(&mut bytes).map_err(|e| unreadable(&e))?;
+    } else {
+        let file = fs::File::open(path).map_err(|e| unreadable(&e))?;
+        file.take(limit).read_to_end(&mut bytes).map_err(|e| unreadable(&e))?;
+    }
+    if bytes.len() as u64 > MAX_INPUT_BYTES {
+        return Err(Failure::new(
+            Exit::Input,
+            format!("{}: expected {kind} of at most 2 GiB, found more; reduce it", input_name(path)),
+        ));
+    }
+    if bytes.is_empty() {
+        return Err(Failure::new(
+            Exit::Input,
+            format!("{}: expected {kind}, found an empty file; make it again", input_name(path)),
+        ));
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,204 @@
+//! Photographs: PNG, JPEG and TIFF, turned upright by their EXIF orientation.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+
+use super::{input_name, read_bytes};
+use crate::exit::{Exit, Failure, Outcome};
+use crate::output::Printer;
+
+/// What a photograph may be.
+const FORMATS: &str = "PNG, JPEG or TIFF, 8 or 16 bit, grey or RGB(A)";
+
+/// Photographs above this are refused before a pixel is decoded: larger than any camera's, smaller than what a file made
+/// to exhaust the memory announces.
+const MAX_PIXELS: u64 = 250_000_000;
+
+/// What decoding may allocate: 16 bit RGB of [`MAX_PIXELS`].
+const MAX_DECODED_BYTES: u64 = MAX_PIXELS * 6;
+
+/// Extensions of camera raw files; most of them are TIFF inside, with a thumbnail that would be read instead.
+const RAW_EXTENSIONS: [&str; 14] = [
+    "dng", "cr2", "cr3", "crw", "nef", "nrw", "arw", "sr2", "raf", "orf", "rw2", "pef", "srw", "raw",
+];
+
+/// Reads a photograph, from stdin for `-`.
+pub(crate) fn load_photo(path: &Path, printer: Printer) -> Outcome<DynamicImage> {
+    let name = input_name(path);
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if RAW_EXTENSIONS.contains(&extension.as_str()) {
+        // A file that is not there is missing, whatever it would have been.
+        read_bytes(path, "a photograph")?;
+        return Err(refused(
+            &name,
+            "a camera raw file",
+            "develop it to a 16 bit TIFF first, for instance with `darktable-cli IN OUT.tif` or `dcraw -T -6 IN` \
+             (and say --gamma linear if the result is linear)",
+        ));
+    }
+    let bytes = read_bytes(path, "a photograph")?;
+    let (photo, orientation) = decode_photo(&bytes, &name)?;
+    if orientation != Orientation::NoTransforms {
+        printer.note(format!(
+            "{name}: turned upright as its EXIF orientation asks ({orientation:?}): {}x{} pixels",
+            photo.width(),
+            photo.height()
+        ));
+    }
+    printer.detail(format!("{name}: {}x{} {:?}", photo.width(), photo.height(), photo.color()));
+    Ok(photo)
+}
+
+/// Decodes the bytes of a photograph called `name` in messages.
+pub(crate) fn decode_photo(bytes: &[u8], name: &str) -> Outcome<(DynamicImage, Orientation)> {
+    if is_heic(bytes) {
+        return Err(refused(
+            name,
+            "a HEIC/AVIF picture",
+            "convert it to JPEG or PNG first, for instance with `heif-convert IN OUT.png` or by setting the phone to \
+             \"most compatible\"",
+        ));
+    }
+    let format = image::guess_format(bytes).map_err(|_| {
+        refused(
+            name,
+            what_it_is(bytes),
+            "the name's ending does not matter, the content does; give the photograph itself",
+        )
+    })?;
+    if !matches!(format, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Tiff) {
+        return Err(refused(name, &format!("{format:?}"), "convert it to PNG first"));
+    }
+    let broken = |e: &dyn std::fmt::Display| {
+        refused(
+            name,
+            &format!("a {format:?} that cannot be decoded ({e})"),
+            "it is damaged or truncated; copy it again",
+        )
+    };
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(MAX_DECODED_BYTES);
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    reader.limits(limits);
+    let mut decoder = reader.into_decoder().map_err(|e| broken(&e))?;
+    let (width, height) = decoder.dimensions();
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        return Err(refused(
+            name,
+            &format!("{width}x{height} pixels, more than 250 megapixels"),
+            "reduce the picture",
+        ));
+    }
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    if format == ImageFormat::Jpeg && !jpeg_is_complete(bytes) {
+        // The decoder fills what is missing with grey.
+        return Err(broken(&"the data ends before the picture does"));
+    }
+    let mut photo = DynamicImage::from_decoder(decoder).map_err(|e| broken(&e))?;
+    photo.apply_orientation(orientation);
+    Ok((photo, orientation))
+}
+
+fn refused(name: &str, found: &str, advice: &str) -> Failure {
+    Failure::new(
+        Exit::Input,
+        format!("{name}: expected a photograph ({FORMATS}), found {found}; {advice}"),
+    )
+}
+
+/// ISO base media files whose brand is a still picture's.
+fn is_heic(bytes: &[u8]) -> bool {
+    bytes.get(4..8) == Some(b"ftyp")
+        && bytes.get(8..12).is_some_and(|brand| {
+            [b"heic", b"heix", b"hevc", b"heim", b"heis", b"mif1", b"msf1", b"avif"]
+                .iter()
+                .any(|b| b.as_slice() == brand)
+        })
+}
+
+fn what_it_is(bytes: &[u8]) -> &'static str {
+    let start = &bytes[..bytes.len().min(512)];
+    if start.starts_with(b"%PDF") {
+        "a PDF document"
+    } else if std::str::from_utf8(start).is_ok_and(|t| !t.contains('\0')) {
+        "a text file"
+    } else {
+        "bytes of an unknown kind"
+    }
+}
+
+/// Whether the end-of-image marker follows the first scan (the marker of an embedded thumbnail comes before it).
+fn jpeg_is_complete(bytes: &[u8]) -> bool {
+    const START_OF_SCAN: u8 = 0xDA;
+    const END_OF_IMAGE: [u8; 2] = [0xFF, 0xD9];
+    let mut at = 2;
+    while let Some(&[0xFF, marker, high, low]) = bytes.get(at..at + 4) {
+        if marker == START_OF_SCAN {
+            return bytes[at..].windows(2).any(|w| w == END_OF_IMAGE);
+        }
+        at += match marker {
+            0xFF => 1,
+            _ => 2 + usize::from(u16::from_be_bytes([high, low])),
+        };
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn jpeg() -> Vec<u8> {
+        let picture = image::RgbImage::from_fn(64, 48, |x, y| image::Rgb([x as u8 * 3, y as u8 * 5, 90]));
+        let mut bytes = Vec::new();
+        picture.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Jpeg).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn a_truncated_jpeg_is_not_taken_for_a_grey_one() {
+        let bytes = jpeg();
+        assert!(decode_photo(&bytes, "x.jpg").is_ok());
+        let failure = decode_photo(&bytes[..bytes.len() / 2], "x.jpg").unwrap_err();
+        assert_eq!(failure.code(), 3);
+        assert!(failure.to_string().contains("truncated"), "{failure}");
+    }
+
+    #[test]
+    fn exif_orientation_is_applied() {
+        // An APP1 segment with one IFD entry: orientation (0x0112), SHORT, 1 value, 6 = turn by 90°.
+        let tiff: Vec<u8> = [
+            b"II*\0\x08\0\0\0".as_slice(),
+            &[1, 0],
+            &[0x12, 1, 3, 0, 1, 0, 0, 0, 6, 0, 0, 0],
+            &[0, 0, 0, 0],
+        ]
+        .concat();
+        let mut segment = vec![0xFF, 0xE1];
+        segment.extend_from_slice(&((tiff.len() + 8) as u16).to_be_bytes());
+        segment.extend_from_slice(b"Exif\0\0");
+        segment.extend_from_slice(&tiff);
+        let plain = jpeg();
+        let turned = [&plain[..2], &segment, &plain[2..]].concat();
+        let (photo, orientation) = decode_photo(&turned, "x.jpg").unwrap();
+        assert_eq!((photo.width(), photo.height()), (48, 64));
+        assert_eq!(orientation, Orientation::Rotate90);
+    }
+
+    #[test]
+    fn what_is_no_photograph_is_named() {
+        for (bytes, word) in [
+            (b"hello, this is text".as_slice(), "text file"),
+            (b"\0\0\0\x18ftypheic\0\0\0\0", "heif-convert"),
+            (b"GIF89a\0\0\0\0", "Gif"),
+            (b"%PDF-1.7 ..", "PDF"),
+        ] {
+            let failure = decode_photo(bytes, "x.png").unwrap_err();
+            assert_eq!(failure.code(), 3);
+            assert!(failure.to_string().contains(word), "{failure}");
+        }
+    }
+}

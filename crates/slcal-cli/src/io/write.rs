@@ -1,0 +1,192 @@
+//! Outputs: refused before the work when they cannot be written, and visible under their name only when complete.
+
+use std::fs::{self, OpenOptions};
+use std::io::{Cursor, Write as _};
+use std::path::{Path, PathBuf};
+
+use image::{DynamicImage, ImageFormat};
+use tempfile::NamedTempFile;
+
+use super::is_dash;
+use crate::exit::{Exit, Failure, Outcome};
+use crate::output::to_stdout;
+
+/// Where a result goes, known to be writable.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Destination {
+    /// `-`.
+    Stdout,
+    /// A device or a pipe: written in place, since it cannot be replaced.
+    Device(PathBuf),
+    /// A file that appears under its name when it is complete.
+    File {
+        /// The name; symbolic links resolved.
+        path: PathBuf,
+        /// Whether an existing file may be replaced.
+        force: bool,
+    },
+}
+
+/// A finished result and its place.
+pub(crate) type File = (Destination, Vec<u8>);
+
+impl Destination {
+    /// Checks that an output can be written, before any work is done.
+    ///
+    /// Fails when it exists and `force` is not given, when it is a folder, or when its folder is missing or not writable.
+    pub(crate) fn prepare(path: &Path, force: bool) -> Outcome<Self> {
+        if is_dash(path) {
+            return Ok(Self::Stdout);
+        }
+        let shown = path.display();
+        match fs::metadata(path) {
+            Ok(found) if found.is_dir() => {
+                return Err(unwritable(path, "it is a folder; give a file name in it"));
+            }
+            Ok(found) if !found.is_file() => return Ok(Self::Device(path.to_owned())),
+            Ok(_) if !force => {
+                return Err(Failure::new(
+                    Exit::Other,
+                    format!("{shown}: expected a new file, found an existing one; --force replaces it"),
+                ));
+            }
+            _ => {}
+        }
+        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        if path.file_name().is_none() {
+            return Err(unwritable(&path, "it names no file"));
+        }
+        let folder = folder_of(&path);
+        if !folder.is_dir() {
+            let why = format!("the folder {} does not exist; make it first", folder.display());
+            return Err(unwritable(&path, &why));
+        }
+        // The only test of permission that holds everywhere; the file is gone at the end of the statement.
+        temporary(folder).map_err(|e| {
+            unwritable(&path, &format!("nothing can be written into {} ({e})", folder.display()))
+        })?;
+        Ok(Self::File { path, force })
+    }
+
+    /// The same place with another extension, under the same rules.
+    pub(crate) fn beside(&self, extension: &str) -> Outcome<Option<Self>> {
+        match self {
+            Self::File { path, force } => Self::prepare(&path.with_extension(extension), *force).map(Some),
+            Self::Stdout | Self::Device(_) => Ok(None),
+        }
+    }
+
+    /// How it is called in messages.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Stdout => "stdout".to_owned(),
+            Self::Device(path) | Self::File { path, .. } => path.display().to_string(),
+        }
+    }
+}
+
+/// Refuses a command line whose outputs are the same file twice.
+pub(crate) fn check_distinct<'a>(destinations: impl IntoIterator<Item = &'a Destination>) -> Outcome {
+    let mut seen = Vec::new();
+    for destination in destinations {
+        if !matches!(destination, Destination::Device(_)) && seen.contains(&destination) {
+            return Err(Failure::usage(format!(
+                "{} is named as the output of two results; give each its own",
+                destination.name()
+            )));
+        }
+        seen.push(destination);
+    }
+    Ok(())
+}
+
+/// Writes all results or none: every file is complete beside its place before the first takes its name.
+pub(crate) fn write_all(files: &[File]) -> Outcome {
+    let mut ready = Vec::new();
+    for (destination, bytes) in files {
+        if let Destination::File { path, force } = destination {
+            let failed = |e: std::io::Error| unwritable(path, &e.to_string());
+            let mut file = temporary(folder_of(path)).map_err(failed)?;
+            file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(failed)?;
+            ready.push((file, path, *force));
+        }
+    }
+    for (file, path, force) in ready {
+        let done = if force { file.persist(path) } else { file.persist_noclobber(path) };
+        done.map_err(|e| unwritable(path, &e.error.to_string()))?;
+    }
+    for (destination, bytes) in files {
+        match destination {
+            Destination::Stdout => to_stdout(|out| out.write_all(bytes))?,
+            Destination::Device(path) => OpenOptions::new()
+                .write(true)
+                .open(path)
+                .and_then(|mut f| f.write_all(bytes))
+                .map_err(|e| unwritable(path, &e.to_string()))?,
+            Destination::File { .. } => {}
+        }
+    }
+    Ok(())
+}
+
+/// A picture as the bytes of a PNG file.
+pub(crate) fn png_bytes(picture: &DynamicImage) -> Outcome<Vec<u8>> {
+    let mut bytes = Vec::new();
+    picture
+        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
+        .map_err(|e| Failure::new(Exit::Other, format!("cannot encode the picture as PNG: {e}")))?;
+    Ok(bytes)
+}
+
+fn unwritable(path: &Path, why: &str) -> Failure {
+    Failure::new(Exit::Other, format!("{}: expected a place for an output, but {why}", path.display()))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// A file with the permissions that a plain new file has (temporary files are private otherwise).
+fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".slcal-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_existing_file_is_replaced_only_when_forced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_all(&[(Destination::prepare(&path, false).unwrap(), b"one".to_vec())]).unwrap();
+        assert!(Destination::prepare(&path, false).unwrap_err().to_string().contains("--force"));
+        write_all(&[(Destination::prepare(&path, true).unwrap(), b"two".to_vec())]).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_missing_folder_is_found_before_the_work() {
+        let folder = tempfile::tempdir().unwrap();
+        let failure = Destination::prepare(&folder.path().join("none/a.txt"), true).unwrap_err();
+        assert!(failure.to_string().contains("does not exist"), "{failure}");
+        assert_eq!(failure.code(), 1);
+        assert!(Destination::prepare(folder.path(), true).is_err());
+    }
+
+    #[test]
+    fn one_output_for_two_results_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let a = Destination::prepare(&folder.path().join("a"), false).unwrap();
+        assert!(check_distinct([&a, &a.clone()]).is_err());
+        assert!(check_distinct([&a, &Destination::Stdout]).is_ok());
+    }
+}

@@ -1,0 +1,14 @@
+//! One file per verb: load → one call of the core → print or write.
+
+mod pattern;
+
+use crate::args::Verb;
+use crate::exit::Outcome;
+use crate::output::Printer;
+
+pub(crate) fn run(verb: Verb, printer: Printer) -> Outcome {
+    match verb {
+        Verb::Pattern(verb) => pattern::run(verb, printer),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,13 @@
+"""The `slcal` command of the wheel: the same program as the Rust binary."""
+
+import signal
+import sys
+
+from ._slcal import run_command
+
+
+def main() -> None:
+    """Run the command line of this process and exit with its code."""
+    # Ctrl-C ends the program at once: Python's own handler would wait for the extension to return.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    sys.exit(run_command(sys.argv))

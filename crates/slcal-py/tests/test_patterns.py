@@ -1,0 +1,77 @@
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import slcal
+
+
+def test_version_is_that_of_the_command():
+    script = "from slcal._command import main; main()"
+    said = subprocess.run([sys.executable, "-c", script, "--version"], capture_output=True, text=True)
+    assert said.returncode == 0
+    assert said.stdout == f"slcal {slcal.__version__}\n"
+
+
+def test_the_exit_code_of_the_command_is_passed_on():
+    script = "from slcal._command import main; main()"
+    said = subprocess.run([sys.executable, "-c", script, "evaluate", "plane", "absent.ply"], capture_output=True, text=True)
+    assert said.returncode == 3
+    assert "absent.ply" in said.stderr
+
+
+def test_checkerboard_lies_where_it_says():
+    checker = slcal.CheckerPattern(projector=(1024, 768))
+    picture = checker.image()
+    assert picture.shape == (768, 1024, 3)
+    assert picture.dtype == np.uint8
+    assert checker.squares == (11, 8)
+    x, y = (round(c + 0.5) for c in checker.origin_px)
+    side = int(checker.square_px)
+    board = picture[y : y + 8 * side, x : x + 11 * side, 0].reshape(8, side, 11, side)
+    columns, rows = np.meshgrid(np.arange(11), np.arange(8))
+    white = (columns + rows) % 2 == 1
+    assert (board == np.where(white, 255, 0)[:, None, :, None]).all()
+    outside = picture.astype(int).sum() - board.astype(int).sum() * 3
+    assert outside == 255 * 3 * (768 * 1024 - board.size)
+
+
+def test_stripes_are_drawn_at_their_centres():
+    stripes = slcal.StripePattern(projector=(1024, 768))
+    picture = stripes.image()
+    assert picture.shape == (768, 1024, 3)
+    assert len(stripes.sequence) == len(stripes.centres_px) == 64
+    columns = np.round(stripes.centres_px).astype(int)
+    assert (picture[100, columns] == stripes.palette[stripes.sequence]).all()
+    windows = [tuple(stripes.sequence[i : i + 3]) for i in range(62)]
+    assert len(set(windows)) == 62
+
+
+def test_json_names_its_schema():
+    for pattern, kind in [
+        (slcal.CheckerPattern((800, 600), squares=(8, 5)), "checker"),
+        (slcal.StripePattern((800, 600), hues=3, order=3), "stripes"),
+    ]:
+        written = json.loads(pattern.to_json())
+        assert written["schema"] == "slcal-pattern/1"
+        assert written["kind"] == kind
+        assert written["projector"] == [800, 600]
+
+
+def test_nonsense_is_a_value_error():
+    with pytest.raises(ValueError, match="odd"):
+        slcal.CheckerPattern((1024, 768), squares=(10, 8))
+    with pytest.raises(ValueError):
+        slcal.CheckerPattern((0, 768))
+    with pytest.raises(ValueError):
+        slcal.StripePattern((1024, 768), slits=1000)
+    with pytest.raises((ValueError, OverflowError)):
+        slcal.StripePattern((1024, 768), hues=-1)
+
+
+def test_patterns_are_values():
+    assert slcal.CheckerPattern((800, 600)) == slcal.CheckerPattern((800, 600))
+    assert slcal.CheckerPattern((800, 600)) != slcal.CheckerPattern((1024, 768))
+    assert "800, 600" in repr(slcal.StripePattern((800, 600)))
