@@ -8,6 +8,7 @@ mod args;
 mod exit;
 mod io;
 mod output;
+mod overlay;
 mod size;
 mod verbs;
 

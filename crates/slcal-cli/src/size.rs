@@ -117,9 +117,18 @@ mod tests {
 
     #[test]
     fn nonsense_is_told_what_is_expected() {
-        for text in
-            ["0x420mm", "NaNx420mm", "-594x420mm", "594x420", "594mm", "1x2x3mm", "infx1mm", "A7", "", "1e9x1e9mm"]
-        {
+        for text in [
+            "0x420mm",
+            "NaNx420mm",
+            "-594x420mm",
+            "594x420",
+            "594mm",
+            "1x2x3mm",
+            "infx1mm",
+            "A7",
+            "",
+            "1e9x1e9mm",
+        ] {
             let message = parse_size(text).unwrap_err();
             assert!(message.contains("594x420mm"), "{text}: {message}");
         }

@@ -1,6 +1,7 @@
 //! All files: photographs and texts in, complete files out.
 
 mod photo;
+mod text;
 mod write;
 
 use std::fs;
@@ -8,7 +9,8 @@ use std::io::Read as _;
 use std::path::Path;
 
 pub(crate) use photo::{decode_photo, load_photo};
-pub(crate) use write::{Destination, File, check_distinct, png_bytes, write_all};
+pub(crate) use text::{check_panel, load_checker, load_rig, load_stripes};
+pub(crate) use write::{Destination, check_distinct, png_bytes, write_all};
 
 use crate::exit::{Exit, Failure, Outcome};
 

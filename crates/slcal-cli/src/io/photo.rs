@@ -21,9 +21,8 @@ const MAX_PIXELS: u64 = 250_000_000;
 const MAX_DECODED_BYTES: u64 = MAX_PIXELS * 6;
 
 /// Extensions of camera raw files; most of them are TIFF inside, with a thumbnail that would be read instead.
-const RAW_EXTENSIONS: [&str; 14] = [
-    "dng", "cr2", "cr3", "crw", "nef", "nrw", "arw", "sr2", "raf", "orf", "rw2", "pef", "srw", "raw",
-];
+const RAW_EXTENSIONS: [&str; 14] =
+    ["dng", "cr2", "cr3", "crw", "nef", "nrw", "arw", "sr2", "raf", "orf", "rw2", "pef", "srw", "raw"];
 
 /// Reads a photograph, from stdin for `-`.
 pub(crate) fn load_photo(path: &Path, printer: Printer) -> Outcome<DynamicImage> {
@@ -103,10 +102,7 @@ pub(crate) fn decode_photo(bytes: &[u8], name: &str) -> Outcome<(DynamicImage, O
 }
 
 fn refused(name: &str, found: &str, advice: &str) -> Failure {
-    Failure::new(
-        Exit::Input,
-        format!("{name}: expected a photograph ({FORMATS}), found {found}; {advice}"),
-    )
+    Failure::new(Exit::Input, format!("{name}: expected a photograph ({FORMATS}), found {found}; {advice}"))
 }
 
 /// ISO base media files whose brand is a still picture's.
@@ -170,13 +166,9 @@ mod tests {
     #[test]
     fn exif_orientation_is_applied() {
         // An APP1 segment with one IFD entry: orientation (0x0112), SHORT, 1 value, 6 = turn by 90°.
-        let tiff: Vec<u8> = [
-            b"II*\0\x08\0\0\0".as_slice(),
-            &[1, 0],
-            &[0x12, 1, 3, 0, 1, 0, 0, 0, 6, 0, 0, 0],
-            &[0, 0, 0, 0],
-        ]
-        .concat();
+        let tiff: Vec<u8> =
+            [b"II*\0\x08\0\0\0".as_slice(), &[1, 0], &[0x12, 1, 3, 0, 1, 0, 0, 0, 6, 0, 0, 0], &[0, 0, 0, 0]]
+                .concat();
         let mut segment = vec![0xFF, 0xE1];
         segment.extend_from_slice(&((tiff.len() + 8) as u16).to_be_bytes());
         segment.extend_from_slice(b"Exif\0\0");

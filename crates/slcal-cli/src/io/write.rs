@@ -27,9 +27,6 @@ pub(crate) enum Destination {
     },
 }
 
-/// A finished result and its place.
-pub(crate) type File = (Destination, Vec<u8>);
-
 impl Destination {
     /// Checks that an output can be written, before any work is done.
     ///
@@ -100,8 +97,8 @@ pub(crate) fn check_distinct<'a>(destinations: impl IntoIterator<Item = &'a Dest
     Ok(())
 }
 
-/// Writes all results or none: every file is complete beside its place before the first takes its name.
-pub(crate) fn write_all(files: &[File]) -> Outcome {
+/// Writes all results, each to its place, or none: every file is complete beside its place before the first takes its name.
+pub(crate) fn write_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
     let mut ready = Vec::new();
     for (destination, bytes) in files {
         if let Destination::File { path, force } = destination {

@@ -9,6 +9,5 @@ use crate::output::Printer;
 pub(crate) fn run(verb: Verb, printer: Printer) -> Outcome {
     match verb {
         Verb::Pattern(verb) => pattern::run(verb, printer),
-        _ => Ok(()),
     }
 }

@@ -62,7 +62,8 @@ impl Places {
         if let Some(description) = self.description {
             files.push((description, pattern_bytes(pattern)?));
         } else {
-            printer.note("the picture alone goes to stdout; give -o FILE.png to have its description as well");
+            printer
+                .note("the picture alone goes to stdout; give -o FILE.png to have its description as well");
         }
         write_all(&files)?;
         for (place, _) in &files {

@@ -1,0 +1,73 @@
+//! Rigs, patterns, matches and clouds from files.
+
+use std::path::Path;
+
+use slcal_core::Rig;
+use slcal_core::format::{read_pattern, read_rig};
+use slcal_core::pattern::{CheckerPattern, Pattern, StripePattern};
+
+use super::{input_name, read_bytes};
+use crate::exit::{Exit, Failure, InFile as _, Outcome};
+
+/// Reads a rig JSON.
+pub(crate) fn load_rig(path: &Path) -> Outcome<Rig> {
+    read_rig(read_bytes(path, "a rig JSON")?.as_slice()).in_file(path)
+}
+
+/// Reads a pattern JSON that must be of a checkerboard.
+pub(crate) fn load_checker(path: &Path) -> Outcome<CheckerPattern> {
+    match load_pattern(path)? {
+        Pattern::Checker(pattern) => Ok(pattern),
+        Pattern::Stripes(_) => Err(wrong_kind(path, "checker", "stripes")),
+    }
+}
+
+/// Reads a pattern JSON that must be of stripes.
+pub(crate) fn load_stripes(path: &Path) -> Outcome<StripePattern> {
+    match load_pattern(path)? {
+        Pattern::Stripes(pattern) => Ok(pattern),
+        Pattern::Checker(_) => Err(wrong_kind(path, "stripes", "checker")),
+    }
+}
+
+fn load_pattern(path: &Path) -> Outcome<Pattern> {
+    read_pattern(read_bytes(path, "a pattern JSON")?.as_slice()).in_file(path)
+}
+
+fn wrong_kind(path: &Path, expected: &str, found: &str) -> Failure {
+    Failure::new(
+        Exit::Input,
+        format!(
+            "{}: expected a pattern of the kind \"{expected}\", found \"{found}\"; give the JSON that \
+             `slcal pattern {expected}` wrote beside the picture",
+            input_name(path)
+        ),
+    )
+}
+
+/// Refuses a pattern that was drawn for another projector than the rig's.
+pub(crate) fn check_panel(path: &Path, pattern: [u32; 2], rig_path: &Path, rig: &Rig) -> Outcome {
+    let Some(projector) = &rig.projector else {
+        return Err(Failure::new(
+            Exit::Input,
+            format!(
+                "{}: expected a rig with a projector, found the camera alone; calibrate with --pattern",
+                input_name(rig_path)
+            ),
+        ));
+    };
+    let [w, h] = [projector.model.width, projector.model.height];
+    if pattern != [w, h] {
+        return Err(Failure::new(
+            Exit::Input,
+            format!(
+                "{}: expected a pattern for the {w}x{h} projector of {}, found one for {}x{}; draw it with --projector {w}x{h}",
+                input_name(path),
+                input_name(rig_path),
+                pattern[0],
+                pattern[1]
+            ),
+        ));
+    }
+    Ok(())
+}

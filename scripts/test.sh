@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Runs every test: the Rust workspace, the Python package as an installed wheel, and the figures on rendered photographs
+# where those are at hand. Needs cargo and python3 (3.10 or newer); makes .venv for the rest.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+[ -x .venv/bin/python ] || "${PYTHON:-python3}" -m venv .venv
+.venv/bin/python -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt
+
+echo "== Rust"
+cargo test --locked
+
+echo "== Python"
+rm -rf target/wheels
+.venv/bin/maturin build --release --locked --quiet --interpreter .venv/bin/python \
+    --manifest-path crates/slcal-py/Cargo.toml --out target/wheels
+.venv/bin/python -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/slcal-*.whl
+(cd crates/slcal-py && ../../.venv/bin/python -m pytest -q)
+
+echo "== Figures on rendered photographs"
+cargo build --locked --release --quiet -p slcal-cli
+.venv/bin/python tests/rendered/check_figures.py --slcal target/release/slcal --shared "${SLCAL_SHARED:-../shared}"

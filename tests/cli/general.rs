@@ -1,0 +1,47 @@
+//! What holds for every verb.
+
+use std::process::{Command, Stdio};
+
+use crate::bench;
+
+const VERBS: [&str; 2] = ["pattern checker", "pattern stripes"];
+
+#[test]
+fn every_verb_has_help_with_a_worked_example() {
+    for verb in VERBS {
+        let run = bench().run(&format!("{verb} --help")).ok();
+        assert!(run.text().contains("Example"), "{verb}: {}", run.text());
+        assert!(run.text().contains(&format!("  slcal {verb}")), "{verb}: {}", run.text());
+    }
+}
+
+#[test]
+fn a_wrong_command_line_has_code_2() {
+    for line in
+        ["", "frobnicate", "pattern checker", "evaluate cube cloud.ply", "calibrate --size A4 -o rig.json"]
+    {
+        let run = bench().run(line);
+        assert_eq!(run.code, 2, "{line}: {}", run.stderr);
+    }
+}
+
+#[test]
+fn version_goes_to_stdout() {
+    assert!(bench().run("--version").ok().text().starts_with("slcal "));
+}
+
+#[test]
+fn a_closed_stdout_is_no_panic() {
+    // Drawing takes longer than closing the pipe.
+    let mut child = Command::new(env!("CARGO_BIN_EXE_slcal-under-test"))
+        .args(["pattern", "stripes", "--projector", "1024x768", "-o", "-"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!said.contains("panicked"), "{said}");
+    assert_eq!(output.status.code(), Some(0), "{said}");
+}

@@ -1,0 +1,10 @@
+//! The command line as a user meets it: exit codes, messages and files of the real binary.
+
+mod general;
+mod pattern;
+
+use slcal_tests::Bench;
+
+fn bench() -> Bench {
+    Bench::new(env!("CARGO_BIN_EXE_slcal-under-test"))
+}
