@@ -1,12 +1,32 @@
 //! Observations → rig.
+//!
+//! The closed forms (`metric` for a rectangle of known size, `lens_shift` for a projector whose principal point is off
+//! the panel's centre) start a maximum-likelihood refinement of everything that was seen (`residual`, `joint`,
+//! `refine`), whose covariance is the judgement on the result (`verdict`, `advice`). `two_vp` is the method of
+//! R. Orghidan, J. Salvi, M. Gordan, C. Florea, J. Batlle, "Structured light self-calibration with vanishing points",
+//! Machine Vision and Applications 25:489-500 (2014), kept as it was published.
 
+mod advice;
+mod assemble;
+mod check;
 mod config;
+mod joint;
+mod lens_shift;
+mod metric;
+mod ml;
+mod model;
+mod predict;
+mod refine;
+mod residual;
+mod start;
+mod transposed;
+mod verdict;
 
 pub use config::{CalibrateConfig, DistortionModel, Method, PrincipalPointRule};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::observations::Observations;
-use crate::rig::Rig;
+use crate::rig::{Rig, Verdict};
 
 /// How a calibration went, beyond the rig itself.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -17,7 +37,9 @@ pub struct CalibrationReport {
     pub edge_inliers: f64,
     /// Share of the projected corners that the robust loss kept; 1 without a pattern.
     pub corner_inliers: f64,
-    /// What another photograph would bring, in one sentence with predicted numbers; computed from the Jacobian.
+    /// How the sheet is seen and how well the focal length is known from it, in one sentence.
+    pub cause: String,
+    /// What more tilt or another photograph would bring, with predicted numbers; computed from the Jacobian.
     pub advice: String,
 }
 
@@ -34,11 +56,44 @@ pub struct Calibration {
 /// photograph or several.
 ///
 /// # Errors
-/// [`Error::Invalid`] for inconsistent observations (no view, NaN, σ not positive, collinear or mirrored corners, fewer
-/// than four pairs with a projector); [`Error::ImaginaryFocal`] when no real focal length explains the view;
-/// [`Error::Degenerate`] when the predicted σ of a focal length is 25 % or more and `config.allow_degenerate` is not set.
+/// [`Error::Invalid`](crate::Error::Invalid) for inconsistent observations (no view, NaN, σ not positive, collinear or
+/// mirrored corners, fewer than four pairs with a projector, projector pixels off the panel);
+/// [`Error::ImaginaryFocal`](crate::Error::ImaginaryFocal) when no real focal length explains the view;
+/// [`Error::Degenerate`](crate::Error::Degenerate) when the predicted σ of a focal length is 25 % or more and
+/// `config.allow_degenerate` is not set.
 pub fn calibrate_observations(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
-    config.validate()?;
-    let _ = observations;
-    Err(Error::invalid("calibration", "an estimator", "none yet"))
+    check::check(observations, config)?;
+    maximum_likelihood(observations, config)
 }
+
+fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
+    let solved = ml::solve(observations, config)?;
+    let mut judgement = verdict::judge(&solved, config);
+    if let Some(hint) = transposed::hint(observations, config, &solved) {
+        judgement.advice = format!("{} ({})", hint.advice, hint.message);
+        judgement.warnings.insert(0, hint);
+    }
+    if judgement.verdict == Verdict::Degenerate && !config.allow_degenerate {
+        return Err(judgement.refusal());
+    }
+    let rig = assemble::rig(&solved.joint, &solved.fit, &judgement);
+    let share = |kind: joint::Kind| {
+        let kept =
+            solved.joint.measurements.iter().zip(&solved.fit.inliers).filter(|(m, _)| m.kind() == kind);
+        let (kept, all) = kept.fold((0usize, 0usize), |(k, n), (_, keep)| (k + usize::from(*keep), n + 1));
+        if all == 0 { 1.0 } else { kept as f64 / all as f64 }
+    };
+    let report = CalibrationReport {
+        iterations: solved.fit.iterations,
+        edge_inliers: share(joint::Kind::Edge),
+        corner_inliers: share(joint::Kind::Pair),
+        cause: judgement.cause,
+        advice: judgement.advice,
+    };
+    Ok(Calibration { rig, report })
+}
+
+#[cfg(test)]
+mod scene;
+#[cfg(test)]
+mod tests;

@@ -20,5 +20,6 @@ pub use line::Line;
 pub use plane::Plane;
 pub use point::{ProjectivePoint, VanishingPoints};
 pub use pose::Pose;
+pub(crate) use pose::nearest_rotation;
 pub use ray::Ray;
 pub use rectangle::{RectangleSize, Side};

@@ -1,0 +1,170 @@
+//! A fit as a [`Rig`]: devices with σ, views with vanishing points and residuals, quality, covariance.
+
+use nalgebra::{DVector, Point2, Point3, Vector3};
+
+use super::joint::{Joint, Kind, Target};
+use super::model::{Layout, Model};
+use super::refine::Fit;
+use super::verdict::Judgement;
+use crate::geometry::{Camera, Homography, Plane, Pose, Ray, RectangleSize, VanishingPoints};
+use crate::rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, View, ViewRms};
+
+/// 1σ of a stripe's position in the camera image that the expected point σ assumes, px.
+const STRIPE_NOISE_PX: f64 = 0.1;
+
+fn device(model: Camera, places: &[Option<usize>; super::residual::LENS], fit: &Fit) -> Device {
+    let sigma = |i: usize| places[i].map_or(0.0, |p| fit.covariance[(p, p)].sqrt());
+    let sigma = DeviceSigma {
+        focal_px: sigma(0) * model.intrinsics.fx,
+        cx_px: sigma(1),
+        cy_px: sigma(2),
+        distortion: std::array::from_fn(|i| sigma(3 + i)),
+    };
+    Device { model, sigma: Some(sigma) }
+}
+
+/// The images of the sheet's directions: the columns of K·R.
+pub(crate) fn vanishing_points(device: &Camera, device_from_sheet: &Pose) -> VanishingPoints {
+    Homography(device.intrinsics.matrix() * device_from_sheet.rotation.matrix()).vanishing_points()
+}
+
+/// The sheet's corners in a device's image; those behind it (which a calibrated view never has) at the principal point.
+pub(crate) fn projected_corners(device: &Camera, pose: &Pose, size: RectangleSize) -> [Point2<f64>; 4] {
+    size.corners().map(|c| {
+        let p = pose.transform(&Point3::new(c.x, c.y, 0.0));
+        device.project(&p).unwrap_or(device.intrinsics.principal_point())
+    })
+}
+
+/// Distance of a projected corner from the model in projector pixels: the camera pixel cast onto the sheet and seen from
+/// the projector.
+pub(crate) fn projector_distance(
+    camera: &Camera,
+    projector: &Camera,
+    projector_from_camera: &Pose,
+    sheet: &Pose,
+    seen: Point2<f64>,
+    drawn: Point2<f64>,
+) -> Option<f64> {
+    let plane = Plane::from_point_normal(&sheet.translation.into(), sheet.rotation * Vector3::z())?;
+    let ray = Ray { origin: Point3::origin(), direction: camera.bearing(seen)? };
+    let point = projector_from_camera.transform(&ray.meet(&plane)?);
+    Some((projector.project(&point)? - drawn).norm())
+}
+
+/// Root mean square; `None` for nothing.
+pub(crate) fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, n) = values.fold((0.0, 0), |(s, n), v| (s + v * v, n + 1));
+    (n > 0).then(|| (sum / f64::from(n)).sqrt())
+}
+
+fn view_rms(joint: &Joint, fit: &Fit, view: usize) -> ViewRms {
+    let kept = || {
+        joint
+            .measurements
+            .iter()
+            .zip(&fit.norms_px)
+            .zip(&fit.inliers)
+            .filter(move |((m, _), keep)| **keep && m.view == view)
+            .map(|(pair, _)| pair)
+    };
+    let sheet = kept().filter(|(m, _)| m.kind() != Kind::Pair).map(|(_, n)| *n);
+    let pairs = kept().filter(|(m, _)| m.kind() == Kind::Pair).map(|(_, n)| *n);
+    let model = &fit.model;
+    let on_panel = kept().filter_map(|(m, _)| match (m.of, &model.projector) {
+        (Target::Pair(q), Some(p)) => {
+            projector_distance(&model.camera, p, &model.projector_from_camera, &model.views[view], m.seen, q)
+        }
+        _ => None,
+    });
+    ViewRms { edges: rms(sheet).unwrap_or(0.0), corners: rms(pairs), projector: rms(on_panel) }
+}
+
+/// The rig of a maximum-likelihood fit.
+pub(crate) fn rig(joint: &Joint, fit: &Fit, judgement: &Judgement) -> Rig {
+    let (model, layout) = (&fit.model, &joint.layout);
+    let stereo = layout.stereo.map(|at| {
+        let sigma = |i: usize| std::array::from_fn(|k| fit.covariance[(at + i + k, at + i + k)].sqrt());
+        StereoPose {
+            projector_from_camera: model.projector_from_camera,
+            sigma_t_mm: Some(sigma(3)),
+            sigma_r_rad: Some(sigma(0)),
+        }
+    });
+    let views = model.views.iter().zip(&joint.sizes).enumerate().map(|(i, (pose, &size))| {
+        let projector_from_sheet = stereo.map(|s| s.projector_from_camera.compose(pose));
+        View {
+            photo: None,
+            size,
+            camera_from_sheet: *pose,
+            projector_from_sheet,
+            camera_vanishing_points: vanishing_points(&model.camera, pose),
+            projector_vanishing_points: model
+                .projector
+                .zip(projector_from_sheet)
+                .map(|(p, pose)| vanishing_points(&p, &pose)),
+            corners_px: projected_corners(&model.camera, pose, size),
+            rms_px: Some(view_rms(joint, fit, i)),
+        }
+    });
+    let percent = |s: f64| 100.0 * s;
+    Rig {
+        camera: device(model.camera, &layout.camera, fit),
+        projector: model.projector.map(|p| device(p, &layout.projector, fit)),
+        stereo,
+        views: views.collect(),
+        method: "ml".into(),
+        quality: Some(Quality {
+            verdict: judgement.verdict,
+            focal_sigma_percent_camera: percent(judgement.sigma.camera),
+            focal_sigma_percent_projector: judgement.sigma.projector.map(percent),
+            expected_point_sigma_mm: expected_point_sigma(layout, fit, joint.sizes.first().copied()),
+            warnings: judgement.warnings.clone(),
+        }),
+        covariance: Some(Covariance {
+            parameters: layout.names(),
+            matrix: layout.in_pixels(&fit.covariance, model),
+        }),
+    }
+}
+
+/// Distance along the camera's ray through pixel `p` (per unit of the bearing's length) at which the projector's column
+/// `column` crosses it (paper, eq. 17 to 19).
+pub(crate) fn depth_on_column(model: &Model, p: Point2<f64>, column: f64, row: f64) -> Option<f64> {
+    let projector = model.projector.as_ref()?;
+    // The column as the plane through the projector's centre and the light at (column, row) along the panel's y axis.
+    let light = projector.bearing(Point2::new(column, row))?;
+    let ray = model.projector_from_camera.rotation * model.camera.bearing(p)?;
+    let t = model.projector_from_camera.translation;
+    let s = -(t.x - light.x * t.z) / (ray.x - light.x * ray.z);
+    (s.is_finite() && s > 0.0).then_some(s)
+}
+
+/// 1σ along the camera's ray of a point at the middle of the first view's sheet, from stripe noise and the rig's
+/// covariance, to first order.
+fn expected_point_sigma(layout: &Layout, fit: &Fit, size: Option<RectangleSize>) -> Option<f64> {
+    let model = &fit.model;
+    let (pose, size) = (model.views.first()?, size?);
+    let middle = pose.transform(&Point3::new(size.width_mm / 2.0, size.height_mm / 2.0, 0.0));
+    let pixel = model.camera.project(&middle)?;
+    let lit = model.projector.as_ref()?.project(&model.projector_from_camera.transform(&middle))?;
+    let length = model.camera.bearing(pixel)?.norm();
+    let depth = |m: &Model, shift: f64| {
+        depth_on_column(m, Point2::new(pixel.x + shift, pixel.y), lit.x, lit.y).map(|s| s * length)
+    };
+    let slope = (depth(model, 0.5)? - depth(model, -0.5)?) * STRIPE_NOISE_PX;
+    let mut gradient = DVector::zeros(layout.len);
+    for i in 0..layout.len {
+        // A small part of the parameter's own σ: far above rounding, far below curvature.
+        let h = 1e-3 * fit.covariance[(i, i)].sqrt();
+        if h > 0.0 {
+            let mut delta = DVector::zeros(layout.len);
+            delta[i] = h;
+            let (up, down) = (model.moved(layout, &delta)?, model.moved(layout, &-delta)?);
+            gradient[i] = (depth(&up, 0.0)? - depth(&down, 0.0)?) / (2.0 * h);
+        }
+    }
+    let of_rig = gradient.dot(&(&fit.covariance * &gradient)).max(0.0);
+    let sigma = (of_rig + slope * slope).sqrt();
+    sigma.is_finite().then_some(sigma)
+}

@@ -1,0 +1,261 @@
+//! The joint least-squares problem of all views: residuals and Jacobian, stacked and divided by their σ.
+
+use nalgebra::{DMatrix, DVector, Point2};
+
+use super::model::{Layout, Model, Prior, lens_values};
+use super::residual::{self, LENS, POSE, PointResidual};
+use crate::geometry::{RectangleSize, Side};
+use crate::observations::{Observations, SheetObservation};
+use crate::solve::{Block, Loss, Problem};
+
+/// What a residual block measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Edge,
+    SheetCorner,
+    Pair,
+}
+
+/// One measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Measurement {
+    pub(crate) view: usize,
+    pub(crate) seen: Point2<f64>,
+    pub(crate) sigma_px: f64,
+    pub(crate) of: Target,
+}
+
+/// What was measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Target {
+    Edge(Side),
+    /// A corner of the sheet, mm.
+    SheetCorner(Point2<f64>),
+    /// A projector pixel.
+    Pair(Point2<f64>),
+}
+
+impl Measurement {
+    pub(crate) fn kind(&self) -> Kind {
+        match self.of {
+            Target::Edge(_) => Kind::Edge,
+            Target::SheetCorner(_) => Kind::SheetCorner,
+            Target::Pair(_) => Kind::Pair,
+        }
+    }
+}
+
+/// The measurements of all views in a fixed order.
+pub(crate) fn measurements(observations: &Observations) -> Vec<Measurement> {
+    let mut all = Vec::new();
+    for (view, o) in observations.views.iter().enumerate() {
+        match &o.sheet {
+            SheetObservation::Edges(sides) => {
+                for (side, points) in Side::ALL.into_iter().zip(sides) {
+                    all.extend(points.iter().map(|p| Measurement {
+                        view,
+                        seen: p.position,
+                        sigma_px: p.sigma_px,
+                        of: Target::Edge(side),
+                    }));
+                }
+            }
+            SheetObservation::Corners { corners, sigma_px } => {
+                all.extend(corners.iter().zip(o.size.corners()).map(|(&seen, corner)| Measurement {
+                    view,
+                    seen,
+                    sigma_px: *sigma_px,
+                    of: Target::SheetCorner(corner),
+                }));
+            }
+        }
+        if observations.projector.is_some() {
+            all.extend(o.pairs.iter().map(|p| Measurement {
+                view,
+                seen: p.camera,
+                sigma_px: p.sigma_px,
+                of: Target::Pair(p.projector),
+            }));
+        }
+    }
+    all
+}
+
+/// The joint problem.
+pub(crate) struct Joint {
+    pub(crate) sizes: Vec<RectangleSize>,
+    pub(crate) measurements: Vec<Measurement>,
+    pub(crate) layout: Layout,
+    pub(crate) priors: Vec<Prior>,
+    pub(crate) blocks: Vec<Block>,
+}
+
+/// A residual with its derivatives, of either dimension.
+enum Row {
+    Edge(residual::EdgeResidual),
+    Point(Box<PointResidual>),
+}
+
+impl Joint {
+    pub(crate) fn new(
+        sizes: Vec<RectangleSize>,
+        measurements: Vec<Measurement>,
+        layout: Layout,
+        priors: Vec<Prior>,
+    ) -> Self {
+        let mut blocks: Vec<Block> = measurements
+            .iter()
+            .map(|m| Block { len: if m.kind() == Kind::Edge { 1 } else { 2 }, loss: Loss::Square })
+            .collect();
+        blocks.resize(blocks.len() + priors.len(), Block { len: 1, loss: Loss::Square });
+        Self { sizes, measurements, layout, priors, blocks }
+    }
+
+    /// Number of residuals, those of the priors included.
+    pub(crate) fn rows(&self) -> usize {
+        self.blocks.iter().map(|b| b.len).sum()
+    }
+
+    /// Sets the loss of all measurements of a kind.
+    pub(crate) fn set_loss(&mut self, kind: Kind, loss: Loss) {
+        for (block, m) in self.blocks.iter_mut().zip(&self.measurements) {
+            if m.kind() == kind {
+                block.loss = loss;
+            }
+        }
+    }
+
+    fn row(&self, model: &Model, m: &Measurement) -> Option<Row> {
+        let pose = &model.views[m.view];
+        match m.of {
+            Target::Edge(side) => {
+                residual::edge(&model.camera, pose, self.sizes[m.view], side, m.seen).map(Row::Edge)
+            }
+            Target::SheetCorner(corner) => {
+                residual::sheet_corner(&model.camera, pose, corner, m.seen).map(|r| Row::Point(Box::new(r)))
+            }
+            Target::Pair(q) => residual::projected_corner(
+                &model.camera,
+                model.projector.as_ref()?,
+                &model.projector_from_camera,
+                pose,
+                q,
+                m.seen,
+            )
+            .map(|r| Row::Point(Box::new(r))),
+        }
+    }
+
+    /// Lines do not tell in front from behind: the sheet's corners do.
+    fn in_front(&self, model: &Model) -> bool {
+        model.views.iter().zip(&self.sizes).all(|(pose, size)| {
+            let depth = |c: Point2<f64>| pose.transform(&nalgebra::Point3::new(c.x, c.y, 0.0)).z;
+            size.corners().into_iter().all(|c| depth(c) > 0.0)
+        })
+    }
+
+    /// Residual norms in pixels per measurement.
+    pub(crate) fn norms_px(&self, model: &Model) -> Option<Vec<f64>> {
+        self.measurements
+            .iter()
+            .map(|m| match self.row(model, m)? {
+                Row::Edge(e) => Some(e.value.abs()),
+                Row::Point(p) => Some(p.value.norm()),
+            })
+            .collect()
+    }
+
+    fn put_point(&self, j: &mut DMatrix<f64>, at: usize, view: usize, p: &PointResidual, weight: f64) {
+        for k in 0..2 {
+            for i in 0..LENS {
+                if let Some(c) = self.layout.camera[i] {
+                    j[(at + k, c)] = p.camera[(k, i)] * weight;
+                }
+                if let Some(c) = self.layout.projector[i] {
+                    j[(at + k, c)] = p.projector[(k, i)] * weight;
+                }
+            }
+            for i in 0..POSE {
+                j[(at + k, self.layout.view(view) + i)] = p.view[(k, i)] * weight;
+                if let Some(c) = self.layout.stereo {
+                    j[(at + k, c + i)] = p.stereo[(k, i)] * weight;
+                }
+            }
+        }
+    }
+}
+
+impl Problem for Joint {
+    type State = Model;
+
+    fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    fn residuals(&self, model: &Model) -> Option<DVector<f64>> {
+        if !self.in_front(model) {
+            return None;
+        }
+        let mut r = DVector::zeros(self.rows());
+        let mut at = 0;
+        for m in &self.measurements {
+            match self.row(model, m)? {
+                Row::Edge(e) => {
+                    r[at] = e.value / m.sigma_px;
+                    at += 1;
+                }
+                Row::Point(p) => {
+                    r.fixed_rows_mut::<2>(at).copy_from(&(p.value / m.sigma_px));
+                    at += 2;
+                }
+            }
+        }
+        for p in &self.priors {
+            let device = if p.of_projector { model.projector.as_ref()? } else { &model.camera };
+            r[at] = (lens_values(device)[p.index] - p.mean) / p.sigma;
+            at += 1;
+        }
+        Some(r)
+    }
+
+    fn jacobian(&self, model: &Model) -> Option<DMatrix<f64>> {
+        let mut j = DMatrix::zeros(self.rows(), self.layout.len);
+        let mut at = 0;
+        for m in &self.measurements {
+            let weight = 1.0 / m.sigma_px;
+            match self.row(model, m)? {
+                Row::Edge(e) => {
+                    for i in 0..LENS {
+                        if let Some(c) = self.layout.camera[i] {
+                            j[(at, c)] = e.camera[i] * weight;
+                        }
+                    }
+                    for i in 0..POSE {
+                        j[(at, self.layout.view(m.view) + i)] = e.view[i] * weight;
+                    }
+                    at += 1;
+                }
+                Row::Point(p) => {
+                    self.put_point(&mut j, at, m.view, &p, weight);
+                    at += 2;
+                }
+            }
+        }
+        for p in &self.priors {
+            let places = if p.of_projector { &self.layout.projector } else { &self.layout.camera };
+            if let Some(c) = places[p.index] {
+                j[(at, c)] = 1.0 / p.sigma;
+            }
+            at += 1;
+        }
+        Some(j)
+    }
+
+    fn step(&self, model: &Model, delta: &DVector<f64>) -> Option<Model> {
+        model.moved(&self.layout, delta)
+    }
+}
+
+#[cfg(test)]
+#[path = "joint_tests.rs"]
+mod tests;

@@ -1,0 +1,60 @@
+use super::*;
+use crate::calibrate::model::priors;
+use crate::calibrate::scene::{observe, pose, rig, rng, with_edges};
+use crate::calibrate::{CalibrateConfig, DistortionModel, PrincipalPointRule};
+use crate::geometry::Distortion;
+
+fn joint(model: &Model, config: &CalibrateConfig, edges: bool, noise: f64) -> Joint {
+    let mut rng = rng(7);
+    let mut observations = observe(model, noise, noise, &mut rng);
+    if edges {
+        observations = with_edges(observations, model, 9, noise, &mut rng);
+    }
+    let layout = Layout::new(config, true, model.views.len());
+    let priors = priors(config, &layout, model);
+    Joint::new(
+        vec![observations.views[0].size; model.views.len()],
+        measurements(&observations),
+        layout,
+        priors,
+    )
+}
+
+fn largest_error(joint: &Joint, model: &Model) -> f64 {
+    let analytic = joint.jacobian(model).unwrap();
+    let mut worst: f64 = 0.0;
+    for c in 0..joint.layout.len {
+        // Moves the points by about a thousandth of a pixel.
+        let h = 1e-3 / joint.measurements[0].sigma_px / analytic.column(c).amax();
+        let at = |s: f64| {
+            let mut d = DVector::zeros(joint.layout.len);
+            d[c] = s * h;
+            joint.residuals(&joint.step(model, &d).unwrap()).unwrap()
+        };
+        let numeric = (at(1.0) - at(-1.0)) / (2.0 * h);
+        worst = worst.max((numeric - analytic.column(c)).amax() / analytic.column(c).amax());
+    }
+    worst
+}
+
+#[test]
+fn jacobian_agrees_with_finite_differences() {
+    let config = CalibrateConfig {
+        distortion: DistortionModel::Full,
+        camera_pp: PrincipalPointRule::Free,
+        ..CalibrateConfig::default()
+    };
+    for edges in [false, true] {
+        let mut model = rig(768.0, vec![pose(20.0, 25.0), pose(-15.0, 5.0)]);
+        // Without distortion, far from the data.
+        let pinhole = CalibrateConfig { distortion: DistortionModel::None, ..config.clone() };
+        let problem = joint(&model, &pinhole, edges, 2.0);
+        assert!(largest_error(&problem, &model) < 1e-6, "{}", largest_error(&problem, &model));
+        // With distortion the edge's derivative is exact on the edge itself.
+        model.camera.distortion = Distortion { k1: -0.12, k2: 0.03, p1: 1e-3, p2: -1e-3, k3: 0.01 };
+        model.camera.intrinsics.skew = 3.0;
+        model.camera.intrinsics.fy *= 1.01;
+        let problem = joint(&model, &config, edges, 1e-7);
+        assert!(largest_error(&problem, &model) < 1e-5, "{}", largest_error(&problem, &model));
+    }
+}

@@ -1,0 +1,232 @@
+//! The judgement on a calibration: how well the focal lengths are known, why not better, and what to do.
+
+use super::advice::{advise, percent};
+use super::config::{CalibrateConfig, PrincipalPointRule};
+use super::joint::{Kind, Target};
+use super::ml::Solved;
+use super::model::{FOCAL_RANGE, lens_values};
+use super::predict::{FocalSigma, focal_sigma, has, tilt, with_exact_principal_points};
+use crate::error::Error;
+use crate::rig::{Verdict, Warning};
+
+/// Limits of the larger relative σ of the focal lengths.
+pub(crate) const GOOD: f64 = 0.04;
+pub(crate) const FAIR: f64 = 0.10;
+pub(crate) const WEAK: f64 = 0.25;
+
+/// Below this tilt the sheet is called almost face-on, rad (15°).
+const FACE_ON: f64 = 15.0 * std::f64::consts::PI / 180.0;
+/// Residuals this many times their σ mean that the model misses something (distortion, a bent sheet, wrong corners).
+const MISFIT: f64 = 3.0;
+/// A vertical principal point known no better than this part of the panel's height is undetermined.
+const SHIFT_UNDETERMINED: f64 = 0.25;
+/// Shares of measurements left out by the robust loss that deserve a word.
+const MANY_OUTLIERS: f64 = 0.3;
+/// Distance of a principal point from its prior, in σ, that deserves a word.
+const FAR_FROM_PRIOR: f64 = 3.0;
+
+/// The verdict on a relative σ.
+pub(crate) fn verdict(worst: f64) -> Verdict {
+    match worst {
+        s if s < GOOD => Verdict::Good,
+        s if s < FAIR => Verdict::Fair,
+        s if s < WEAK => Verdict::Weak,
+        _ => Verdict::Degenerate,
+    }
+}
+
+pub(crate) fn warning(code: &str, message: String, advice: impl Into<String>) -> Warning {
+    Warning { code: code.into(), message, advice: advice.into() }
+}
+
+/// Everything that is said about a fit.
+pub(crate) struct Judgement {
+    pub(crate) sigma: FocalSigma,
+    pub(crate) verdict: Verdict,
+    pub(crate) cause: String,
+    pub(crate) advice: String,
+    pub(crate) warnings: Vec<Warning>,
+}
+
+impl Judgement {
+    /// The error that refuses a degenerate view.
+    pub(crate) fn refusal(&self) -> Error {
+        Error::Degenerate {
+            what: "the focal length",
+            measure: self.sigma.worst(),
+            limit: WEAK,
+            advice: format!("{}; {}", self.cause, self.advice),
+        }
+    }
+}
+
+fn worse_device(sigma: &FocalSigma) -> &'static str {
+    if sigma.projector.is_some_and(|p| p > sigma.camera) { "projector" } else { "camera" }
+}
+
+/// Why the focal length is as uncertain as it is.
+fn cause(solved: &Solved, sigma: &FocalSigma) -> String {
+    let device = worse_device(sigma);
+    let model = &solved.fit.model;
+    let tilts = |k: usize| model.views.iter().map(|v| tilt(v)[k].abs()).fold(0.0, f64::max);
+    let [all, about_x, about_y] = [tilts(0), tilts(1), tilts(2)];
+    let seen = if all < FACE_ON {
+        format!("the sheet is seen almost face-on ({:.1}°)", all.to_degrees())
+    } else {
+        format!(
+            "the sheet is tilted by {:.1}° about the horizontal and {:.1}° about the vertical axis",
+            about_x.to_degrees(),
+            about_y.to_degrees()
+        )
+    };
+    format!("{seen}: σ of the focal length of the {device} is {}", percent(sigma.worst()))
+}
+
+/// Judges a maximum-likelihood fit.
+pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
+    let Solved { joint, fit } = solved;
+    let sigma = focal_sigma(&fit.covariance, &joint.layout);
+    let mut verdict = verdict(sigma.worst());
+    let mut warnings = Vec::new();
+    if let Some(w) = outlandish(solved) {
+        verdict = Verdict::Degenerate;
+        warnings.push(w);
+    }
+    let cause = cause(solved, &sigma);
+    let advice = advise(joint, fit, sigma.worst(), verdict <= Verdict::Fair);
+    if verdict >= Verdict::Weak {
+        let code = if verdict == Verdict::Weak { "weak-geometry" } else { "degenerate-geometry" };
+        warnings.push(warning(code, cause.clone(), advice.clone()));
+    }
+    warnings.extend(principal_point_limited(solved, &sigma, &advice));
+    warnings.extend(shift_undetermined(solved, config));
+    warnings.extend(far_from_prior(solved));
+    warnings.extend(misfits(solved));
+    Judgement { sigma, verdict, cause, advice, warnings }
+}
+
+/// A focal length at the end of the range that the search is confined to.
+fn outlandish(solved: &Solved) -> Option<Warning> {
+    let model = &solved.fit.model;
+    let devices = [
+        Some(("camera", model.camera, solved.joint.layout.camera[0])),
+        model.projector.map(|p| ("projector", p, solved.joint.layout.projector[0])),
+    ];
+    devices.into_iter().flatten().find_map(|(name, lens, place)| {
+        place?;
+        let in_sides = lens.intrinsics.fx / f64::from(lens.width.max(lens.height));
+        (!(FOCAL_RANGE[0] * 1.5..FOCAL_RANGE[1] / 1.5).contains(&in_sides)).then(|| {
+            warning(
+                "focal-length-outlandish",
+                format!("the focal length of the {name} came out as {in_sides:.3} times the longer side of its image"),
+                "check the sheet's size and corners, and the principal point",
+            )
+        })
+    })
+}
+
+fn principal_point_limited(solved: &Solved, sigma: &FocalSigma, advice: &str) -> Option<Warning> {
+    /// Below this σ nobody needs to be told what limits it.
+    const WORTH_TELLING: f64 = 0.005;
+    if sigma.worst() < WORTH_TELLING {
+        return None;
+    }
+    let exact = with_exact_principal_points(&solved.joint, &solved.fit)?;
+    (exact.worst() < 0.5 * sigma.worst()).then(|| {
+        warning(
+            "principal-point-limited",
+            format!(
+                "σ of the focal length is {}, nearly all of it because the principal points are known from priors \
+                 alone; with exact ones it would be {}",
+                percent(sigma.worst()),
+                percent(exact.worst())
+            ),
+            advice,
+        )
+    })
+}
+
+fn shift_undetermined(solved: &Solved, config: &CalibrateConfig) -> Option<Warning> {
+    let projector = solved.fit.model.projector?;
+    let place = solved.joint.layout.projector[2]?;
+    let sigma = solved.fit.covariance[(place, place)].sqrt();
+    let free = matches!(config.projector_pp, PrincipalPointRule::Shift | PrincipalPointRule::Free);
+    (free && sigma > SHIFT_UNDETERMINED * f64::from(projector.height)).then(|| {
+        warning(
+            "lens-shift-undetermined",
+            format!("the projector's vertical principal point is known to {sigma:.0} px only"),
+            "tilt the sheet about its vertical axis as well (a tilt about the horizontal axis alone cannot separate lens \
+             shift from focal length), or give the principal point",
+        )
+    })
+}
+
+fn far_from_prior(solved: &Solved) -> Option<Warning> {
+    let model = &solved.fit.model;
+    solved.joint.priors.iter().filter(|p| p.index == 1 || p.index == 2).find_map(|p| {
+        let (name, lens) =
+            if p.of_projector { ("projector", model.projector?) } else { ("camera", model.camera) };
+        let off = (lens_values(&lens)[p.index] - p.mean) / p.sigma;
+        (off.abs() > FAR_FROM_PRIOR).then(|| {
+            let axis = if p.index == 1 { "cx" } else { "cy" };
+            warning(
+                "principal-point-far",
+                format!(
+                    "{axis} of the {name} lies {:.0} px from where it was expected, {:.1} σ",
+                    off * p.sigma,
+                    off.abs()
+                ),
+                "check the sheet's size, and whether the photograph was cropped or the lens distorts",
+            )
+        })
+    })
+}
+
+/// Residuals that the noise does not explain, and measurements that were left out.
+fn misfits(solved: &Solved) -> Vec<Warning> {
+    let Solved { joint, fit } = solved;
+    let mut warnings = Vec::new();
+    for (i, kind, name, code) in [
+        (0, Kind::Edge, "the sheet's edge points", "edge"),
+        (1, Kind::Pair, "the projected corners", "corner"),
+    ] {
+        if !has(joint, kind) {
+            continue;
+        }
+        if fit.widened[i] > MISFIT {
+            warnings.push(warning(
+                &format!("{code}-residuals-large"),
+                format!("{name} lie {:.1} times further from the model than their noise explains", fit.widened[i]),
+                "is the sheet flat and its size right, does the lens distort, was the principal point given rightly?",
+            ));
+        }
+        let of_kind = joint.measurements.iter().zip(&fit.inliers).filter(|(m, _)| m.kind() == kind);
+        let (out, all) = of_kind.fold((0usize, 0usize), |(o, n), (_, keep)| (o + usize::from(!keep), n + 1));
+        let share = out as f64 / all as f64;
+        if share > MANY_OUTLIERS {
+            warnings.push(warning(
+                &format!("{code}-outliers"),
+                format!("{:.0} % of {name} do not fit the model and were left out", share * 100.0),
+                "remove what covers the sheet's border, and check the overlay",
+            ));
+        }
+    }
+    warnings.extend(corner_misfit(solved));
+    warnings
+}
+
+/// Corners given by hand that the model cannot reach.
+fn corner_misfit(solved: &Solved) -> Option<Warning> {
+    let of_corners = solved.joint.measurements.iter().zip(&solved.fit.norms_px);
+    let worst = of_corners
+        .filter(|(m, _)| matches!(m.of, Target::SheetCorner(_)))
+        .map(|(m, n)| n / m.sigma_px)
+        .fold(0.0, f64::max);
+    (worst > 2.0 * MISFIT).then(|| {
+        warning(
+            "sheet-corners-off",
+            format!("a corner of the sheet lies {worst:.0} σ from the model"),
+            "check the corners, their order (TL TR BR BL) and the sheet's size",
+        )
+    })
+}

@@ -1,0 +1,76 @@
+//! Losses that bound the influence of outliers, as weights for iteratively reweighted least squares.
+
+/// What a residual block of whitened norm r costs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Loss {
+    /// r²: no robustness.
+    Square,
+    /// Quadratic up to the cutoff, linear beyond: convex, for a start that may be far off.
+    Huber(f64),
+    /// Tukey's biweight: redescending, constant beyond the cutoff, for contamination that is one-sided.
+    Tukey(f64),
+}
+
+impl Loss {
+    /// Twice the negative log-likelihood of a block with squared norm `s`.
+    #[must_use]
+    pub fn cost(self, s: f64) -> f64 {
+        match self {
+            Self::Square => s,
+            Self::Huber(c) if s <= c * c => s,
+            Self::Huber(c) => 2.0 * c * s.sqrt() - c * c,
+            Self::Tukey(c) => {
+                let inside = (1.0 - s / (c * c)).max(0.0);
+                c * c / 3.0 * (1.0 - inside.powi(3))
+            }
+        }
+    }
+
+    /// d cost / d s: the weight of the block's squares.
+    #[must_use]
+    pub fn weight(self, s: f64) -> f64 {
+        match self {
+            Self::Square => 1.0,
+            Self::Huber(c) => (c / s.sqrt()).min(1.0),
+            Self::Tukey(c) => (1.0 - s / (c * c)).max(0.0).powi(2),
+        }
+    }
+}
+
+/// The standard deviation of normal numbers from the median of their absolute values; 0 for none.
+#[must_use]
+pub fn robust_scale(absolute: impl Iterator<Item = f64>) -> f64 {
+    /// 1 / Φ⁻¹(3/4).
+    const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
+    let mut values: Vec<f64> = absolute.collect();
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    *median * MAD_TO_SIGMA
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_are_the_derivatives_of_costs() {
+        for loss in [Loss::Square, Loss::Huber(2.0), Loss::Tukey(3.0)] {
+            for s in [0.5, 3.9, 4.1, 8.0, 20.0] {
+                let h = 1e-6;
+                let slope = (loss.cost(s + h) - loss.cost(s - h)) / (2.0 * h);
+                assert!((slope - loss.weight(s)).abs() < 1e-8, "{loss:?} at {s}");
+            }
+        }
+        assert_eq!(Loss::Tukey(3.0).weight(10.0), 0.0);
+    }
+
+    #[test]
+    fn scale_ignores_a_minority_of_outliers() {
+        let values = (1..=1000).map(|i| if i % 3 == 0 { 1e9 } else { 0.0 });
+        assert_eq!(robust_scale(values), 0.0);
+        assert_eq!(robust_scale(std::iter::empty()), 0.0);
+    }
+}
