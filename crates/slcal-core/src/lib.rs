@@ -28,7 +28,7 @@ mod rig;
 
 pub use calibrate::{
     CalibrateConfig, Calibration, CalibrationReport, DistortionModel, Method, PrincipalPointRule,
-    calibrate_observations,
+    Rectification, calibrate_observations, rectify,
 };
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Error, ErrorClass, Result};

@@ -16,6 +16,7 @@ mod metric;
 mod ml;
 mod model;
 mod predict;
+mod rectify;
 mod refine;
 mod residual;
 mod start;
@@ -23,6 +24,7 @@ mod transposed;
 mod verdict;
 
 pub use config::{CalibrateConfig, DistortionModel, Method, PrincipalPointRule};
+pub use rectify::{Rectification, rectify};
 
 use crate::error::Result;
 use crate::observations::Observations;

@@ -37,6 +37,8 @@ fn rendered(scene: &str) -> Option<(Observations, Rig)> {
     Some((observations, truth))
 }
 
+type Spoil = fn(&mut Observations);
+
 fn focal(d: &Device) -> f64 {
     d.model.intrinsics.fx
 }
@@ -98,7 +100,7 @@ fn edges_with_one_sided_contamination_do_not_move_the_result() {
 fn nonsense_is_refused_with_a_reason() {
     let truth = rig(768.0, vec![pose(25.0, 28.0)]);
     let good = observe(&truth, 0.2, 0.1, &mut rng(1));
-    let cases: [(&str, fn(&mut Observations)); 9] = [
+    let cases: [(&str, Spoil); 9] = [
         ("at least one view", |o| o.views.clear()),
         ("finite", |o| o.views[0].pairs[3].camera.x = f64::NAN),
         ("positive σ", |o| o.views[0].pairs[3].sigma_px = -1.0),
