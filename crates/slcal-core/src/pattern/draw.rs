@@ -198,10 +198,10 @@ fn catmull_rom(picture: &RgbImage, table: &[f64], p: Point2<f64>) -> Option<[f64
     let (x0, y0) = (p.x.floor(), p.y.floor());
     let (wx, wy) = (cubic_weights(p.x - x0), cubic_weights(p.y - y0));
     let mut sum = [0.0; 3];
-    for (j, wj) in wy.iter().enumerate() {
-        let y = (y0 as i64 + j as i64 - 1).clamp(0, h - 1) as u32;
-        for (i, wi) in wx.iter().enumerate() {
-            let x = (x0 as i64 + i as i64 - 1).clamp(0, w - 1) as u32;
+    for (j, wj) in (-1..).zip(wy) {
+        let y = (y0 as i64 + j).clamp(0, h - 1) as u32;
+        for (i, wi) in (-1..).zip(wx) {
+            let x = (x0 as i64 + i).clamp(0, w - 1) as u32;
             for (s, &c) in sum.iter_mut().zip(&picture.get_pixel(x, y).0) {
                 *s += wi * wj * table[usize::from(c)];
             }

@@ -147,6 +147,24 @@ impl<'a> PhotoView<'a> {
         }
     }
 
+    /// Writes the linear light (red, green, blue) of one column into `out`, which must hold `height` entries.
+    pub fn linear_rgb_column(&self, x: usize, table: &LinearTable, out: &mut [[f32; 3]]) {
+        for (y, o) in out.iter_mut().enumerate().take(self.height) {
+            *o = self.linear_rgb(x, y, table);
+        }
+    }
+
+    /// The linear light (red, green, blue) of one pixel.
+    #[inline]
+    #[must_use]
+    pub fn linear_rgb(&self, x: usize, y: usize, table: &LinearTable) -> [f32; 3] {
+        let at = y * self.row_stride + x * self.layout.channels();
+        self.layout.rgb_offsets().map(|o| match self.samples {
+            Samples::U8(s) => table.light(usize::from(s[at + o])),
+            Samples::U16(s) => table.light(usize::from(s[at + o])),
+        })
+    }
+
     /// Linear light averaged over the three channels with equal weights: the sheet and the projector's light are
     /// white, so that equal weights carry the least noise.
     #[must_use]
