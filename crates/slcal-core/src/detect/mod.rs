@@ -1,1 +1,145 @@
 //! Photograph → observations: the checkerboard's corners and the sheet's edges, to sub-pixel.
+//!
+//! [`observe`] first finds the projected checkerboard (`board`: labels by `checkerboard`, their place in the pattern by
+//! `anchor`, positions by `corner`), which gives the border of the projector's light on the sheet (`light_field`). Then
+//! the sheet is the quadrilateral of straight edges (`edge_map`, `lines`, `quad`) that holds the board, and its sides are
+//! measured on linear light at full resolution (`edge`).
+
+mod anchor;
+mod board;
+mod checkerboard;
+mod corner;
+mod edge;
+mod edge_map;
+mod lens;
+mod light_field;
+mod lines;
+mod quad;
+mod sheet;
+#[cfg(test)]
+mod tests;
+
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::geometry::RectangleSize;
+use crate::observations::{SheetObservation, ViewObservation};
+use crate::pattern::CheckerPattern;
+use crate::photo::{Encoding, PhotoView};
+
+use board::Board;
+use edge::Light;
+use lens::Lens;
+use light_field::LightField;
+
+/// What is known of a photograph before it is looked at.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DetectConfig {
+    /// The transfer curve of the photographs.
+    pub encoding: Encoding,
+    /// The sheet's corners TL, TR, BR, BL by hand, px; they may lie outside the frame. The sides are still measured in the
+    /// photograph where they are seen.
+    pub corners: Option<[Point2<f64>; 4]>,
+}
+
+impl DetectConfig {
+    /// Checks all values.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the field.
+    pub fn validate(&self) -> Result<()> {
+        self.encoding.validate()?;
+        match &self.corners {
+            Some(corners) => sheet::check_corners(corners),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What was found in one photograph.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Detection {
+    /// For calibration.
+    pub observation: ViewObservation,
+    /// Corners of the whole pattern, of which `observation.pairs` were seen on the sheet.
+    pub pattern_corners: usize,
+    /// Things worth telling: parts that were not seen, corners taken from the user.
+    pub notes: Vec<String>,
+}
+
+/// Finds the sheet, and the pattern when there is one, in a photograph.
+///
+/// `photo` shows the sheet with the pattern projected on it; `screen`, if given, the same pose with a dark or plain
+/// projector, and then the sheet's sides are measured there. Without a pattern the sheet is the brightest large
+/// quadrilateral with straight sides.
+///
+/// # Errors
+/// [`Error::NotFound`] when the checkerboard or the sheet is not seen, with what was seen instead; [`Error::Invalid`] when
+/// the two photographs differ in size or the configuration is wrong.
+pub fn observe(
+    photo: PhotoView<'_>,
+    screen: Option<PhotoView<'_>>,
+    size: RectangleSize,
+    pattern: Option<&CheckerPattern>,
+    config: &DetectConfig,
+) -> Result<Detection> {
+    config.validate()?;
+    if let Some(screen) = &screen
+        && (screen.width(), screen.height()) != (photo.width(), photo.height())
+    {
+        return Err(Error::invalid(
+            "screen photograph",
+            format!("the size of the photograph with the pattern, {}x{}", photo.width(), photo.height()),
+            format!("{}x{}", screen.width(), screen.height()),
+        ));
+    }
+    let grey = photo.linear_grey(config.encoding);
+    let board = pattern.map(|p| Board::find(&grey, p)).transpose()?;
+    let light = match (&board, pattern) {
+        (Some(board), Some(p)) => LightField::new(&board.straight_from_projector, p.projector),
+        _ => LightField::none(),
+    };
+    let lens = board.as_ref().map_or_else(|| Lens::straight(photo.width(), photo.height()), |b| b.lens);
+    let grey = match screen {
+        Some(screen) => {
+            drop(grey);
+            screen.linear_grey(config.encoding)
+        }
+        None => grey,
+    };
+    let sheet = sheet::find(
+        &grey,
+        board.as_ref().zip(pattern),
+        &Light { field: &light, lens: &lens },
+        config.corners,
+    )?;
+    let mut notes = sheet.notes;
+    let pattern_corners = board.as_ref().map_or(0, |b| b.expected);
+    let pairs = match board {
+        None => Vec::new(),
+        Some(board) => on_sheet(board, &sheet.observation, &mut notes)?.pairs,
+    };
+    let observation = ViewObservation { size, sheet: sheet.observation, pairs };
+    Ok(Detection { observation, pattern_corners, notes })
+}
+
+/// Leaves out the corners that fall beside the sheet: they lie on another surface.
+fn on_sheet(board: Board, sheet: &SheetObservation, notes: &mut Vec<String>) -> Result<Board> {
+    let Some(corners) = sheet.corners() else { return Ok(board) };
+    let seen = board.pairs.len();
+    let expected = board.expected;
+    let board = board.retain(|p| sheet::contains(&corners, p)).ok_or_else(|| Error::NotFound {
+        what: "checkerboard",
+        seen: format!("{seen} of {expected} corners were seen, but too few of them on the sheet"),
+        advice: "move the projector or the sheet so that the whole pattern falls on the sheet".into(),
+    })?;
+    if board.pairs.len() < expected {
+        notes.push(format!(
+            "{} of {expected} corners of the pattern are used: the others are hidden, outside the frame or beside the sheet",
+            board.pairs.len()
+        ));
+    }
+    Ok(board)
+}

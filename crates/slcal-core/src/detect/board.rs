@@ -1,0 +1,156 @@
+//! The projected checkerboard with every corner placed in the pattern and refined.
+
+use nalgebra::{Point2, Vector2};
+
+use super::anchor::{AnchoredCorner, Unanchored, anchor};
+use super::checkerboard::labelled_grids;
+use super::corner::refine;
+use super::lens::Lens;
+use crate::error::{Error, Result};
+use crate::geometry::Homography;
+use crate::observations::CornerPair;
+use crate::pattern::CheckerPattern;
+use crate::photo::GreyImage;
+use crate::solve::homography_from_points;
+
+/// The checkerboard as found in a photograph.
+#[derive(Debug, Clone)]
+pub(super) struct Board {
+    /// Refined corners, row-major.
+    pub(super) pairs: Vec<CornerPair>,
+    /// The lens that they show.
+    pub(super) lens: Lens,
+    /// Fitted to the straightened corners.
+    pub(super) straight_from_projector: Homography,
+    projector_from_straight: Homography,
+    /// Corners of the whole pattern.
+    pub(super) expected: usize,
+}
+
+/// Fewer corners than this do not fix a homography well enough to tell the sheet from the light field.
+const MIN_CORNERS: usize = 12;
+/// A refined corner may lie this part of a square from where it was first seen; further off, the fit took hold of
+/// something else.
+const MAX_SHIFT_SQUARES: f64 = 0.15;
+
+/// An edge pixel belongs to an edge between squares when it lies within this part of a square from it.
+const GRID_TOLERANCE: f64 = 0.15;
+
+impl Board {
+    /// Finds the pattern.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`] with what was seen instead.
+    pub(super) fn find(grey: &GreyImage, pattern: &CheckerPattern) -> Result<Self> {
+        let [columns, rows] = pattern.squares.map(|n| n.saturating_sub(1) as usize);
+        let expected = columns * rows;
+        let grids = labelled_grids(grey, expected);
+        let largest = grids.first().map_or(0, Vec::len);
+        let mut refusal = None;
+        for grid in grids.iter().filter(|g| g.len() >= MIN_CORNERS.min(expected)) {
+            match anchor(grey, grid, pattern) {
+                Ok(corners) => {
+                    if let Some(board) = Self::refined(grey, &corners, pattern, expected) {
+                        return Ok(board);
+                    }
+                }
+                Err(reason) => refusal = refusal.or(Some(reason)),
+            }
+        }
+        Err(not_found(largest, expected, pattern, refusal))
+    }
+
+    fn refined(
+        grey: &GreyImage,
+        corners: &[AnchoredCorner],
+        pattern: &CheckerPattern,
+        expected: usize,
+    ) -> Option<Self> {
+        let projector = |c: &AnchoredCorner| pattern.inner_corner(c.index[0], c.index[1]);
+        let raw: Vec<_> = corners.iter().map(|c| (projector(c), c.position)).collect();
+        let rough = homography_from_points(&raw).ok()?;
+        let mut pairs: Vec<([u32; 2], CornerPair)> = Vec::with_capacity(corners.len());
+        for corner in corners {
+            let at = projector(corner);
+            let jacobian = rough.jacobian(at) * pattern.square_px;
+            let steps: [Vector2<f64>; 2] = [jacobian.column(0).into_owned(), jacobian.column(1).into_owned()];
+            let Some(found) = refine(grey, corner.position, steps) else { continue };
+            let limit = MAX_SHIFT_SQUARES * steps[0].norm().min(steps[1].norm()).max(4.0);
+            if (found.position - corner.position).norm() <= limit {
+                let pair = CornerPair { camera: found.position, projector: at, sigma_px: found.sigma_px };
+                pairs.push((corner.index, pair));
+            }
+        }
+        if pairs.len() < MIN_CORNERS.min(expected) {
+            return None;
+        }
+        pairs.sort_by_key(|(index, _)| (index[1], index[0]));
+        let pairs: Vec<CornerPair> = pairs.into_iter().map(|(_, pair)| pair).collect();
+        let lens = Lens::from_corners(grey.width(), grey.height(), &pairs);
+        let (straight_from_projector, projector_from_straight) = fit(&pairs, &lens)?;
+        Some(Self { pairs, lens, straight_from_projector, projector_from_straight, expected })
+    }
+
+    /// Whether an edge at the straightened point `p` with unit normal `normal` is one between squares of the pattern.
+    pub(super) fn explains(&self, pattern: &CheckerPattern, p: Point2<f64>, normal: Vector2<f64>) -> bool {
+        let Some(at) = self.projector_from_straight.map(p) else { return false };
+        let square = (at - pattern.origin_px) / pattern.square_px;
+        let [columns, rows] = pattern.squares.map(f64::from);
+        let inside = |v: f64, n: f64| (-GRID_TOLERANCE..=n + GRID_TOLERANCE).contains(&v);
+        if !(inside(square.x, columns) && inside(square.y, rows)) {
+            return false;
+        }
+        // Normals map by the transposed Jacobian; the larger component tells which family of edges it is.
+        let n = self.straight_from_projector.jacobian(at).transpose() * normal;
+        let along = if n.x.abs() > n.y.abs() { square.x } else { square.y };
+        (along - along.round()).abs() <= GRID_TOLERANCE
+    }
+
+    /// The same board without the corners for which `keep` is false; `None` when too few are left.
+    pub(super) fn retain(mut self, keep: impl Fn(Point2<f64>) -> bool) -> Option<Self> {
+        self.pairs.retain(|pair| keep(pair.camera));
+        if self.pairs.len() < MIN_CORNERS.min(self.expected) {
+            return None;
+        }
+        Some(self)
+    }
+}
+
+/// `straight_from_projector` and its inverse.
+fn fit(pairs: &[CornerPair], lens: &Lens) -> Option<(Homography, Homography)> {
+    let points: Vec<_> = pairs.iter().map(|p| (p.projector, lens.straighten(p.camera))).collect();
+    let h = homography_from_points(&points).ok()?;
+    // The sign for which points of the board have positive weight: then what has a negative one is beyond the horizon.
+    let w = (h.0 * points[0].0.to_homogeneous()).z;
+    let h = Homography(h.0 * w.signum());
+    Some((h, h.inverse()?))
+}
+
+fn not_found(
+    largest: usize,
+    expected: usize,
+    pattern: &CheckerPattern,
+    refusal: Option<Unanchored>,
+) -> Error {
+    let [columns, rows] = pattern.squares;
+    let seen = match refusal {
+        None if largest == 0 => "no grid of checkerboard corners was seen in the photograph".to_string(),
+        None => format!("{largest} of {expected} corners of a {columns}x{rows} board were seen"),
+        Some(Unanchored::Misfit) => {
+            format!("a grid of {largest} corners was seen that is not part of a {columns}x{rows} board")
+        }
+        Some(Unanchored::Colors) => format!(
+            "a grid of {largest} corners was seen, but its squares and border are not those of the {columns}x{rows} pattern"
+        ),
+        Some(Unanchored::Ambiguous) => format!(
+            "{largest} of {expected} corners were seen, and they fit the {columns}x{rows} pattern in more than one place"
+        ),
+    };
+    Error::NotFound {
+        what: "checkerboard",
+        seen,
+        advice: "project the pattern of this file so that all of its squares and the border around them fall on the sheet, \
+                 sharp and inside the frame, with the room dark enough for the squares to be seen"
+            .into(),
+    }
+}

@@ -1,0 +1,46 @@
+//! The border of the projector's light on the sheet, known in the photograph once the pattern has been found.
+//!
+//! All points are straightened ones (see [`super::lens`]).
+
+use nalgebra::{Point2, Vector2};
+
+use crate::geometry::{Homography, Line};
+
+/// The images of the four borders of the panel, for what lies on the plane of the sheet.
+#[derive(Debug, Clone)]
+pub(super) struct LightField {
+    borders: Vec<Line>,
+}
+
+impl LightField {
+    /// No projector.
+    pub(super) fn none() -> Self {
+        Self { borders: Vec::new() }
+    }
+
+    pub(super) fn new(straight_from_projector: &Homography, panel: [u32; 2]) -> Self {
+        // The light of a pixel reaches half a pixel beyond its centre.
+        let (w, h) = (f64::from(panel[0]) - 0.5, f64::from(panel[1]) - 0.5);
+        let c = [Point2::new(-0.5, -0.5), Point2::new(w, -0.5), Point2::new(w, h), Point2::new(-0.5, h)];
+        let borders = (0..4)
+            .filter_map(|i| {
+                straight_from_projector.map_line(Line::through_pixels(c[i], c[(i + 1) % 4]))?.normalized()
+            })
+            .collect();
+        Self { borders }
+    }
+
+    /// Whether an edge at `p` with unit normal `normal` runs along a border: within `distance_px` and a few degrees.
+    pub(super) fn explains(&self, p: Point2<f64>, normal: Vector2<f64>, distance_px: f64) -> bool {
+        /// cos 4°: the border is predicted to a fraction of a degree, an edge's direction is measured to a few.
+        const PARALLEL: f64 = 0.9976;
+        self.borders.iter().any(|l| {
+            l.signed_distance_px(p).abs() <= distance_px && l.normal().dot(&normal).abs() >= PARALLEL
+        })
+    }
+
+    /// Distance from the nearest border, px.
+    pub(super) fn distance_px(&self, p: Point2<f64>) -> f64 {
+        self.borders.iter().map(|l| l.signed_distance_px(p).abs()).fold(f64::INFINITY, f64::min)
+    }
+}

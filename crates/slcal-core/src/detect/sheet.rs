@@ -1,0 +1,183 @@
+//! The sheet's outline: the quadrilateral, named from its top-left corner, with its sides measured.
+
+use nalgebra::{Point2, Vector2};
+
+use super::board::Board;
+use super::edge::{Light, measure_side};
+use super::edge_map::{EdgeMap, Edgel};
+use super::lens::Lens;
+use super::lines::find_lines;
+use super::quad::{Content, find_sheet};
+use crate::error::{Error, Result};
+use crate::observations::SheetObservation;
+use crate::pattern::CheckerPattern;
+use crate::photo::GreyImage;
+
+/// The outline and what is worth telling about it.
+#[derive(Debug, Clone)]
+pub(super) struct Sheet {
+    pub(super) observation: SheetObservation,
+    pub(super) notes: Vec<String>,
+}
+
+/// Corners pointed at by hand are off by about this part of the frame's diagonal.
+const HAND_SIGMA: f64 = 0.002;
+/// Sides are searched this far around corners pointed at by hand, as a part of the diagonal.
+const HAND_REACH: f64 = 0.008;
+/// The light's border on the sheet is predicted to within this many working pixels.
+const BORDER_DISTANCE: f64 = 2.0;
+
+/// A side found at working scale is known to within this many working pixels.
+const UNCERTAINTY: f64 = 3.0;
+
+/// Checks corners given by hand.
+pub(super) fn check_corners(corners: &[Point2<f64>; 4]) -> Result<()> {
+    let turn = |i: usize| {
+        let (a, b, c) = (corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]);
+        (b - a).perp(&(c - b))
+    };
+    let convex = (0..4).all(|i| turn(i).is_finite() && turn(i) > 0.0);
+    if convex {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        "corners",
+        "the four corners of a convex quadrilateral in the order TL, TR, BR, BL as the camera sees them",
+        format!("{:?}", corners.map(|c| (c.x, c.y))),
+    ))
+}
+
+/// Whether a point lies inside a convex quadrilateral given clockwise as seen.
+pub(super) fn contains(corners: &[Point2<f64>; 4], p: Point2<f64>) -> bool {
+    (0..4).all(|i| (corners[(i + 1) % 4] - corners[i]).perp(&(p - corners[i])) > 0.0)
+}
+
+/// Finds the sheet around the board, or the brightest one.
+pub(super) fn find(
+    grey: &GreyImage,
+    board: Option<(&Board, &CheckerPattern)>,
+    light: &Light<'_>,
+    by_hand: Option<[Point2<f64>; 4]>,
+) -> Result<Sheet> {
+    let diagonal = (grey.width() as f64).hypot(grey.height() as f64);
+    if let Some(corners) = by_hand {
+        return Ok(
+            match measure(grey, corners.map(|c| light.lens.straighten(c)), HAND_REACH * diagonal, light) {
+                Ok(observation) => Sheet { observation, notes: Vec::new() },
+                Err(side) => Sheet {
+                    observation: SheetObservation::Corners { corners, sigma_px: HAND_SIGMA * diagonal },
+                    notes: vec![format!(
+                        "the {side} side was not seen near the given corners: they are used as they are, uncertain by {:.1} px",
+                        HAND_SIGMA * diagonal
+                    )],
+                },
+            },
+        );
+    }
+    let outcome = match board {
+        Some(_) => search(grey, board, light, light.lens),
+        // Nothing tells the lens but the sheet's own sides: they are straight under the right one.
+        None => TRIED_LENSES
+            .iter()
+            .map(|&k| search(grey, None, light, &Lens::radial(grey.width(), grey.height(), k)))
+            .reduce(|best, next| if next.score > WORTHWHILE * best.score { next } else { best })
+            .unwrap_or_else(|| search(grey, None, light, light.lens)),
+    };
+    let Some(corners) = outcome.corners else { return Err(not_found(outcome.seen)) };
+    let light = Light { lens: &outcome.lens, ..*light };
+    let observation = measure(grey, corners, outcome.uncertainty_px, &light).map_err(|side| {
+        not_found(format!("a quadrilateral was seen, but its {side} side is not a clean edge"))
+    })?;
+    Ok(Sheet { observation, notes: Vec::new() })
+}
+
+/// Straightening coefficients tried when no board shows the lens (r = 1 at half the diagonal): barrel lenses of common
+/// cameras first of all.
+const TRIED_LENSES: [f64; 7] = [0.0, 0.03, 0.06, 0.1, 0.14, -0.03, -0.06];
+/// A lens is preferred over a weaker one when the sheet is seen this much better through it.
+const WORTHWHILE: f64 = 1.1;
+
+/// What a search of the whole photograph came to.
+struct Outcome {
+    lens: Lens,
+    /// TL, TR, BR, BL, straightened, px.
+    corners: Option<[Point2<f64>; 4]>,
+    score: f64,
+    uncertainty_px: f64,
+    /// For the message when there is no sheet.
+    seen: String,
+}
+
+fn search(
+    grey: &GreyImage,
+    board: Option<(&Board, &CheckerPattern)>,
+    light: &Light<'_>,
+    lens: &Lens,
+) -> Outcome {
+    let map = EdgeMap::new(grey, lens);
+    let foreign = |e: &Edgel| {
+        let p = map.to_photo(e.position);
+        light.field.explains(p, e.normal, BORDER_DISTANCE * map.factor as f64)
+            || board.is_some_and(|(board, pattern)| board.explains(pattern, p, e.normal))
+    };
+    let lines = find_lines(&map, |e| !foreign(e));
+    let (content, toward) = match board {
+        Some((board, _)) => {
+            let corners = board.pairs.iter().map(|p| map.to_working(lens.straighten(p.camera))).collect();
+            (Content::Board(corners), "towards the pattern")
+        }
+        None => (Content::Anything, "inside"),
+    };
+    let found = find_sheet(&map, &lines, &content, foreign);
+    let seen = format!(
+        "{} straight edges were seen, {} of them with their bright side {toward}, and {} quadrilaterals among these",
+        lines.len(),
+        found.lines,
+        found.quads
+    );
+    Outcome {
+        lens: *lens,
+        score: found.best.as_ref().map_or(0.0, |q| q.score),
+        corners: found.best.map(|q| named(q.corners.map(|c| map.to_photo(c)))),
+        uncertainty_px: UNCERTAINTY * map.factor as f64 + 1.0,
+        seen,
+    }
+}
+
+fn not_found(seen: String) -> Error {
+    Error::NotFound {
+        what: "sheet",
+        seen,
+        advice: "show the whole sheet on a background that is darker than it, with its four sides free, \
+                 or give its corners with --corners"
+            .into(),
+    }
+}
+
+/// Starts the clockwise corners at TL: the corner from which the next one lies most nearly along +x.
+fn named(corners: [Point2<f64>; 4]) -> [Point2<f64>; 4] {
+    let along = |i: usize| (corners[(i + 1) % 4] - corners[i]).normalize().x;
+    let first = (0..4).max_by(|&a, &b| along(a).total_cmp(&along(b))).unwrap_or(0);
+    std::array::from_fn(|i| corners[(first + i) % 4])
+}
+
+/// Measures the four sides between straightened corners; the name of the first that is not seen otherwise.
+fn measure(
+    grey: &GreyImage,
+    corners: [Point2<f64>; 4],
+    uncertainty_px: f64,
+    light: &Light<'_>,
+) -> std::result::Result<SheetObservation, &'static str> {
+    const NAMES: [&str; 4] = ["top", "right", "bottom", "left"];
+    /// Enough to follow the bend of a lens.
+    const PATH_POINTS: u32 = 17;
+    let mut sides: [Vec<_>; 4] = Default::default();
+    for i in 0..4 {
+        let (a, d) = (corners[i], corners[(i + 1) % 4] - corners[i]);
+        let on = |k: u32| light.lens.bend(a + d * (f64::from(k) / f64::from(PATH_POINTS - 1)));
+        let path: Vec<Point2<f64>> = (0..PATH_POINTS).map(on).collect();
+        let inward = Vector2::new(-d.y, d.x);
+        sides[i] = measure_side(grey, &path, inward, uncertainty_px, light).ok_or(NAMES[i])?;
+    }
+    Ok(SheetObservation::Edges(sides))
+}

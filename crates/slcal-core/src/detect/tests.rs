@@ -1,0 +1,269 @@
+//! The whole stage on drawn photographs with known truth, and on the rendered scenes where they are at hand.
+
+use std::path::PathBuf;
+
+use image::{DynamicImage, GrayImage, Luma};
+use nalgebra::{Matrix3, Point2};
+
+use super::*;
+use crate::geometry::{Homography, Line};
+use crate::pattern::SquareColor;
+use crate::solve::homography_from_points;
+
+fn pattern() -> CheckerPattern {
+    CheckerPattern {
+        projector: [1024, 768],
+        squares: [11, 8],
+        square_px: 48.0,
+        origin_px: Point2::new(247.5, 191.5),
+        first_square: SquareColor::Black,
+        background: SquareColor::White,
+    }
+}
+
+/// A drawn photograph: a sheet and the pattern's light on it, and nothing else.
+struct Drawn {
+    size: [u32; 2],
+    sheet: [Point2<f64>; 4],
+    camera_from_projector: Option<Homography>,
+}
+
+impl Drawn {
+    /// A tilted sheet with the whole pattern on it, scaled to a photograph `width` pixels wide.
+    fn tilted(width: u32) -> Self {
+        let s = f64::from(width) / 640.0;
+        let p = |x: f64, y: f64| Point2::new(x * s, y * s);
+        let panel = [p(120.0, 40.0), p(640.0, 30.0), p(635.0, 440.0), p(165.0, 400.0)];
+        let border = [(-0.5, -0.5), (1023.5, -0.5), (1023.5, 767.5), (-0.5, 767.5)];
+        let pairs: Vec<_> = border.iter().map(|b| Point2::new(b.0, b.1)).zip(panel).collect();
+        Self {
+            size: [width, width * 3 / 4],
+            sheet: [p(100.3, 86.6), p(554.0, 73.8), p(556.6, 404.9), p(168.4, 347.0)],
+            camera_from_projector: Some(homography_from_points(&pairs).unwrap()),
+        }
+    }
+
+    /// The same photograph with the camera turned upside down.
+    fn turned(&self) -> Self {
+        let (w, h) = (f64::from(self.size[0]) - 1.0, f64::from(self.size[1]) - 1.0);
+        let turn = |p: Point2<f64>| Point2::new(w - p.x, h - p.y);
+        let s = self.sheet.map(turn);
+        let half = Homography(Matrix3::new(-1.0, 0.0, w, 0.0, -1.0, h, 0.0, 0.0, 1.0));
+        Self {
+            size: self.size,
+            sheet: [s[2], s[3], s[0], s[1]],
+            camera_from_projector: self.camera_from_projector.map(|c| half.compose(&c)),
+        }
+    }
+
+    fn light(&self, p: Point2<f64>, projector_from_camera: Option<&Homography>) -> f64 {
+        if !sheet::contains(&self.sheet, p) {
+            return 0.02;
+        }
+        let lit = projector_from_camera.and_then(|h| h.map(p)).map_or(0.0, |q| {
+            let pattern = pattern();
+            let on_panel = (-0.5..1023.5).contains(&q.x) && (-0.5..767.5).contains(&q.y);
+            let s = (q - pattern.origin_px) / pattern.square_px;
+            let on_board = (0.0..11.0).contains(&s.x) && (0.0..8.0).contains(&s.y);
+            let black = on_board && (s.x.floor() + s.y.floor()) as i32 % 2 == 0;
+            f64::from(u8::from(on_panel && !black))
+        });
+        0.15 + 0.6 * lit
+    }
+
+    fn draw(&self) -> DynamicImage {
+        const SUB: i32 = 6;
+        let inverse = self.camera_from_projector.map(|h| h.inverse().unwrap());
+        let image = GrayImage::from_fn(self.size[0], self.size[1], |x, y| {
+            let mut sum = 0.0;
+            for j in 0..SUB {
+                for i in 0..SUB {
+                    let offset = |k: i32| (f64::from(k) + 0.5) / f64::from(SUB) - 0.5;
+                    sum += self.light(
+                        Point2::new(f64::from(x) + offset(i), f64::from(y) + offset(j)),
+                        inverse.as_ref(),
+                    );
+                }
+            }
+            let code = Encoding::Srgb.from_linear(sum / f64::from(SUB * SUB)) * 255.0;
+            Luma([code.round() as u8])
+        });
+        DynamicImage::ImageLuma8(image)
+    }
+
+    fn observe(&self, pattern: Option<&CheckerPattern>) -> Result<Detection> {
+        let image = self.draw();
+        let size = RectangleSize::new(594.0, 420.0)?;
+        observe(PhotoView::try_from(&image)?, None, size, pattern, &DetectConfig::default())
+    }
+
+    fn assert_found(&self, detection: &Detection, scale: f64) {
+        let corners = detection.observation.sheet.corners().unwrap();
+        for (found, truth) in corners.iter().zip(&self.sheet) {
+            assert!((found - truth).norm() < 0.05 * scale, "{found} for {truth}");
+        }
+        if let SheetObservation::Edges(sides) = &detection.observation.sheet {
+            for (i, side) in sides.iter().enumerate() {
+                let line = Line::through_pixels(self.sheet[i], self.sheet[(i + 1) % 4]).normalized().unwrap();
+                let mean =
+                    side.iter().map(|p| line.signed_distance_px(p.position)).sum::<f64>() / side.len() as f64;
+                assert!(mean.abs() < 0.02 * scale, "side {i}: {mean}");
+            }
+        }
+        let h = self.camera_from_projector.unwrap();
+        for pair in &detection.observation.pairs {
+            let error = (h.map(pair.projector).unwrap() - pair.camera).norm();
+            assert!(error < 0.05 * scale, "{:?} is off by {error}", pair.projector);
+        }
+    }
+}
+
+#[test]
+fn finds_sheet_and_pattern_to_sub_pixel() {
+    let drawn = Drawn::tilted(640);
+    let detection = drawn.observe(Some(&pattern())).unwrap();
+    assert_eq!(detection.observation.pairs.len(), 70, "{:?}", detection.notes);
+    drawn.assert_found(&detection, 1.0);
+}
+
+#[test]
+fn a_large_photograph_gives_the_same() {
+    let drawn = Drawn::tilted(2600);
+    let detection = drawn.observe(Some(&pattern())).unwrap();
+    assert_eq!(detection.observation.pairs.len(), 70, "{:?}", detection.notes);
+    drawn.assert_found(&detection, 2.0);
+}
+
+#[test]
+fn the_half_turn_is_resolved_and_the_sheet_named_as_the_camera_sees_it() {
+    let drawn = Drawn::tilted(640).turned();
+    let detection = drawn.observe(Some(&pattern())).unwrap();
+    assert_eq!(detection.observation.pairs.len(), 70, "{:?}", detection.notes);
+    drawn.assert_found(&detection, 1.0);
+}
+
+#[test]
+fn without_a_pattern_the_bright_quadrilateral_is_the_sheet() {
+    let drawn = Drawn { camera_from_projector: None, ..Drawn::tilted(640) };
+    let corners = drawn.observe(None).unwrap().observation.sheet.corners().unwrap();
+    for (found, truth) in corners.iter().zip(&drawn.sheet) {
+        assert!((found - truth).norm() < 0.05, "{found} for {truth}");
+    }
+}
+
+#[test]
+fn a_sheet_without_a_pattern_and_a_dark_room_are_not_found() {
+    let bare = Drawn { camera_from_projector: None, ..Drawn::tilted(640) };
+    let error = bare.observe(Some(&pattern())).unwrap_err();
+    assert!(matches!(error, Error::NotFound { what: "checkerboard", .. }), "{error}");
+    for level in [0_u8, 128] {
+        let flat = DynamicImage::ImageLuma8(GrayImage::from_pixel(640, 480, Luma([level])));
+        let size = RectangleSize::new(594.0, 420.0).unwrap();
+        let view = PhotoView::try_from(&flat).unwrap();
+        let error = observe(view, None, size, None, &DetectConfig::default()).unwrap_err();
+        assert!(matches!(error, Error::NotFound { what: "sheet", .. }), "{error}");
+    }
+}
+
+#[test]
+fn tiny_photographs_are_refused_without_a_panic() {
+    for (w, h) in [(1, 1), (3, 700), (17, 16), (40, 30)] {
+        let image =
+            DynamicImage::ImageLuma8(GrayImage::from_fn(w, h, |x, y| Luma([(x * 40 + y * 13) as u8])));
+        let size = RectangleSize::new(594.0, 420.0).unwrap();
+        for p in [None, Some(&pattern())] {
+            let view = PhotoView::try_from(&image).unwrap();
+            assert!(observe(view, None, size, p, &DetectConfig::default()).is_err());
+        }
+    }
+}
+
+#[test]
+fn a_pattern_cut_by_the_frame_is_placed_by_its_border_or_refused() {
+    let whole = Drawn::tilted(640);
+    // The left part cut away: two columns of squares and the border beside them are lost.
+    let cut = whole.draw().crop_imm(300, 0, 340, 480);
+    let size = RectangleSize::new(594.0, 420.0).unwrap();
+    let config = DetectConfig {
+        corners: Some(whole.sheet.map(|p| Point2::new(p.x - 300.0, p.y))),
+        ..DetectConfig::default()
+    };
+    let detection =
+        observe(PhotoView::try_from(&cut).unwrap(), None, size, Some(&pattern()), &config).unwrap();
+    let h = whole.camera_from_projector.unwrap();
+    assert!(detection.observation.pairs.len() < 70);
+    for pair in &detection.observation.pairs {
+        let truth = h.map(pair.projector).unwrap() - nalgebra::Vector2::new(300.0, 0.0);
+        let error = (truth - pair.camera).norm();
+        assert!(error < 0.05, "{:?} is off by {error}", pair.projector);
+    }
+}
+
+#[test]
+fn corners_by_hand_are_measured_or_kept() {
+    let drawn = Drawn::tilted(640);
+    let image = drawn.draw();
+    let size = RectangleSize::new(594.0, 420.0).unwrap();
+    let near = drawn.sheet.map(|p| p + nalgebra::Vector2::new(1.5, -2.0));
+    let config = DetectConfig { corners: Some(near), ..DetectConfig::default() };
+    let view = PhotoView::try_from(&image).unwrap();
+    let found = observe(view, None, size, Some(&pattern()), &config).unwrap();
+    assert!(found.notes.is_empty(), "{:?}", found.notes);
+    drawn.assert_found(&found, 1.0);
+
+    let elsewhere = drawn.sheet.map(|p| Point2::new(320.0, 240.0) + (p - Point2::new(320.0, 240.0)) * 1.3);
+    let config = DetectConfig { corners: Some(elsewhere), ..DetectConfig::default() };
+    let kept = observe(view, None, size, Some(&pattern()), &config).unwrap();
+    assert!(
+        matches!(kept.observation.sheet, SheetObservation::Corners { corners, .. } if corners == elsewhere)
+    );
+    assert_eq!(kept.notes.len(), 1);
+
+    let crossed = [near[0], near[2], near[1], near[3]];
+    let config = DetectConfig { corners: Some(crossed), ..DetectConfig::default() };
+    assert!(matches!(observe(view, None, size, None, &config), Err(Error::Invalid { .. })));
+}
+
+/// The rendered scenes beside the repository, or `None` where there are none.
+fn rendered() -> Option<PathBuf> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/rendered");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("skipped: the rendered scenes are not at hand");
+    None
+}
+
+#[test]
+fn rendered_corners_are_within_hundredths_of_a_pixel_of_the_truth() {
+    let Some(folder) = rendered() else { return };
+    // (scene, rms per coordinate of the corners allowed, px): the last has 3 % of noise at a tenth of the contrast.
+    for (scene, limit) in [
+        ("paper_tilted", 0.01),
+        ("paper_lensshift", 0.01),
+        ("pair_a", 0.01),
+        ("pair_b", 0.01),
+        ("dark_clutter", 0.03),
+    ] {
+        let image = image::open(folder.join(scene).join("checker.png")).unwrap();
+        let size = RectangleSize::new(594.0, 420.0).unwrap();
+        let view = PhotoView::try_from(&image).unwrap();
+        let found = observe(view, None, size, Some(&pattern()), &DetectConfig::default()).unwrap();
+        let truth = std::fs::read(folder.join(scene).join("checker_corners.json")).unwrap();
+        let truth: serde_json::Value = serde_json::from_slice(&truth).unwrap();
+        let points = |key: &str| -> Vec<Point2<f64>> {
+            let list = truth[key].as_array().unwrap();
+            list.iter().map(|p| Point2::new(p[0].as_f64().unwrap(), p[1].as_f64().unwrap())).collect()
+        };
+        let (projector, camera) = (points("corners_projector_px"), points("corners_camera_px"));
+        let pairs = &found.observation.pairs;
+        assert_eq!(pairs.len(), 70, "{scene}");
+        let mut sum = 0.0;
+        for pair in pairs {
+            let k = projector.iter().position(|p| (p - pair.projector).norm() < 1e-6).unwrap();
+            sum += (pair.camera - camera[k]).norm_squared();
+        }
+        let rms = (sum / pairs.len() as f64 / 2.0).sqrt();
+        assert!(rms < limit, "{scene}: {rms} px");
+    }
+}
