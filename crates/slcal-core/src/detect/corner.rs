@@ -4,14 +4,14 @@
 //! normals n₁, n₂ and blur s; m, g, a, h take up the illumination and its slope. Fitted by Levenberg–Marquardt to linear
 //! light. The centre of the erf pair is the corner whatever the blur, so that defocus does not bias it.
 
-use nalgebra::{Matrix2, Point2, SMatrix, SVector, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Point2, SVector, Vector2};
 
 use crate::photo::GreyImage;
+use crate::solve::{Block, Loss, Problem, covariance, minimise};
 
 /// Parameters: c (2), θ₁, θ₂, s, m, g (2), a, h (2).
 const N: usize = 11;
 type Params = SVector<f64, N>;
-type Normal = SMatrix<f64, N, N>;
 
 /// The window reaches this part of the way to the nearest neighbouring corner, so that it stays inside the squares.
 const WINDOW_FRACTION: f64 = 0.4;
@@ -22,9 +22,6 @@ const MAX_RADIUS_SAMPLES: f64 = 12.0;
 const MIN_RADIUS_SAMPLES: f64 = 2.5;
 /// The pixel is integrated over this many points per side, each standing for its part of the pixel.
 const SUBSAMPLES: usize = 4;
-const MAX_STEPS: usize = 60;
-/// The fit has converged when the corner moves by less than this, in samples: a hundredth of what it is good for.
-const STEP_SAMPLES: f64 = 1e-4;
 /// Squares that differ by less than twice this, in linear light, are below one step of an 8-bit photograph.
 const MIN_AMPLITUDE: f64 = 1e-4;
 /// What remains of perspective, shading and the pixel grid after the fit, in samples: measured on rendered boards with
@@ -62,7 +59,7 @@ pub(super) fn refine(grey: &GreyImage, start: Point2<f64>, steps: [Vector2<f64>;
         return None;
     }
     let position = window.origin + c * block as f64;
-    let variance = (fit.covariance[(0, 0)] + fit.covariance[(1, 1)]) / 2.0 + MODEL_SIGMA_SAMPLES.powi(2);
+    let variance = fit.covariance.trace() / 2.0 + MODEL_SIGMA_SAMPLES.powi(2);
     Some(Refined { position, sigma_px: variance.sqrt() * block as f64 })
 }
 
@@ -70,6 +67,8 @@ pub(super) fn refine(grey: &GreyImage, start: Point2<f64>, steps: [Vector2<f64>;
 struct Window {
     origin: Point2<f64>,
     samples: Vec<(Vector2<f64>, f64)>,
+    radius: f64,
+    block: Block,
 }
 
 struct Fit {
@@ -103,7 +102,8 @@ impl Window {
                 samples.push((at, f64::from(sum) / (block * block) as f64));
             }
         }
-        Some(Self { origin, samples })
+        let block = Block { len: samples.len(), loss: Loss::Square };
+        Some(Self { origin, samples, radius, block })
     }
 
     /// The mean over a sample of the product of edges, and its derivatives by c, θ₁, θ₂, s, and the mean of q·E.
@@ -166,64 +166,43 @@ impl Window {
         }
     }
 
-    fn normal_equations(&self, p: &Params) -> (Normal, Params, f64) {
-        let (mut jtj, mut jtr, mut cost) = (Normal::zeros(), Params::zeros(), 0.0);
-        for &(at, light) in &self.samples {
-            let (value, j) = Self::model(p, at);
-            let r = light - value;
-            jtj.ger(1.0, &j, &j, 1.0);
-            jtr += j * r;
-            cost += r * r;
-        }
-        (jtj, jtr, cost)
-    }
-
     fn fit(&self, start: Params) -> Option<Fit> {
-        let mut p = start;
-        let (mut jtj, mut jtr, mut cost) = self.normal_equations(&p);
-        let mut damping = 1e-3;
-        let mut converged = false;
-        for _ in 0..MAX_STEPS {
-            let mut damped = jtj;
-            for i in 0..N {
-                damped[(i, i)] += damping * jtj[(i, i)] + 1e-12 * jtj[(5, 5)];
-            }
-            let step = damped.cholesky()?.solve(&jtr);
-            let mut next = p + step;
-            next[4] = next[4].abs().clamp(0.02, 20.0);
-            let (jtj2, jtr2, cost2) = self.normal_equations(&next);
-            if !cost2.is_finite() {
-                return None;
-            }
-            let small = step.fixed_rows::<2>(0).norm() < STEP_SAMPLES;
-            let flat = (cost - cost2).abs() <= 1e-6 * cost;
-            if cost2 <= cost {
-                (p, jtj, jtr, cost) = (next, jtj2, jtr2, cost2);
-                damping = (damping * 0.2).max(1e-9);
-                if small || flat {
-                    converged = true;
-                    break;
-                }
-            } else {
-                damping *= 6.0;
-                // No smaller step goes down: this is the minimum to within rounding.
-                if small || flat || damping > 1e9 {
-                    converged = true;
-                    break;
-                }
-            }
-        }
-        let freedom = self.samples.len() as f64 - N as f64;
-        if !converged || freedom <= 0.0 {
+        let count = self.samples.len();
+        let freedom = count as f64 - N as f64;
+        if freedom <= 0.0 {
             return None;
         }
-        let variance = cost / freedom;
-        let mut regular = jtj;
-        for i in 0..N {
-            regular[(i, i)] += 1e-12 * jtj[(5, 5)];
+        let minimum = minimise(self, start)?;
+        let variance = minimum.cost / freedom;
+        let covariance = covariance(&self.jacobian(&minimum.state)?)?.fixed_view::<2, 2>(0, 0) * variance;
+        Some(Fit { params: minimum.state, rms: variance.sqrt(), covariance })
+    }
+}
+
+impl Problem for Window {
+    type State = Params;
+
+    fn blocks(&self) -> &[Block] {
+        std::slice::from_ref(&self.block)
+    }
+
+    fn residuals(&self, p: &Params) -> Option<DVector<f64>> {
+        let residual = |&(at, light): &(Vector2<f64>, f64)| Self::model(p, at).0 - light;
+        Some(DVector::from_iterator(self.samples.len(), self.samples.iter().map(residual)))
+    }
+
+    fn jacobian(&self, p: &Params) -> Option<DMatrix<f64>> {
+        let mut jacobian = DMatrix::zeros(self.samples.len(), N);
+        for (mut row, (at, _)) in jacobian.row_iter_mut().zip(&self.samples) {
+            row.copy_from(&Self::model(p, *at).1.transpose());
         }
-        let covariance = regular.cholesky()?.inverse().fixed_view::<2, 2>(0, 0) * variance;
-        Some(Fit { params: p, rms: variance.sqrt(), covariance })
+        Some(jacobian)
+    }
+
+    fn step(&self, p: &Params, delta: &DVector<f64>) -> Option<Params> {
+        let next = p + Params::from_column_slice(delta.as_slice());
+        // A corner that leaves its window, or is blurred beyond it, is none.
+        (next.fixed_rows::<2>(0).norm() < self.radius && next[4].abs() < self.radius).then_some(next)
     }
 }
 

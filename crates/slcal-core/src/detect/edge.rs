@@ -267,7 +267,7 @@ struct Plateau {
 
 /// Positions from the integrals of profiles.
 fn locate(scan: Scan, profiles: &[Profile]) -> Option<Vec<Crossing>> {
-    let mut steps: Vec<f64> = profiles.iter().map(|p| p.levels()).map(|(low, high)| high - low).collect();
+    let mut steps: Vec<f64> = profiles.iter().map(Profile::levels).map(|(low, high)| high - low).collect();
     let typical = median(&mut steps)?;
     let usable: Vec<&Profile> = profiles
         .iter()

@@ -50,7 +50,7 @@ impl Lens {
                 low = high - width;
             }
         }
-        let k = (low + high) / 2.0;
+        let k = f64::midpoint(low, high);
         if rms(k) < WORTHWHILE * rms(0.0) { lens(k) } else { lens(0.0) }
     }
 

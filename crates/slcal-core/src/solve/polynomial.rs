@@ -17,7 +17,7 @@ impl Polynomial {
     pub fn fit(samples: &[(f64, f64, f64)], degree: usize) -> Option<Self> {
         let (low, high) =
             samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s.0), h.max(s.0)));
-        let (centre, scale) = ((low + high) / 2.0, (high - low) / 2.0);
+        let (centre, scale) = (f64::midpoint(low, high), (high - low) / 2.0);
         if !(scale.is_finite() && scale > 0.0) {
             return None;
         }
