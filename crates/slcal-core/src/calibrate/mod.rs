@@ -21,6 +21,8 @@ mod refine;
 mod residual;
 mod start;
 mod transposed;
+mod two_vp;
+mod two_vp_rig;
 mod verdict;
 
 pub use config::{CalibrateConfig, DistortionModel, Method, PrincipalPointRule};
@@ -65,13 +67,16 @@ pub struct Calibration {
 /// `config.allow_degenerate` is not set.
 pub fn calibrate_observations(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
     check::check(observations, config)?;
-    maximum_likelihood(observations, config)
+    match config.method {
+        Method::Ml => maximum_likelihood(observations, config),
+        Method::TwoVp => two_vp_rig::calibrate(observations, config),
+    }
 }
 
 fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
     let solved = ml::solve(observations, config)?;
     let mut judgement = verdict::judge(&solved, config);
-    if let Some(hint) = transposed::hint(observations, config, &solved) {
+    if let Some(hint) = transposed::hint(observations, config) {
         judgement.advice = format!("{} ({})", hint.advice, hint.message);
         judgement.warnings.insert(0, hint);
     }
@@ -95,6 +100,8 @@ fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> 
     Ok(Calibration { rig, report })
 }
 
+#[cfg(test)]
+mod monte_carlo;
 #[cfg(test)]
 mod scene;
 #[cfg(test)]
