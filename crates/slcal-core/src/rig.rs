@@ -1,6 +1,6 @@
 //! A calibrated rig: the hand-over from `calibrate` to everything that uses it.
 
-use nalgebra::{DMatrix, Point2, Vector3};
+use nalgebra::{DMatrix, Matrix3, Point2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Camera, Pose, RectangleSize, VanishingPoints};
@@ -145,10 +145,63 @@ impl Rig {
         self.stereo.map(|s| s.projector_from_camera.translation.norm())
     }
 
+    /// 1σ of [`baseline_mm`](Self::baseline_mm), mm, from the covariance of the whole estimate: the components of t are
+    /// strongly correlated, so that their own σ would not do. `None` where the rig has no such covariance.
+    #[must_use]
+    pub fn baseline_sigma_mm(&self) -> Option<f64> {
+        let covariance = self.covariance.as_ref()?;
+        let mut at = [0; 3];
+        for (index, name) in at.iter_mut().zip(["tx_mm", "ty_mm", "tz_mm"]) {
+            let name = format!("projector_from_camera.{name}");
+            *index = covariance.parameters.iter().position(|p| *p == name)?;
+        }
+        let along = self.stereo?.projector_from_camera.translation.try_normalize(0.0)?;
+        let of_t = Matrix3::from_fn(|i, j| covariance.matrix.get((at[i], at[j])).copied().unwrap_or(f64::NAN));
+        let variance = (along.transpose() * of_t * along)[0];
+        (variance >= 0.0).then(|| variance.sqrt())
+    }
+
     /// The camera's viewing direction onto the sheet of view `i`: angle between optical axis and the sheet's normal, rad.
     #[must_use]
     pub fn tilt_rad(&self, i: usize) -> Option<f64> {
         let view = self.views.get(i)?;
         Some((view.camera_from_sheet.rotation * Vector3::z()).angle(&Vector3::z()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Distortion, Intrinsics};
+
+    #[test]
+    fn the_baselines_sigma_counts_correlations() {
+        let model = Camera {
+            width: 640,
+            height: 480,
+            intrinsics: Intrinsics::square(800.0, Point2::new(319.5, 239.5)),
+            distortion: Distortion::default(),
+        };
+        // t = 5 along (3, 4, 0)/5; an error of it across the baseline only, fully correlated between x and y.
+        let across = Vector3::new(-0.8, 0.6, 0.0) * 2.0;
+        let pose = Pose { translation: Vector3::new(3.0, 4.0, 0.0), ..Pose::identity() };
+        let mut rig = Rig {
+            camera: Device { model, sigma: None },
+            projector: Some(Device { model, sigma: None }),
+            stereo: Some(StereoPose { projector_from_camera: pose, sigma_t_mm: None, sigma_r_rad: None }),
+            views: Vec::new(),
+            method: "ml".into(),
+            quality: None,
+            covariance: None,
+        };
+        assert_eq!(rig.baseline_mm(), Some(5.0));
+        assert_eq!(rig.baseline_sigma_mm(), None);
+        let along = Vector3::new(0.6, 0.8, 0.0);
+        let matrix = across * across.transpose() + along * along.transpose() * 0.25;
+        rig.covariance = Some(Covariance {
+            parameters: ["tx_mm", "ty_mm", "tz_mm"].map(|n| format!("projector_from_camera.{n}")).to_vec(),
+            matrix: DMatrix::from_iterator(3, 3, matrix.iter().copied()),
+        });
+        assert!((rig.baseline_sigma_mm().unwrap() - 0.5).abs() < 1e-12);
     }
 }
