@@ -4,7 +4,7 @@ use std::process::{Command, Stdio};
 
 use crate::bench;
 
-const VERBS: [&str; 2] = ["pattern checker", "pattern stripes"];
+const VERBS: [&str; 4] = ["pattern checker", "pattern stripes", "calibrate", "rectify"];
 
 #[test]
 fn every_verb_has_help_with_a_worked_example() {

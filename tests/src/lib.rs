@@ -1,4 +1,6 @@
-//! Runs of the real binary in fresh folders.
+//! Runs of the real binary in fresh folders, and photographs for it to look at.
+
+mod scene;
 
 use std::fs;
 use std::io::Write as _;
@@ -6,6 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
+
+pub use scene::Scene;
 
 /// A fresh folder in which a binary runs; removed at the end.
 #[derive(Debug)]

@@ -37,6 +37,19 @@ pub(crate) enum Verb {
     /// Draw the pattern to project.
     #[command(subcommand)]
     Pattern(PatternVerb),
+    /// Calibrate from photographs of a sheet with the checkerboard projected onto it.
+    #[command(
+        after_help = "Example:\n  slcal calibrate photo.jpg --size A2-landscape --pattern checker.json -o rig.json\n\n\
+                            The width is the side that runs most nearly along the image's x axis. Without --pattern the \
+                            camera alone\nis calibrated."
+    )]
+    Calibrate(CalibrateArgs),
+    /// Draw the picture that appears as an upright rectangle on the sheet.
+    #[command(
+        after_help = "Examples:\n  slcal rectify --rig rig.json --pattern checker.json -o straight.png\n  \
+                            slcal rectify --rig rig.json --image poster.jpg -o straight.png"
+    )]
+    Rectify(RectifyArgs),
 }
 
 #[derive(Debug, Args)]
@@ -404,6 +417,27 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn values_may_start_with_a_minus_sign() {
+        let cli = Cli::try_parse_from([
+            "slcal",
+            "calibrate",
+            "a.png",
+            "--size",
+            "A4",
+            "--corners",
+            "-12,40 1,2 3,4 5,6",
+            "--camera-pp",
+            "-3,4",
+            "-o",
+            "r.json",
+        ])
+        .unwrap();
+        let Verb::Calibrate(args) = cli.verb else { panic!("another verb") };
+        assert_eq!(args.corners[0][0], Point2::new(-12.0, 40.0));
+        assert_eq!(args.camera_pp, PrincipalPointArg::At(Point2::new(-3.0, 4.0)));
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod io;
 mod output;
 mod overlay;
 mod size;
+mod summary;
 mod verbs;
 
 use std::ffi::OsString;

@@ -2,7 +2,7 @@
 
 use image::{DynamicImage, Rgb, RgbImage};
 use nalgebra::Point2;
-use slcal_core::{EdgePoint, Matches, SheetObservation, ViewObservation};
+use slcal_core::{Matches, SheetObservation, ViewObservation};
 
 /// Lines of one photographic pixel per this many pixels of the longer side, so that a figure looks the same at any
 /// resolution.
@@ -42,10 +42,9 @@ impl Overlay {
             self.draw_sheet(&corners);
         }
         if let SheetObservation::Edges(sides) = &view.sheet {
-            sides
-                .iter()
-                .flatten()
-                .for_each(|p: &EdgePoint| self.disc(p.position, 0.8 * self.line, EDGE_POINT));
+            for point in sides.iter().flatten() {
+                self.disc(point.position, 1.2 * self.line, EDGE_POINT);
+            }
         }
         for pair in view.pairs.windows(2) {
             // Within a row only: the way back to the next row's start would cross the board.
@@ -68,7 +67,7 @@ impl Overlay {
         );
         for (corner, name) in corners.iter().zip(["TL", "TR", "BR", "BL"]) {
             let inwards = (centre - corner).try_normalize(0.0).unwrap_or_default();
-            self.label(corner + inwards * (14.0 * self.line), name, SHEET);
+            self.label(corner + inwards * (24.0 * self.line), name, SHEET);
         }
     }
 

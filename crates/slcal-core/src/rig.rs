@@ -156,7 +156,8 @@ impl Rig {
             *index = covariance.parameters.iter().position(|p| *p == name)?;
         }
         let along = self.stereo?.projector_from_camera.translation.try_normalize(0.0)?;
-        let of_t = Matrix3::from_fn(|i, j| covariance.matrix.get((at[i], at[j])).copied().unwrap_or(f64::NAN));
+        let of_t =
+            Matrix3::from_fn(|i, j| covariance.matrix.get((at[i], at[j])).copied().unwrap_or(f64::NAN));
         let variance = (along.transpose() * of_t * along)[0];
         (variance >= 0.0).then(|| variance.sqrt())
     }

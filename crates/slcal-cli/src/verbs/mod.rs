@@ -1,6 +1,8 @@
 //! One file per verb: load → one call of the core → print or write.
 
+mod calibrate;
 mod pattern;
+mod rectify;
 
 use crate::args::Verb;
 use crate::exit::Outcome;
@@ -9,5 +11,7 @@ use crate::output::Printer;
 pub(crate) fn run(verb: Verb, printer: Printer) -> Outcome {
     match verb {
         Verb::Pattern(verb) => pattern::run(verb, printer),
+        Verb::Calibrate(args) => calibrate::run(&args, printer),
+        Verb::Rectify(args) => rectify::run(&args, printer),
     }
 }
