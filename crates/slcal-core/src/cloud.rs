@@ -1,9 +1,11 @@
 //! Points in space: the hand-over from `reconstruct` to files, viewers and `evaluate`.
 
 use nalgebra::{Point2, Point3};
+use serde::{Deserialize, Serialize};
 
 /// The coordinate frame of a cloud.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Frame {
     /// x right, y down, z forward from the camera's centre.
     #[default]

@@ -1,1 +1,249 @@
-//! Matches and rig → points in space.
+//! Matches + [`Rig`] → [`PointCloud`]: triangulation, removal of outliers, mesh.
+
+mod cull;
+mod triangulate;
+
+pub use cull::{CullReport, CullRule, cull};
+pub use triangulate::{TriangulateConfig, TriangulateReport, triangulate};
+
+use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
+
+use crate::cloud::{Frame, PointCloud};
+use crate::decode::{DecodeConfig, DecodeInput, DecodeReport, decode_frames};
+use crate::error::{Error, Result};
+use crate::matches::Matches;
+use crate::pattern::StripePattern;
+use crate::photo::PhotoView;
+use crate::rig::Rig;
+
+/// How to reconstruct.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ReconstructConfig {
+    /// Photograph → matches.
+    pub decode: DecodeConfig,
+    /// Matches → points.
+    pub triangulate: TriangulateConfig,
+    /// Which triangles and outliers go.
+    pub cull: CullRule,
+    /// Whose coordinates the cloud has.
+    pub frame: Frame,
+    /// Whether the cloud keeps its triangles.
+    pub mesh: bool,
+}
+
+/// A cloud and what happened on the way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reconstruction {
+    /// The points, and triangles if asked for.
+    pub cloud: PointCloud,
+    /// What was seen in the photograph; `None` when the matches were given.
+    pub decode: Option<DecodeReport>,
+    /// Matches that became no point.
+    pub triangulate: TriangulateReport,
+    /// What was removed.
+    pub cull: CullReport,
+}
+
+/// Reconstructs one photograph after another with the same rig and pattern.
+#[derive(Debug, Clone)]
+pub struct Reconstructor {
+    rig: Rig,
+    pattern: StripePattern,
+    config: ReconstructConfig,
+}
+
+impl Reconstructor {
+    /// Checks that rig, pattern and configuration fit together.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a rig without a projector, a pattern for another panel, the sheet's frame with a rig that
+    /// has no views, or a configuration out of range.
+    pub fn new(rig: &Rig, pattern: &StripePattern, config: ReconstructConfig) -> Result<Self> {
+        config.decode.validate()?;
+        config.triangulate.validate()?;
+        pattern.validate()?;
+        let Some(projector) = rig.projector else {
+            return Err(Error::invalid(
+                "rig",
+                "a calibrated projector (calibrate with --pattern)",
+                "a rig that holds the camera alone",
+            ));
+        };
+        let panel = [projector.model.width, projector.model.height];
+        if panel != pattern.projector {
+            return Err(Error::invalid(
+                "stripe pattern",
+                format!("a pattern for the rig's projector of {}x{} px", panel[0], panel[1]),
+                format!("one for {}x{} px", pattern.projector[0], pattern.projector[1]),
+            ));
+        }
+        if config.frame == Frame::Plane {
+            first_view(rig)?;
+        }
+        Ok(Self { rig: rig.clone(), pattern: pattern.clone(), config })
+    }
+
+    /// The cloud of one photograph.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a photograph of another size than the rig's camera; what [`crate::decode::decode`] says.
+    pub fn reconstruct(&mut self, photo: PhotoView<'_>) -> Result<Reconstruction> {
+        self.reconstruct_frames(&DecodeInput { photo, black: None, white: None })
+    }
+
+    /// The cloud of one scene with photographs of the dark and the white projector beside the striped one.
+    ///
+    /// # Errors
+    /// As [`Reconstructor::reconstruct`].
+    pub fn reconstruct_frames(&mut self, input: &DecodeInput<'_>) -> Result<Reconstruction> {
+        let camera = &self.rig.camera.model;
+        let found = (input.photo.width(), input.photo.height());
+        if found != (camera.width as usize, camera.height as usize) {
+            return Err(Error::invalid(
+                "photograph",
+                format!("the size of the rig's camera, {}x{} px", camera.width, camera.height),
+                format!("{}x{} px; take it with the same camera at the same setting", found.0, found.1),
+            ));
+        }
+        let decoding = decode_frames(input, &self.pattern, &self.config.decode)?;
+        let mut result = cloud_from_matches(&self.rig, &decoding.matches, &self.config)?;
+        result.decode = Some(decoding.report);
+        Ok(result)
+    }
+}
+
+/// The cloud of one photograph; see [`Reconstructor`] for many.
+///
+/// # Errors
+/// As [`Reconstructor::new`] and [`Reconstructor::reconstruct`].
+pub fn reconstruct(
+    rig: &Rig,
+    pattern: &StripePattern,
+    input: &DecodeInput<'_>,
+    config: &ReconstructConfig,
+) -> Result<Reconstruction> {
+    Reconstructor::new(rig, pattern, *config)?.reconstruct_frames(input)
+}
+
+/// The cloud of matches from any decoder: triangulated, culled, in the frame asked for.
+///
+/// # Errors
+/// [`Error::Invalid`] as for [`triangulate`] and [`in_frame`]; [`Error::NotFound`] when no point is left.
+pub fn cloud_from_matches(
+    rig: &Rig,
+    matches: &Matches,
+    config: &ReconstructConfig,
+) -> Result<Reconstruction> {
+    let (mut cloud, report) = triangulate(rig, matches, &config.triangulate)?;
+    let culled = cull(&mut cloud, config.cull)?;
+    if cloud.points.is_empty() {
+        return Err(Error::NotFound {
+            what: "surface",
+            seen: format!(
+                "of {} matches {} are points ({} without coordinates, {} grazing, {} behind the devices, {} lit from outside the panel), {} of them outliers",
+                matches.items.len(),
+                report.points,
+                report.invalid,
+                report.grazing,
+                report.behind,
+                report.outside_panel,
+                culled.outliers
+            ),
+            advice: "check that the rig, the pattern and the photograph belong together, and that nothing has moved since the calibration".into(),
+        });
+    }
+    if !config.mesh {
+        cloud.triangles.clear();
+    }
+    let cloud = in_frame(cloud, rig, config.frame)?;
+    Ok(Reconstruction { cloud, decode: None, triangulate: report, cull: culled })
+}
+
+fn first_view(rig: &Rig) -> Result<&crate::rig::View> {
+    rig.views.first().ok_or_else(|| {
+        Error::invalid(
+            "frame",
+            "the camera's: this rig holds no view of a sheet",
+            "the sheet's plane (--frame plane)",
+        )
+    })
+}
+
+/// A cloud given in the camera's frame, in the frame asked for.
+///
+/// # Errors
+/// [`Error::Invalid`] for the sheet's frame when the rig holds no view.
+pub fn in_frame(mut cloud: PointCloud, rig: &Rig, frame: Frame) -> Result<PointCloud> {
+    if frame == cloud.frame {
+        return Ok(cloud);
+    }
+    let camera_from_sheet = first_view(rig)?.camera_from_sheet;
+    let to = if frame == Frame::Plane { camera_from_sheet.inverse() } else { camera_from_sheet };
+    for p in &mut cloud.points {
+        p.position = to.transform(&p.position);
+    }
+    cloud.camera_centre =
+        if frame == Frame::Plane { to.transform(&Point3::origin()) } else { Point3::origin() };
+    cloud.frame = frame;
+    Ok(cloud)
+}
+
+/// A camera and a projector some 220 mm to its left and above, both looking at a point a metre away.
+#[cfg(test)]
+pub(crate) fn test_rig() -> Rig {
+    use crate::geometry::{Camera, Distortion, Intrinsics, Pose};
+    use crate::rig::{Device, StereoPose};
+    use nalgebra::{Point2, Rotation3, Vector3};
+    let device = |width, height, focal, pp| Device {
+        model: Camera {
+            width,
+            height,
+            intrinsics: Intrinsics::square(focal, pp),
+            distortion: Distortion::NONE,
+        },
+        sigma: None,
+    };
+    Rig {
+        camera: device(1280, 960, 1536.0, Point2::new(639.5, 479.5)),
+        projector: Some(device(1024, 768, 1638.4, Point2::new(511.5, 383.5))),
+        stereo: Some(StereoPose {
+            projector_from_camera: Pose {
+                rotation: Rotation3::from_euler_angles(0.08, -0.2, 0.0),
+                translation: Vector3::new(200.0, 80.0, 20.0),
+            },
+            sigma_t_mm: None,
+            sigma_r_rad: None,
+        }),
+        views: Vec::new(),
+        method: "test".into(),
+        quality: None,
+        covariance: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::StripeConfig;
+
+    #[test]
+    fn what_does_not_belong_together_is_refused() {
+        let rig = test_rig();
+        let stripes = StripePattern::new([1024, 768], &StripeConfig::default()).unwrap();
+        let other = StripePattern::new([1280, 800], &StripeConfig::default()).unwrap();
+        let config = ReconstructConfig::default();
+        assert!(Reconstructor::new(&rig, &other, config).unwrap_err().to_string().contains("1280x800"));
+        let plane = ReconstructConfig { frame: Frame::Plane, ..config };
+        assert!(Reconstructor::new(&rig, &stripes, plane).unwrap_err().to_string().contains("no view"));
+        let mut scanner = Reconstructor::new(&rig, &stripes, config).unwrap();
+        let small = [0_u8; 300];
+        let photo =
+            PhotoView::new(crate::photo::Samples::U8(&small), 10, 10, 30, crate::photo::Layout::Rgb).unwrap();
+        assert!(scanner.reconstruct(photo).unwrap_err().to_string().contains("1280x960"));
+        let mut camera_alone = rig;
+        camera_alone.projector = None;
+        assert!(Reconstructor::new(&camera_alone, &stripes, config).is_err());
+    }
+}
