@@ -4,7 +4,8 @@ use std::process::{Command, Stdio};
 
 use crate::bench;
 
-const VERBS: [&str; 4] = ["pattern checker", "pattern stripes", "calibrate", "rectify"];
+const VERBS: [&str; 7] =
+    ["pattern checker", "pattern stripes", "calibrate", "rectify", "decode", "triangulate", "reconstruct"];
 
 #[test]
 fn every_verb_has_help_with_a_worked_example() {

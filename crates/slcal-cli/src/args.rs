@@ -50,6 +50,22 @@ pub(crate) enum Verb {
                             slcal rectify --rig rig.json --image poster.jpg -o straight.png"
     )]
     Rectify(RectifyArgs),
+    /// Find the projected stripes in a photograph.
+    #[command(
+        after_help = "Example:\n  slcal decode --pattern stripes.json object.jpg -o matches.csv --overlay seen.png\n\n\
+                            matches.csv: u,v,projector_column,slit,confidence,sigma_px; one row per stripe and image row."
+    )]
+    Decode(DecodeArgs),
+    /// Turn matches of any decoder into points.
+    #[command(after_help = "Example:\n  slcal triangulate --rig rig.json matches.csv -o cloud.ply\n\n\
+                            The table needs the columns u, v and projector_column or projector_row (or both).")]
+    Triangulate(TriangulateArgs),
+    /// Photographs of an object under the stripes in, point clouds out.
+    #[command(
+        after_help = "Examples:\n  slcal reconstruct --rig rig.json --pattern stripes.json object.jpg -o cloud.ply --mesh\n  \
+                            slcal reconstruct --rig rig.json --pattern stripes.json *.jpg --out-dir clouds"
+    )]
+    Reconstruct(ReconstructArgs),
 }
 
 #[derive(Debug, Args)]
@@ -290,6 +306,17 @@ pub(crate) enum CullArg {
     Area(f64),
 }
 
+/// What the clouds are to be.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct CloudArgs {
+    /// Whose coordinates the cloud has.
+    #[arg(long, value_enum, default_value = "camera")]
+    pub(crate) frame: FrameArg,
+    /// Write the triangles between the points too.
+    #[arg(long)]
+    pub(crate) mesh: bool,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct TriangulateArgs {
     /// The matches, a CSV table; `-` for stdin.
@@ -297,9 +324,12 @@ pub(crate) struct TriangulateArgs {
     /// The calibrated rig.
     #[arg(long, value_name = "RIG.json")]
     pub(crate) rig: PathBuf,
-    /// Whose coordinates the cloud has.
-    #[arg(long, value_enum, default_value = "camera")]
-    pub(crate) frame: FrameArg,
+    #[command(flatten)]
+    pub(crate) shape: CloudArgs,
+    /// Which triangles, and with them lone points, are removed: auto, off, or those above an area in mm².
+    #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value = "off",
+          allow_hyphen_values = true)]
+    pub(crate) cull: CullArg,
     /// Where to write the cloud; `-` for stdout.
     #[arg(short, long, value_name = "CLOUD.ply")]
     pub(crate) output: PathBuf,
@@ -319,12 +349,8 @@ pub(crate) struct ReconstructArgs {
     pub(crate) rig: PathBuf,
     #[command(flatten)]
     pub(crate) input: DecodeInput,
-    /// Whose coordinates the cloud has.
-    #[arg(long, value_enum, default_value = "camera")]
-    pub(crate) frame: FrameArg,
-    /// Write the triangles between the points too.
-    #[arg(long)]
-    pub(crate) mesh: bool,
+    #[command(flatten)]
+    pub(crate) shape: CloudArgs,
     /// Which triangles, and with them lone points, are removed: auto, off, or those above an area in mm².
     #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value = "auto",
           allow_hyphen_values = true)]

@@ -2,15 +2,14 @@
 
 use image::{DynamicImage, Rgb, RgbImage};
 use nalgebra::Point2;
-use slcal_core::{Matches, SheetObservation, ViewObservation};
+use slcal_core::{SheetObservation, ViewObservation};
 
 /// Lines of one photographic pixel per this many pixels of the longer side, so that a figure looks the same at any
 /// resolution.
 const PIXELS_PER_LINE_WIDTH: f64 = 900.0;
 
-/// Rows (columns) of matches that are drawn are at least this far apart in line widths: drawn in every row, they would
-/// hide the stripes.
-const MATCH_SPACING: f64 = 3.0;
+/// Image rows in which points on stripes are drawn, in line widths: drawn in every row, they would hide the stripes.
+const STRIPE_SPACING: f64 = 3.0;
 
 const SHEET: Rgb<u8> = Rgb([255, 60, 200]);
 const EDGE_POINT: Rgb<u8> = Rgb([255, 220, 0]);
@@ -71,13 +70,14 @@ impl Overlay {
         }
     }
 
-    /// Every match as a dot whose colour tells its slit (neighbouring slits far apart in colour).
-    pub(crate) fn draw_matches(&mut self, matches: &Matches) {
-        let spacing = (MATCH_SPACING * self.line).round().max(1.0);
-        for m in &matches.items {
-            let along = if m.projector_column.is_some() { m.camera.y } else { m.camera.x };
-            if along.round() % spacing == 0.0 {
-                self.disc(m.camera, self.line, slit_color(m.slit));
+    /// Points on stripes as dots whose colour tells the slit (neighbouring slits far apart in colour), thinned out to
+    /// every few image rows.
+    pub(crate) fn draw_stripes(&mut self, points: impl Iterator<Item = (Point2<f64>, Option<u16>)>) {
+        let spacing = (STRIPE_SPACING * self.line).round().max(1.0);
+        for (at, slit) in points {
+            // Whichever of the two counts the lines is whole; the other hardly ever is a multiple of the spacing.
+            if at.x % spacing == 0.0 || at.y % spacing == 0.0 {
+                self.disc(at, self.line, slit_color(slit));
             }
         }
     }

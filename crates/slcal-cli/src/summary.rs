@@ -2,7 +2,12 @@
 
 use std::fmt::Write as _;
 
-use slcal_core::{CalibrationReport, Device, Rig, Verdict, View};
+use slcal_core::decode::DecodeReport;
+use slcal_core::reconstruct::Reconstruction;
+use slcal_core::{CalibrationReport, Device, PointCloud, Rig, Verdict, View};
+
+/// Above this share of clipped stripes the user is told to expose less.
+const SATURATED_SHARE: f64 = 0.05;
 
 /// What a calibration found, how sure it is, and what to do about it.
 pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
@@ -113,4 +118,77 @@ fn view(text: &mut String, rig: &Rig, index: usize, view: &View) {
         }
     }
     line(text, "sheet", &content);
+}
+
+/// What decoding saw and why it left some of it out.
+pub(crate) fn decoding(report: &DecodeReport) -> String {
+    let mut text = String::new();
+    let share = 100.0 * report.decoded as f64 / report.crossings.max(1) as f64;
+    line(
+        &mut text,
+        "stripes",
+        &format!(
+            "{} crossings seen, {} decoded ({share:.1} %), {} different slits, {:.1} px wide",
+            report.crossings, report.decoded, report.slits, report.stripe_width_px
+        ),
+    );
+    let d = &report.dropped;
+    line(
+        &mut text,
+        "dropped",
+        &format!("{} weak, {} ambiguous, {} cut, {} unsure", d.weak, d.ambiguous, d.cut, d.unsure),
+    );
+    if report.saturated > SATURATED_SHARE {
+        line(
+            &mut text,
+            "warning",
+            &format!(
+                "{:.0} % of the crossings are overexposed and their colours unreliable: expose less",
+                100.0 * report.saturated
+            ),
+        );
+    }
+    if report.reversed {
+        line(
+            &mut text,
+            "note",
+            "the slits run backwards: the projector stands upside down or behind a mirror",
+        );
+    }
+    text
+}
+
+/// What became of the matches.
+pub(crate) fn cloud(result: &Reconstruction) -> String {
+    let mut text = String::new();
+    let cloud = &result.cloud;
+    let mut content = format!("{}", cloud.points.len());
+    if !cloud.triangles.is_empty() {
+        let _ = write!(content, ", {} triangles", cloud.triangles.len());
+    }
+    if let Some((near, middle, far)) = distances(cloud) {
+        let _ =
+            write!(content, ", {near:.0} to {far:.0} mm from the camera, half of them within {middle:.0} mm");
+    }
+    line(&mut text, "points", &content);
+    let t = &result.triangulate;
+    let refused = t.invalid + t.grazing + t.behind + t.outside_panel;
+    if refused + result.cull.outliers > 0 {
+        line(
+            &mut text,
+            "left out",
+            &format!(
+                "{} outliers; {} without coordinates, {} grazing, {} behind the devices, {} lit from outside the panel",
+                result.cull.outliers, t.invalid, t.grazing, t.behind, t.outside_panel
+            ),
+        );
+    }
+    text
+}
+
+/// Nearest, median and farthest distance of the points from the camera, mm.
+fn distances(cloud: &PointCloud) -> Option<(f64, f64, f64)> {
+    let mut all: Vec<f64> = cloud.points.iter().map(|p| (p.position - cloud.camera_centre).norm()).collect();
+    all.sort_by(f64::total_cmp);
+    Some((*all.first()?, *all.get(all.len() / 2)?, *all.last()?))
 }

@@ -1,8 +1,11 @@
 //! One file per verb: load → one call of the core → print or write.
 
 mod calibrate;
+mod decode;
 mod pattern;
+mod reconstruct;
 mod rectify;
+mod triangulate;
 
 use crate::args::Verb;
 use crate::exit::Outcome;
@@ -13,5 +16,8 @@ pub(crate) fn run(verb: Verb, printer: Printer) -> Outcome {
         Verb::Pattern(verb) => pattern::run(verb, printer),
         Verb::Calibrate(args) => calibrate::run(&args, printer),
         Verb::Rectify(args) => rectify::run(&args, printer),
+        Verb::Decode(args) => decode::run(&args, printer),
+        Verb::Triangulate(args) => triangulate::run(&args, printer),
+        Verb::Reconstruct(args) => reconstruct::run(&args, printer),
     }
 }

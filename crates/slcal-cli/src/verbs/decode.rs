@@ -1,0 +1,111 @@
+//! `slcal decode`: a photograph of stripes in, matches out.
+
+use std::path::{Path, PathBuf};
+
+use image::DynamicImage;
+use serde::Serialize;
+use slcal_core::decode::{DecodeConfig, DecodeInput, DecodeReport, Decoding, decode_frames};
+use slcal_core::format::write_matches;
+use slcal_core::photo::PhotoView;
+
+use crate::args::{self, DecodeArgs};
+use crate::exit::{Failure, InFile as _, Outcome};
+use crate::io::{Destination, check_distinct, is_dash, load_photo, load_stripes, png_bytes, write_all};
+use crate::output::{Printer, print_json, print_result};
+use crate::overlay::Overlay;
+use crate::summary;
+
+pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
+    let output = Destination::prepare(&args.output, args.force)?;
+    let overlay = args.overlay.as_ref().map(|p| Destination::prepare(p, args.force)).transpose()?;
+    check_distinct([&output].into_iter().chain(&overlay))?;
+    if args.json && output == Destination::Stdout {
+        return Err(Failure::usage("--json and -o - both print to stdout; give one of them"));
+    }
+    let pattern = load_stripes(&args.input.pattern)?;
+    let frames = Frames::load(&args.input, printer)?;
+    let photo = load_photo(&args.image, printer)?;
+    let decoding =
+        decode_frames(&frames.input(&args.image, &photo)?, &pattern, &frames.config).in_file(&args.image)?;
+
+    let mut bytes = Vec::new();
+    write_matches(&decoding.matches, &mut bytes)?;
+    let mut files = vec![(output.clone(), bytes)];
+    if let Some(place) = overlay {
+        files.push((place, draw(&photo, &decoding)?));
+    }
+    write_all(&files)?;
+
+    if args.json {
+        return print_json(&Report::of(&decoding));
+    }
+    let text = summary::decoding(&decoding.report);
+    if output == Destination::Stdout {
+        printer.note(text.trim_end());
+        return Ok(());
+    }
+    print_result(&text)
+}
+
+/// What decoding reports as JSON.
+#[derive(Serialize)]
+struct Report<'a> {
+    schema: &'static str,
+    #[serde(flatten)]
+    report: &'a DecodeReport,
+}
+
+impl<'a> Report<'a> {
+    fn of(decoding: &'a Decoding) -> Self {
+        Self { schema: "slcal-decode/1", report: &decoding.report }
+    }
+}
+
+/// The photographs under a dark and a white projector, and how all of them are to be read.
+pub(super) struct Frames {
+    black: Option<(PathBuf, DynamicImage)>,
+    white: Option<(PathBuf, DynamicImage)>,
+    config: DecodeConfig,
+}
+
+impl Frames {
+    pub(super) fn load(input: &args::DecodeInput, printer: Printer) -> Outcome<Self> {
+        let load = |path: &PathBuf| {
+            if is_dash(path) {
+                return Err(Failure::usage("only the striped photograph can come from stdin (-)"));
+            }
+            Ok((path.clone(), load_photo(path, printer)?))
+        };
+        let config = DecodeConfig { encoding: input.gamma.gamma, ..DecodeConfig::default() };
+        config.validate()?;
+        Ok(Self {
+            black: input.black.as_ref().map(load).transpose()?,
+            white: input.white.as_ref().map(load).transpose()?,
+            config,
+        })
+    }
+
+    pub(super) fn config(&self) -> DecodeConfig {
+        self.config
+    }
+
+    /// All photographs of one scene, `photo` the striped one.
+    pub(super) fn input<'a>(&'a self, path: &Path, photo: &'a DynamicImage) -> Outcome<DecodeInput<'a>> {
+        Ok(DecodeInput {
+            photo: PhotoView::try_from(photo).in_file(path)?,
+            black: view(self.black.as_ref())?,
+            white: view(self.white.as_ref())?,
+        })
+    }
+}
+
+fn view(frame: Option<&(PathBuf, DynamicImage)>) -> Outcome<Option<PhotoView<'_>>> {
+    frame.map(|(file, picture)| PhotoView::try_from(picture).in_file(file)).transpose()
+}
+
+/// The matches drawn on the photograph, as PNG.
+fn draw(photo: &DynamicImage, decoding: &Decoding) -> Outcome<Vec<u8>> {
+    let mut overlay = Overlay::new(photo);
+    overlay.draw_stripes(decoding.matches.items.iter().map(|m| (m.camera, m.slit)));
+    png_bytes(&overlay.into_picture())
+}

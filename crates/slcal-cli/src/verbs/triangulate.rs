@@ -1,0 +1,33 @@
+//! `slcal triangulate`: matches of any decoder in, cloud out.
+
+use slcal_core::format::read_matches;
+use slcal_core::reconstruct::{ReconstructConfig, cloud_from_matches};
+
+use super::reconstruct::{cloud_bytes, cull_rule, frame, ply_destination, with_projector};
+use crate::args::TriangulateArgs;
+use crate::exit::{InFile as _, Outcome};
+use crate::io::{Destination, load_rig, read_bytes, write_all};
+use crate::output::{Printer, print_result};
+use crate::summary;
+
+pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
+    let output = ply_destination(&args.output, args.force)?;
+    let rig = load_rig(&args.rig)?;
+    with_projector(&rig, &args.rig)?;
+    let matches =
+        read_matches(read_bytes(&args.matches, "matches as CSV")?.as_slice()).in_file(&args.matches)?;
+    let config = ReconstructConfig {
+        cull: cull_rule(args.cull),
+        frame: frame(args.shape.frame, &rig, &args.rig)?,
+        mesh: args.shape.mesh,
+        ..ReconstructConfig::default()
+    };
+    let result = cloud_from_matches(&rig, &matches, &config).in_file(&args.matches)?;
+    write_all(&[(output.clone(), cloud_bytes(&result.cloud)?)])?;
+    let text = summary::cloud(&result);
+    if output == Destination::Stdout {
+        printer.note(text.trim_end());
+        return Ok(());
+    }
+    print_result(&text)
+}
