@@ -86,9 +86,6 @@ fn both_constraints_and_likelihood_reach_the_bound_where_the_paper_fails() {
         (0.0, 30.0, 0.29, 58.0),
     ] {
         let ([p, both, ml, predicted], failures) = camera_row(x, y);
-        eprintln!(
-            "{x} {y}: paper {p:.4} ({failures} failures), both {both:.4}, ml {ml:.4}, bound {predicted:.4}"
-        );
         assert!((100.0 * predicted / bound - 1.0).abs() < 0.1, "{predicted}");
         assert!(near(ml, predicted, SCATTER), "{x} {y}: {ml} against {predicted}");
         assert!(both < 1.5 * predicted, "{x} {y}: {both} against {predicted}");
@@ -119,7 +116,6 @@ fn lens_shift_is_found_except_by_a_tilt_about_the_horizontal_axis_alone() {
     let exact_cx = CalibrateConfig { principal_point_sigma: 1e-9, ..config.clone() };
     for (x, y) in [(25.0, 28.0), (15.0, 15.0), (0.0, 30.0), (5.0, 5.0), (30.0, 0.0)] {
         let (a, b) = (predicted(x, y, &exact_cx), predicted(x, y, &config));
-        eprintln!("{x} {y}: cx known {a:?}, cx uncertain {b:?}");
         assert!(a.0 <= b.0);
         if (x, y) == (30.0, 0.0) {
             assert!(b.0 > 0.25, "{b:?}");
@@ -182,7 +178,6 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         let off = stereo.projector_from_camera.translation - truth.projector_from_camera.translation;
         held[3] += u32::from(off.x.abs() < 1.96 * stereo.sigma_t_mm.unwrap()[0]);
     }
-    eprintln!("{held:?} of {n}");
     // 95 % of 300 with three binomial σ (1.26 %) on either side.
     for count in held {
         assert!((0.912..=0.988).contains(&(f64::from(count) / f64::from(n))), "{held:?} of {n}");

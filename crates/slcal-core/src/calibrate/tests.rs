@@ -49,7 +49,6 @@ fn exact_corners_of_the_rendered_scenes_give_exact_rigs() {
         let Some((observations, truth)) = rendered(scene) else { return };
         let found = calibrate_observations(&observations, &CalibrateConfig::default()).unwrap().rig;
         let (p, q) = (found.projector.unwrap(), truth.projector.unwrap());
-        eprintln!("{scene}: {:?} {:?}", found.camera, p);
         assert!((focal(&found.camera) / focal(&truth.camera) - 1.0).abs() < 1e-4, "{scene}");
         assert!((focal(&p) / focal(&q) - 1.0).abs() < 1e-4, "{scene}: {p:?}");
         assert!((p.model.intrinsics.cy - q.model.intrinsics.cy).abs() < 0.2, "{scene}: {p:?}");
@@ -61,7 +60,6 @@ fn exact_corners_of_the_rendered_scenes_give_exact_rigs() {
 fn nearly_face_on_is_refused_unless_the_principal_points_are_given() {
     let Some((observations, truth)) = rendered("near_frontal") else { return };
     let error = calibrate_observations(&observations, &CalibrateConfig::default()).unwrap_err();
-    eprintln!("{error}");
     assert_eq!(error.class(), ErrorClass::Degenerate);
     let exact = CalibrateConfig {
         camera_pp: PrincipalPointRule::Exact(639.5, 479.5),
@@ -70,7 +68,6 @@ fn nearly_face_on_is_refused_unless_the_principal_points_are_given() {
     };
     let found = calibrate_observations(&observations, &exact).unwrap().rig;
     assert!((focal(&found.camera) / focal(&truth.camera) - 1.0).abs() < 1e-3);
-    eprintln!("{:?}", found.quality);
     let allowed = CalibrateConfig { allow_degenerate: true, ..CalibrateConfig::default() };
     let found = calibrate_observations(&observations, &allowed).unwrap().rig;
     assert_eq!(found.quality.unwrap().verdict, Verdict::Degenerate);
@@ -91,7 +88,6 @@ fn edges_with_one_sided_contamination_do_not_move_the_result() {
         }
     }
     let c = calibrate_observations(&observations, &CalibrateConfig::default()).unwrap();
-    eprintln!("{:#?}", c.report);
     assert!((focal(&c.rig.camera) / 1500.0 - 1.0).abs() < 3e-3, "{:?}", c.rig.camera);
     assert!(c.report.edge_inliers < 0.96 && c.report.edge_inliers > 0.88, "{}", c.report.edge_inliers);
 }

@@ -1,0 +1,115 @@
+//! Rendered photograph → rig, against the truth of the scene; skipped where the scenes are not at hand.
+
+use std::path::{Path, PathBuf};
+
+use slcal_core::detect::{DetectConfig, observe};
+use slcal_core::format::{read_pattern, read_rig};
+use slcal_core::geometry::RectangleSize;
+use slcal_core::pattern::Pattern;
+use slcal_core::photo::PhotoView;
+use slcal_core::{
+    CalibrateConfig, DistortionModel, ErrorClass, Method, Observations, PrincipalPointRule, Rig, Verdict,
+    calibrate_observations,
+};
+
+fn scene(name: &str) -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/rendered").join(name);
+    if !folder.is_dir() {
+        eprintln!("skipped: the rendered scenes are not at hand");
+        return None;
+    }
+    Some(folder)
+}
+
+fn seen(folder: &Path) -> Observations {
+    let file = std::fs::File::open(folder.join("patterns/checker.json")).unwrap();
+    let Pattern::Checker(pattern) = read_pattern(file).unwrap() else { panic!("not a checkerboard") };
+    let image = image::open(folder.join("checker.png")).unwrap();
+    let view = PhotoView::try_from(&image).unwrap();
+    let size = RectangleSize::new(594.0, 420.0).unwrap();
+    let found = observe(view, None, size, Some(&pattern), &DetectConfig::default()).unwrap();
+    Observations {
+        camera: [image.width(), image.height()],
+        projector: Some(pattern.projector),
+        views: vec![found.observation],
+    }
+}
+
+fn truth(folder: &Path) -> Rig {
+    read_rig(std::fs::File::open(folder.join("truth_rig.json")).unwrap()).unwrap()
+}
+
+/// Errors of f_cam and f_proj in per cent, of cy_proj in px.
+fn errors(found: &Rig, truth: &Rig) -> [f64; 3] {
+    let percent = |a: f64, b: f64| 100.0 * (a / b - 1.0);
+    let (p, q) = (found.projector.unwrap().model.intrinsics, truth.projector.unwrap().model.intrinsics);
+    [
+        percent(found.camera.model.intrinsics.fx, truth.camera.model.intrinsics.fx),
+        percent(p.fx, q.fx),
+        p.cy - q.cy,
+    ]
+}
+
+#[test]
+fn one_photograph_gives_the_focal_lengths() {
+    for (name, limits) in [
+        ("paper_tilted", [0.1, 0.4, 4.0]),
+        ("paper_lensshift", [0.1, 0.5, 4.0]),
+        ("dark_clutter", [0.3, 0.6, 8.0]),
+    ] {
+        let Some(folder) = scene(name) else { return };
+        let c = calibrate_observations(&seen(&folder), &CalibrateConfig::default()).unwrap();
+        let found = errors(&c.rig, &truth(&folder));
+        for (error, limit) in found.iter().zip(limits) {
+            assert!(error.abs() <= limit, "{name}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn two_vanishing_points_say_when_the_projector_is_shifted() {
+    let two_vp = CalibrateConfig { method: Method::TwoVp, ..CalibrateConfig::default() };
+    let Some(folder) = scene("paper_tilted") else { return };
+    let found = errors(&calibrate_observations(&seen(&folder), &two_vp).unwrap().rig, &truth(&folder));
+    assert!(found[0].abs() < 0.5 && found[1].abs() < 1.0, "{found:?}");
+    let Some(folder) = scene("paper_lensshift") else { return };
+    match calibrate_observations(&seen(&folder), &two_vp) {
+        Err(e) => assert_eq!(e.class(), ErrorClass::Degenerate, "{e}"),
+        Ok(c) => {
+            let quality = c.rig.quality.as_ref().unwrap();
+            assert!(quality.warnings.iter().any(|w| w.code == "two-vp-misfit"), "{quality:?}");
+            assert!(quality.verdict >= Verdict::Weak);
+            assert!(errors(&c.rig, &truth(&folder))[1].abs() > 20.0);
+        }
+    }
+}
+
+#[test]
+fn a_face_on_photograph_needs_the_principal_points() {
+    let Some(folder) = scene("near_frontal") else { return };
+    let view = seen(&folder);
+    let error = calibrate_observations(&view, &CalibrateConfig::default()).unwrap_err();
+    assert_eq!(error.class(), ErrorClass::Degenerate);
+    let exact = CalibrateConfig {
+        camera_pp: PrincipalPointRule::Exact(639.5, 479.5),
+        projector_pp: PrincipalPointRule::Exact(511.5, 383.5),
+        ..CalibrateConfig::default()
+    };
+    let c = calibrate_observations(&view, &exact).unwrap();
+    let found = errors(&c.rig, &truth(&folder));
+    let sigma = c.rig.quality.unwrap().focal_sigma_percent_camera;
+    assert!(found[0].abs() < 3.0 * sigma, "{found:?}, σ {sigma}");
+}
+
+#[test]
+fn two_views_with_the_tilt_reversed_are_taken_together() {
+    let (Some(a), Some(b)) = (scene("pair_a"), scene("pair_b")) else { return };
+    let mut both = seen(&a);
+    both.views.extend(seen(&b).views);
+    let config = CalibrateConfig { distortion: DistortionModel::K1K2, ..CalibrateConfig::default() };
+    let c = calibrate_observations(&both, &config).unwrap();
+    let found = errors(&c.rig, &truth(&a));
+    let d = c.rig.camera.model.distortion;
+    assert!(found[0].abs() < 0.1 && found[1].abs() < 0.2, "{found:?}");
+    assert!((d.k1 + 0.12).abs() < 0.01, "{d:?}");
+}
