@@ -38,7 +38,7 @@ pub enum Method {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DistortionModel {
-    /// For now the same as `None`: the decision whether a photograph shows distortion is not made yet.
+    /// k1 and k2 when they lower the residuals by more than chance would, else none.
     #[default]
     Auto,
     /// None: a pinhole.

@@ -8,6 +8,7 @@
 
 mod advice;
 mod assemble;
+mod auto_distortion;
 mod check;
 mod config;
 mod joint;
@@ -74,8 +75,8 @@ pub fn calibrate_observations(observations: &Observations, config: &CalibrateCon
 }
 
 fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
-    let solved = ml::solve(observations, config)?;
-    let mut judgement = verdict::judge(&solved, config);
+    let (solved, config) = &auto_distortion::solve_choosing(observations, config)?;
+    let mut judgement = verdict::judge(solved, config);
     if let Some(hint) = transposed::hint(observations, config) {
         judgement.advice = format!("{} ({})", hint.advice, hint.message);
         judgement.warnings.insert(0, hint);

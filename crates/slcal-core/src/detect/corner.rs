@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, Point2, SVector, Vector2};
 use crate::photo::GreyImage;
 use crate::solve::{Block, Loss, Problem, covariance, minimise};
 
-/// Parameters: c (2), θ₁, θ₂, s, m, g (2), a, h (2).
+/// Parameters: c (2), θ₁, θ₂, s², m, g (2), a, h (2).
 const N: usize = 11;
 type Params = SVector<f64, N>;
 
@@ -22,6 +22,10 @@ const MAX_RADIUS_SAMPLES: f64 = 12.0;
 const MIN_RADIUS_SAMPLES: f64 = 2.5;
 /// The pixel is integrated over this many points per side, each standing for its part of the pixel.
 const SUBSAMPLES: usize = 4;
+/// A blur of half their distance joins the subsamples: without it a sharp edge between two of them has no slope.
+const SUBSAMPLE_VARIANCE: f64 = 0.25 / (SUBSAMPLES * SUBSAMPLES) as f64;
+/// The blur's variance may take back nearly all of that, so that a perfectly sharp edge is an inner point of the fit.
+const LEAST_VARIANCE: f64 = -0.8 * SUBSAMPLE_VARIANCE;
 /// Squares that differ by less than twice this, in linear light, are below one step of an 8-bit photograph.
 const MIN_AMPLITUDE: f64 = 1e-4;
 /// What remains of perspective, shading and the pixel grid after the fit, in samples: measured on rendered boards with
@@ -49,7 +53,7 @@ pub(super) fn refine(grey: &GreyImage, start: Point2<f64>, steps: [Vector2<f64>;
     let mut p = Params::zeros();
     p[2] = steps[0].y.atan2(steps[0].x);
     p[3] = steps[1].y.atan2(steps[1].x);
-    p[4] = 0.8;
+    p[4] = 0.6;
     window.solve_light(&mut p);
     let fit = window.fit(p)?;
     let c = Vector2::new(fit.params[0], fit.params[1]);
@@ -108,8 +112,7 @@ impl Window {
 
     /// The mean over a sample of the product of edges, and its derivatives by c, θ₁, θ₂, s, and the mean of q·E.
     fn model(p: &Params, at: Vector2<f64>) -> (f64, Params) {
-        // The blur of a subsample's own box comes on top: without it a sharp edge between subsamples has no slope.
-        let s = (p[4] * p[4] + 1.0 / (12.0 * (SUBSAMPLES * SUBSAMPLES) as f64)).sqrt();
+        let s = (p[4] + SUBSAMPLE_VARIANCE).sqrt();
         let (t1, t2) = (Vector2::new(p[2].cos(), p[2].sin()), Vector2::new(p[3].cos(), p[3].sin()));
         let (n1, n2) = (Vector2::new(-t1.y, t1.x), Vector2::new(-t2.y, t2.x));
         let root = 1.0 / (std::f64::consts::SQRT_2 * s);
@@ -134,7 +137,7 @@ impl Window {
                     dc.y,
                     amplitude * e2 * s1 * -t1.dot(&q),
                     amplitude * e1 * s2 * -t2.dot(&q),
-                    -amplitude * (d1 * s1 * e2 + d2 * s2 * e1) * p[4] / (s * s),
+                    -amplitude * (d1 * s1 * e2 + d2 * s2 * e1) / (2.0 * s * s),
                     1.0,
                     q.x,
                     q.y,
@@ -200,9 +203,10 @@ impl Problem for Window {
     }
 
     fn step(&self, p: &Params, delta: &DVector<f64>) -> Option<Params> {
-        let next = p + Params::from_column_slice(delta.as_slice());
+        let mut next = p + Params::from_column_slice(delta.as_slice());
+        next[4] = next[4].max(LEAST_VARIANCE);
         // A corner that leaves its window, or is blurred beyond it, is none.
-        (next.fixed_rows::<2>(0).norm() < self.radius && next[4].abs() < self.radius).then_some(next)
+        (next.fixed_rows::<2>(0).norm() < self.radius && next[4] < self.radius.powi(2)).then_some(next)
     }
 }
 
