@@ -27,6 +27,10 @@ pub trait Problem {
     fn jacobian(&self, state: &Self::State) -> Option<DMatrix<f64>>;
     /// The state after a step; `None` when it leaves the domain.
     fn step(&self, state: &Self::State, delta: &DVector<f64>) -> Option<Self::State>;
+    /// Steps tried before giving up. Well-posed calibrations take 5 to 20, nearly singular ones 100.
+    fn max_iterations(&self) -> usize {
+        300
+    }
 }
 
 /// Where a minimisation ended.
@@ -43,8 +47,6 @@ pub struct Minimum<S> {
     pub converged: bool,
 }
 
-/// Steps tried before giving up; well-posed calibrations take 5 to 20, nearly singular ones 100.
-const MAX_ITERATIONS: usize = 300;
 /// In units of χ²: a predicted decrease d leaves the parameters within √d of their own σ.
 pub const CONVERGED_DECREASE: f64 = 1e-12;
 const INITIAL_DAMPING: f64 = 1e-4;
@@ -144,7 +146,7 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::S
     let mut reduced = reduce(problem, &state, residuals.clone())?;
     let mut converged = false;
     let mut iterations = 0;
-    while iterations < MAX_ITERATIONS && damping < MAX_DAMPING {
+    while iterations < problem.max_iterations() && damping < MAX_DAMPING {
         iterations += 1;
         let Some(y) = reduced.step(damping) else {
             damping = damping.max(f64::EPSILON) * 10.0;
