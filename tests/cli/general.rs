@@ -4,8 +4,17 @@ use std::process::{Command, Stdio};
 
 use crate::bench;
 
-const VERBS: [&str; 7] =
-    ["pattern checker", "pattern stripes", "calibrate", "rectify", "decode", "triangulate", "reconstruct"];
+const VERBS: [&str; 9] = [
+    "demo",
+    "pattern checker",
+    "pattern stripes",
+    "calibrate",
+    "rectify",
+    "decode",
+    "triangulate",
+    "reconstruct",
+    "evaluate",
+];
 
 #[test]
 fn every_verb_has_help_with_a_worked_example() {

@@ -1,8 +1,10 @@
 //! The command line as a user meets it: exit codes, messages and files of the real binary.
 
+mod bad_input;
 mod calibrate;
 mod general;
 mod pattern;
+mod rendered;
 
 use slcal_tests::Bench;
 

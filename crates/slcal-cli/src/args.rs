@@ -34,6 +34,12 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
+    /// Run the whole chain on built-in photographs.
+    #[command(
+        after_help = "Example:\n  slcal demo --out demo\n\nwrites the patterns, the photographs, rig.json, cloud.ply \
+                            and pictures of what was found into demo/."
+    )]
+    Demo(DemoArgs),
     /// Draw the pattern to project.
     #[command(subcommand)]
     Pattern(PatternVerb),
@@ -66,6 +72,9 @@ pub(crate) enum Verb {
                             slcal reconstruct --rig rig.json --pattern stripes.json *.jpg --out-dir clouds"
     )]
     Reconstruct(ReconstructArgs),
+    /// Fit a plane or a sphere to a cloud and say how far the points lie from it.
+    #[command(after_help = "Example:\n  slcal evaluate plane cloud.ply")]
+    Evaluate(EvaluateArgs),
 }
 
 #[derive(Debug, Args)]

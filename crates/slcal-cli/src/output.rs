@@ -34,11 +34,6 @@ impl Printer {
         self.to_stderr(Verbosity::Normal, "", message);
     }
 
-    /// Something to worry about.
-    pub(crate) fn warning(self, message: impl Display) {
-        self.to_stderr(Verbosity::Normal, "warning: ", message);
-    }
-
     /// Something for those who asked for more.
     pub(crate) fn detail(self, message: impl Display) {
         self.to_stderr(Verbosity::Verbose, "", message);

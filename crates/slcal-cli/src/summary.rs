@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use slcal_core::decode::DecodeReport;
+use slcal_core::evaluate::FitReport;
 use slcal_core::reconstruct::Reconstruction;
 use slcal_core::{CalibrationReport, Device, PointCloud, Rig, Verdict, View};
 
@@ -191,4 +192,26 @@ fn distances(cloud: &PointCloud) -> Option<(f64, f64, f64)> {
     let mut all: Vec<f64> = cloud.points.iter().map(|p| (p.position - cloud.camera_centre).norm()).collect();
     all.sort_by(f64::total_cmp);
     Some((*all.first()?, *all.get(all.len() / 2)?, *all.last()?))
+}
+
+/// How well a surface fits; `surface` describes it.
+pub(crate) fn fit(surface: &str, report: &FitReport) -> String {
+    let mut text = format!("{surface}\n");
+    let percent = |mm: f64, percent: f64| format!("{mm:.4} mm ({percent:.4} % of the distance)");
+    line(&mut text, "mean", &percent(report.mean_mm, report.mean_percent));
+    line(&mut text, "std", &percent(report.std_mm, report.std_percent));
+    line(&mut text, "rms", &percent(report.rms_mm, report.rms_percent));
+    line(
+        &mut text,
+        "over",
+        &format!(
+            "{} of {} points, those within {:.3} mm of it ({:.1} % are not), {:.0} mm from the camera on average",
+            report.inliers,
+            report.points,
+            report.inlier_limit_mm,
+            100.0 * report.outlier_share,
+            report.camera_distance_mm
+        ),
+    );
+    text
 }

@@ -2,6 +2,8 @@
 
 mod calibrate;
 mod decode;
+mod demo;
+mod evaluate;
 mod pattern;
 mod reconstruct;
 mod rectify;
@@ -13,11 +15,13 @@ use crate::output::Printer;
 
 pub(crate) fn run(verb: Verb, printer: Printer) -> Outcome {
     match verb {
+        Verb::Demo(args) => demo::run(&args, printer),
         Verb::Pattern(verb) => pattern::run(verb, printer),
         Verb::Calibrate(args) => calibrate::run(&args, printer),
         Verb::Rectify(args) => rectify::run(&args, printer),
         Verb::Decode(args) => decode::run(&args, printer),
         Verb::Triangulate(args) => triangulate::run(&args, printer),
         Verb::Reconstruct(args) => reconstruct::run(&args, printer),
+        Verb::Evaluate(args) => evaluate::run(&args, printer),
     }
 }
