@@ -2,7 +2,7 @@
 
 use super::align::NONE;
 use super::color::unit;
-use super::peaks::Peak;
+use super::peaks::{Peak, total};
 
 /// A peak continues a curve when it lies within this share of the stripe's width of where the curve points.
 const LINK_SHARE: f32 = 0.5;
@@ -16,6 +16,9 @@ const SLOPE_GAIN: f32 = 0.3;
 const MIN_SHARE: f32 = 0.6;
 /// Share of all peaks about that must have voted for the winner.
 const MIN_SUPPORT: f32 = 0.4;
+
+/// Blur reaches no further than this many stripe widths: with more, there would be no stripes.
+const FADE_WIDTHS: f32 = 1.0;
 
 const END: u32 = u32::MAX;
 
@@ -94,6 +97,35 @@ impl Curves {
                 }
             }
         }
+    }
+
+    /// Crossings at the ends of curves that lie beyond where the stripe has half its light: what blur makes of the border
+    /// of the light, or of the surface.
+    pub(super) fn fading(&self, peaks: &[Peak]) -> Vec<bool> {
+        let mut fading = vec![false; peaks.len()];
+        let mut lights = Vec::new();
+        for curve in self.iter() {
+            let mut trim = |from: &mut dyn Iterator<Item = u32>| {
+                let near: Vec<u32> = from.collect();
+                let Some(&end) = near.first() else { return };
+                let blurred = (FADE_WIDTHS * peaks[end as usize].width).ceil() as usize;
+                let light = |i: &u32| total(peaks[*i as usize].color);
+                lights.clear();
+                lights.extend(near.iter().skip(blurred).take(blurred).map(light));
+                if lights.len() < blurred {
+                    return;
+                }
+                let middle = lights.len() / 2;
+                let half = 0.5 * *lights.select_nth_unstable_by(middle, f32::total_cmp).1;
+                for i in near.iter().take(blurred).take_while(|i| light(i) < half) {
+                    fading[*i as usize] = true;
+                }
+            };
+            let reach = curve.first().map_or(0, |&i| (8.0 * peaks[i as usize].width).ceil() as usize);
+            trim(&mut curve.iter().copied().take(reach));
+            trim(&mut curve.iter().rev().copied().take(reach));
+        }
+        fading
     }
 
     /// The winner among the lines within ± `reach` of each peak along its curve.

@@ -13,6 +13,8 @@ mod lines;
 mod noise;
 mod peaks;
 mod session;
+#[cfg(test)]
+mod tests;
 mod width;
 
 pub use config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Dropped};

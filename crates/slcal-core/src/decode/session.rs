@@ -97,7 +97,8 @@ pub(super) fn run(
     report.hues_seen = hues.directions.iter().map(|d| d.map(f64::from)).collect();
     report.hue_spread_rad = f64::from(hues.spread_rad);
     let scale = sigma_scale(&crossings.peaks, &curves);
-    let matches = collect(&crossings, &votes, &order, scale, &reader, pattern, config, &mut report);
+    let fading = curves.fading(&crossings.peaks);
+    let matches = collect(&crossings, &votes, &fading, &order, scale, &reader, pattern, config, &mut report);
     if matches.is_empty() {
         return Err(not_the_pattern(&report, "no stripe got a number that its neighbours confirm"));
     }
@@ -271,6 +272,7 @@ fn sigma_scale(peaks: &[Peak], curves: &Curves) -> f32 {
 fn collect(
     crossings: &Crossings,
     votes: &[Vote],
+    fading: &[bool],
     order: &[u16],
     sigma_scale: f32,
     reader: &LineReader<'_>,
@@ -287,7 +289,7 @@ fn collect(
                 report.dropped.ambiguous += 1;
                 continue;
             }
-            if is_cut(&crossings.peaks, votes, crossings.of(y), i) {
+            if fading[i] || is_cut(&crossings.peaks, votes, crossings.of(y), i) {
                 report.dropped.cut += 1;
                 continue;
             }
