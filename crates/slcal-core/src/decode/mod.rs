@@ -1,9 +1,9 @@
-//! Photograph of stripes → [`Matches`]: which slit lights which pixel.
+//! Photograph of stripes → [`crate::Matches`]: which slit lights which pixel.
 //!
-//! Lines across the stripes are read one by one ([`lines`]); a second-derivative filter whose width is measured
-//! ([`width`]) finds the stripes on them and their edges give the centre to sub-pixel ([`peaks`]); hues are learned from
-//! the photograph ([`color`]); dynamic programming assigns slits along each line ([`align`]); peaks linked from line to
-//! line into curves vote ([`curves`]).
+//! Lines across the stripes are read one by one (`lines`); a second-derivative filter whose width is measured
+//! (`width`) finds the stripes on them and their edges give the centre to sub-pixel (`peaks`); hues are learned from
+//! the photograph (`color`); dynamic programming assigns slits along each line (`align`); peaks linked from line to
+//! line into curves vote (`curves`).
 
 mod align;
 mod color;

@@ -21,8 +21,9 @@ const SAMPLE_LINES: usize = 64;
 const MIN_HUE_SPREAD: f32 = 0.15;
 /// Another code of the same kind, tried on the same stripes, reaches up to two thirds of the right one's score by chance.
 const MIN_OVER_DECOY: f32 = 1.25;
-/// Score per crossing below which even the best code does not fit, in nats (a perfect fit has ln(hues) + 1).
-const MIN_FIT: f32 = 0.6;
+/// Score per crossing below which even the best code does not fit, in nats: a perfect fit has ln(hues) + 1, photographs
+/// without the pattern 0.2, and clutter among the crossings dilutes it.
+const MIN_FIT: f32 = 0.35;
 /// Rounds in which hues are learned anew from what was decoded, and votes are heard.
 const LEARNING_PASSES: usize = 3;
 /// Votes are counted over this many stripe widths along a curve to either side: what holds along a stripe about as far
