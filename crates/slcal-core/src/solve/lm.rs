@@ -42,13 +42,15 @@ pub struct Minimum<S> {
     pub cost: f64,
     /// Accepted and rejected steps.
     pub iterations: usize,
-    /// Whether the predicted decrease fell below [`CONVERGED_DECREASE`]; otherwise the iterations ran out or no step
-    /// reduced the cost.
+    /// Whether the predicted decrease fell below [`CONVERGED_DECREASE`], or steps that should gain next to nothing gained
+    /// nothing; otherwise the iterations ran out or no step reduced the cost.
     pub converged: bool,
 }
 
 /// In units of χ²: a predicted decrease d leaves the parameters within √d of their own σ.
 pub const CONVERGED_DECREASE: f64 = 1e-12;
+/// A step that should gain this little and does not: a thousandth of the parameters' σ from the minimum.
+const STALLED_DECREASE: f64 = 1e-6;
 const INITIAL_DAMPING: f64 = 1e-4;
 const MAX_DAMPING: f64 = 1e16;
 
@@ -161,7 +163,7 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::S
         });
         let small = predicted <= CONVERGED_DECREASE;
         match tried {
-            Some((s, r, c)) if c < cost || (small && c <= cost * (1.0 + 1e-12)) => {
+            Some((s, r, c)) if c < cost => {
                 let gain = (cost - c) / predicted;
                 (state, residuals, cost) = (s, r, c);
                 damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 1.0);
@@ -173,7 +175,8 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::S
                 }
                 reduced = reduce(problem, &state, residuals.clone())?;
             }
-            _ if small && damping <= INITIAL_DAMPING => {
+            // Rounding, or a Jacobian that is exact to first order only, keeps the cost from falling further.
+            _ if predicted <= STALLED_DECREASE => {
                 converged = true;
                 break;
             }
