@@ -8,7 +8,7 @@ use slcal_core::geometry::RectangleSize;
 use slcal_core::pattern::Pattern;
 use slcal_core::photo::PhotoView;
 use slcal_core::{
-    CalibrateConfig, DistortionModel, ErrorClass, Method, Observations, PrincipalPointRule, Rig, Verdict,
+    CalibrateConfig, ErrorClass, Method, Observations, PrincipalPointRule, Rig, Verdict,
     calibrate_observations,
 };
 
@@ -60,6 +60,7 @@ fn one_photograph_gives_the_focal_lengths() {
         let Some(folder) = scene(name) else { return };
         let c = calibrate_observations(&seen(&folder), &CalibrateConfig::default()).unwrap();
         let found = errors(&c.rig, &truth(&folder));
+        assert!(c.rig.camera.model.distortion.is_none(), "{name}: {:?}", c.rig.camera);
         for (error, limit) in found.iter().zip(limits) {
             assert!(error.abs() <= limit, "{name}: {found:?}");
         }
@@ -106,8 +107,7 @@ fn two_views_with_the_tilt_reversed_are_taken_together() {
     let (Some(a), Some(b)) = (scene("pair_a"), scene("pair_b")) else { return };
     let mut both = seen(&a);
     both.views.extend(seen(&b).views);
-    let config = CalibrateConfig { distortion: DistortionModel::K1K2, ..CalibrateConfig::default() };
-    let c = calibrate_observations(&both, &config).unwrap();
+    let c = calibrate_observations(&both, &CalibrateConfig::default()).unwrap();
     let found = errors(&c.rig, &truth(&a));
     let d = c.rig.camera.model.distortion;
     assert!(found[0].abs() < 0.1 && found[1].abs() < 0.2, "{found:?}");
