@@ -3,6 +3,7 @@
 mod bad_input;
 mod calibrate;
 mod general;
+mod layers;
 mod pattern;
 mod rendered;
 

@@ -23,10 +23,10 @@ use crate::size::{Corners, parse_corners, parse_pair, parse_point, parse_size};
 )]
 pub(crate) struct Cli {
     /// Say more on stderr.
-    #[arg(short, long, global = true, conflicts_with = "quiet")]
+    #[arg(short, long, global = true, conflicts_with = "quiet", display_order = 1000)]
     pub(crate) verbose: bool,
     /// Say nothing but errors on stderr.
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, display_order = 1001)]
     pub(crate) quiet: bool,
     #[command(subcommand)]
     pub(crate) verb: Verb,
@@ -176,6 +176,12 @@ pub(crate) enum DistortionArg {
     Auto,
     /// A lens without distortion.
     None,
+    /// The first radial coefficient.
+    K1,
+    /// The first two radial coefficients.
+    K1k2,
+    /// All five coefficients.
+    Full,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -209,14 +215,14 @@ pub(crate) struct CalibrateArgs {
     pub(crate) camera: Option<PathBuf>,
     /// The camera's principal point: prior (the centre, uncertain), centre, free, or X,Y exactly.
     #[arg(long, value_name = "prior|centre|free|X,Y", value_parser = parse_camera_pp, default_value = "prior",
-          allow_hyphen_values = true)]
+          allow_hyphen_values = true, conflicts_with = "camera")]
     pub(crate) camera_pp: PrincipalPointArg,
     /// The projector's principal point: shift (horizontally near the centre, vertically anywhere), or as for the camera.
     #[arg(long, value_name = "shift|prior|centre|free|X,Y", value_parser = parse_projector_pp,
           default_value = "shift", allow_hyphen_values = true)]
     pub(crate) projector_pp: PrincipalPointArg,
     /// Lens distortion of the camera.
-    #[arg(long, value_enum, default_value = "auto")]
+    #[arg(long, value_enum, default_value = "auto", conflicts_with = "camera")]
     pub(crate) distortion: DistortionArg,
     /// Which estimator.
     #[arg(long, value_enum, default_value = "ml")]

@@ -84,6 +84,9 @@ fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
         distortion: match args.distortion {
             DistortionArg::Auto => DistortionModel::Auto,
             DistortionArg::None => DistortionModel::None,
+            DistortionArg::K1 => DistortionModel::K1,
+            DistortionArg::K1k2 => DistortionModel::K1K2,
+            DistortionArg::Full => DistortionModel::Full,
         },
         known_camera: args.camera.as_deref().map(|p| load_rig(p).map(|rig| rig.camera.model)).transpose()?,
         allow_degenerate: args.allow_degenerate,

@@ -33,7 +33,10 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
     write_all(&[(output.clone(), png_bytes(&DynamicImage::ImageRgb8(picture))?)])?;
     let text = format!(
         "placed     {:.1} x {:.1} mm on the sheet, {:.1} mm from its left and {:.1} mm from its top",
-        place.size_mm.width_mm, place.size_mm.height_mm, place.origin_mm.x, place.origin_mm.y
+        place.size_mm.width_mm,
+        place.size_mm.height_mm,
+        unsigned_zero(place.origin_mm.x),
+        unsigned_zero(place.origin_mm.y)
     );
     if output == Destination::Stdout {
         printer.note(text);
@@ -58,4 +61,9 @@ fn any_picture(picture: &RgbImage, rig: &Rig, rig_path: &Path) -> Outcome<(RgbIm
         .map(|p| [p.model.width, p.model.height])
         .ok_or_else(|| Failure::new(Exit::Input, format!("{}: expected a projector", rig_path.display())))?;
     Ok((warp_image(picture, panel, &place.panel_from_source, [0; 3])?, place))
+}
+
+/// A millimetre value to one decimal without the sign of a zero.
+fn unsigned_zero(mm: f64) -> f64 {
+    (mm * 10.0).round() / 10.0 + 0.0
 }
