@@ -24,6 +24,7 @@ mod cloud;
 mod error;
 mod matches;
 mod observations;
+mod photographs;
 mod rig;
 
 pub use calibrate::{
@@ -34,4 +35,5 @@ pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Error, ErrorClass, Result};
 pub use matches::{Match, Matches};
 pub use observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
+pub use photographs::calibrate;
 pub use rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning};

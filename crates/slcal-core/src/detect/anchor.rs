@@ -162,14 +162,20 @@ impl Cells {
                 }
             }
         }
-        let corner_labels: std::collections::HashSet<[i32; 2]> = grid.iter().map(|c| c.label).collect();
         // Across an inner corner, the squares on both sides of an edge differ in colour.
-        let mut differences: Vec<f64> = corner_labels
-            .iter()
-            .filter_map(|&[u, v]| Some((light.get(&[u, v])? - light.get(&[u - 1, v])?).abs()))
+        let inner = || grid.iter().map(|c| c.label);
+        let mut differences: Vec<f64> = inner()
+            .filter_map(|[u, v]| Some((light.get(&[u, v])? - light.get(&[u - 1, v])?).abs()))
             .collect();
         differences.sort_by(f64::total_cmp);
         let contrast = differences.get(differences.len() / 2).copied().unwrap_or(0.0);
+        // What is far darker than the black squares or brighter than the white ones is not the sheet.
+        let mut levels: Vec<f64> = inner().filter_map(|label| light.get(&label).copied()).collect();
+        levels.sort_by(f64::total_cmp);
+        if let (Some(black), Some(white)) = (levels.first(), levels.last()) {
+            let (black, white) = (black - contrast / 2.0, white + contrast / 2.0);
+            light.retain(|_, l| (black..=white).contains(l));
+        }
         Self { light, contrast }
     }
 

@@ -106,6 +106,21 @@ impl Board {
         (along - along.round()).abs() <= GRID_TOLERANCE
     }
 
+    /// Distance of a straightened point from the nearest edge between squares, px; infinite beside the pattern.
+    pub(super) fn edge_distance_px(&self, pattern: &CheckerPattern, p: Point2<f64>) -> f64 {
+        let Some(at) = self.projector_from_straight.map(p) else { return f64::INFINITY };
+        let square = (at - pattern.origin_px) / pattern.square_px;
+        let [columns, rows] = pattern.squares.map(f64::from);
+        let scale = self.straight_from_projector.jacobian(at) * pattern.square_px;
+        // Beside the pattern the distance is that from its outline.
+        let nearest = |v: f64, n: f64| (v - v.round().clamp(0.0, n)).abs();
+        let (dx, dy) = (nearest(square.x, columns), nearest(square.y, rows));
+        let beside = |v: f64, n: f64| (-v).max(v - n).max(0.0);
+        let (bx, by) = (beside(square.x, columns), beside(square.y, rows));
+        let (px, py) = (scale.column(0).norm(), scale.column(1).norm());
+        (dx.max(by) * px).min(dy.max(bx) * py).max((bx * px).hypot(by * py))
+    }
+
     /// The same board without the corners for which `keep` is false; `None` when too few are left.
     pub(super) fn retain(mut self, keep: impl Fn(Point2<f64>) -> bool) -> Option<Self> {
         self.pairs.retain(|pair| keep(pair.camera));

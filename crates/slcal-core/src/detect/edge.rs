@@ -8,9 +8,11 @@ use std::f64::consts::SQRT_2;
 
 use nalgebra::{Point2, Vector2};
 
+use super::board::Board;
 use super::lens::Lens;
 use super::light_field::LightField;
 use crate::observations::EdgePoint;
+use crate::pattern::CheckerPattern;
 use crate::photo::GreyImage;
 use crate::solve::Polynomial;
 
@@ -109,16 +111,19 @@ pub(super) fn measure_side(
     Some(condense(scan, &crossings, &curve, across))
 }
 
-/// The border of the light, in the photograph as it is.
+/// The edges of the projected light, its border and the pattern's squares, in the photograph as it is.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Light<'a> {
     pub(super) field: &'a LightField,
     pub(super) lens: &'a Lens,
+    pub(super) board: Option<(&'a Board, &'a CheckerPattern)>,
 }
 
 impl Light<'_> {
     fn distance_px(&self, p: Point2<f64>) -> f64 {
-        self.field.distance_px(self.lens.straighten(p))
+        let p = self.lens.straighten(p);
+        let squares = self.board.map_or(f64::INFINITY, |(board, pattern)| board.edge_distance_px(pattern, p));
+        self.field.distance_px(p).min(squares)
     }
 }
 

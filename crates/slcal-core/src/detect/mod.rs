@@ -97,7 +97,7 @@ pub fn observe(
     }
     let grey = photo.linear_grey(config.encoding);
     let board = pattern.map(|p| Board::find(&grey, p)).transpose()?;
-    let light = match (&board, pattern) {
+    let field = match (&board, pattern) {
         (Some(board), Some(p)) => LightField::new(&board.straight_from_projector, p.projector),
         _ => LightField::none(),
     };
@@ -109,12 +109,8 @@ pub fn observe(
         }
         None => grey,
     };
-    let sheet = sheet::find(
-        &grey,
-        board.as_ref().zip(pattern),
-        &Light { field: &light, lens: &lens },
-        config.corners,
-    )?;
+    let light = Light { field: &field, lens: &lens, board: board.as_ref().zip(pattern) };
+    let sheet = sheet::find(&grey, &light, config.corners)?;
     let mut notes = sheet.notes;
     let pattern_corners = board.as_ref().map_or(0, |b| b.expected);
     let pairs = match board {

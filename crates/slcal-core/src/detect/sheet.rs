@@ -2,7 +2,6 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::board::Board;
 use super::edge::{Light, measure_side};
 use super::edge_map::{EdgeMap, Edgel};
 use super::lens::Lens;
@@ -10,7 +9,6 @@ use super::lines::find_lines;
 use super::quad::{Content, find_sheet};
 use crate::error::{Error, Result};
 use crate::observations::SheetObservation;
-use crate::pattern::CheckerPattern;
 use crate::photo::GreyImage;
 
 /// The outline and what is worth telling about it.
@@ -53,12 +51,7 @@ pub(super) fn contains(corners: &[Point2<f64>; 4], p: Point2<f64>) -> bool {
 }
 
 /// Finds the sheet around the board, or the brightest one.
-pub(super) fn find(
-    grey: &GreyImage,
-    board: Option<(&Board, &CheckerPattern)>,
-    light: &Light<'_>,
-    by_hand: Option<[Point2<f64>; 4]>,
-) -> Result<Sheet> {
+pub(super) fn find(grey: &GreyImage, light: &Light<'_>, by_hand: Option<[Point2<f64>; 4]>) -> Result<Sheet> {
     let diagonal = (grey.width() as f64).hypot(grey.height() as f64);
     if let Some(corners) = by_hand {
         return Ok(
@@ -74,14 +67,14 @@ pub(super) fn find(
             },
         );
     }
-    let outcome = match board {
-        Some(_) => search(grey, board, light, light.lens),
+    let outcome = match light.board {
+        Some(_) => search(grey, light, light.lens),
         // Nothing tells the lens but the sheet's own sides: they are straight under the right one.
         None => TRIED_LENSES
             .iter()
-            .map(|&k| search(grey, None, light, &Lens::radial(grey.width(), grey.height(), k)))
+            .map(|&k| search(grey, light, &Lens::radial(grey.width(), grey.height(), k)))
             .reduce(|best, next| if next.score > WORTHWHILE * best.score { next } else { best })
-            .unwrap_or_else(|| search(grey, None, light, light.lens)),
+            .unwrap_or_else(|| search(grey, light, light.lens)),
     };
     let Some(corners) = outcome.corners else { return Err(not_found(outcome.seen)) };
     let light = Light { lens: &outcome.lens, ..*light };
@@ -108,20 +101,15 @@ struct Outcome {
     seen: String,
 }
 
-fn search(
-    grey: &GreyImage,
-    board: Option<(&Board, &CheckerPattern)>,
-    light: &Light<'_>,
-    lens: &Lens,
-) -> Outcome {
+fn search(grey: &GreyImage, light: &Light<'_>, lens: &Lens) -> Outcome {
     let map = EdgeMap::new(grey, lens);
     let foreign = |e: &Edgel| {
         let p = map.to_photo(e.position);
         light.field.explains(p, e.normal, BORDER_DISTANCE * map.factor as f64)
-            || board.is_some_and(|(board, pattern)| board.explains(pattern, p, e.normal))
+            || light.board.is_some_and(|(board, pattern)| board.explains(pattern, p, e.normal))
     };
     let lines = find_lines(&map, |e| !foreign(e));
-    let (content, toward) = match board {
+    let (content, toward) = match light.board {
         Some((board, _)) => {
             let corners = board.pairs.iter().map(|p| map.to_working(lens.straighten(p.camera))).collect();
             (Content::Board(corners), "towards the pattern")

@@ -21,6 +21,13 @@ fn pattern() -> CheckerPattern {
     }
 }
 
+/// `camera_from_projector` of a panel whose corners are seen at the given pixels.
+fn from_panel(corners: [Point2<f64>; 4]) -> Homography {
+    let border = [(-0.5, -0.5), (1023.5, -0.5), (1023.5, 767.5), (-0.5, 767.5)];
+    let pairs: Vec<_> = border.iter().map(|b| Point2::new(b.0, b.1)).zip(corners).collect();
+    homography_from_points(&pairs).unwrap()
+}
+
 /// A drawn photograph: a sheet and the pattern's light on it, and nothing else.
 struct Drawn {
     size: [u32; 2],
@@ -34,12 +41,10 @@ impl Drawn {
         let s = f64::from(width) / 640.0;
         let p = |x: f64, y: f64| Point2::new(x * s, y * s);
         let panel = [p(120.0, 40.0), p(640.0, 30.0), p(635.0, 440.0), p(165.0, 400.0)];
-        let border = [(-0.5, -0.5), (1023.5, -0.5), (1023.5, 767.5), (-0.5, 767.5)];
-        let pairs: Vec<_> = border.iter().map(|b| Point2::new(b.0, b.1)).zip(panel).collect();
         Self {
             size: [width, width * 3 / 4],
             sheet: [p(100.3, 86.6), p(554.0, 73.8), p(556.6, 404.9), p(168.4, 347.0)],
-            camera_from_projector: Some(homography_from_points(&pairs).unwrap()),
+            camera_from_projector: Some(from_panel(panel)),
         }
     }
 
@@ -222,6 +227,27 @@ fn corners_by_hand_are_measured_or_kept() {
     let crossed = [near[0], near[2], near[1], near[3]];
     let config = DetectConfig { corners: Some(crossed), ..DetectConfig::default() };
     assert!(matches!(observe(view, None, size, None, &config), Err(Error::Invalid { .. })));
+}
+
+#[test]
+fn light_that_covers_only_part_of_the_sheet_is_not_taken_for_it() {
+    let p = |x: f64, y: f64| Point2::new(2.0 * x, 2.0 * y);
+    let mut drawn = Drawn::tilted(1280);
+    let panel = [p(190.0, 120.0), p(520.0, 105.0), p(515.0, 360.0), p(205.0, 330.0)];
+    drawn.camera_from_projector = Some(from_panel(panel));
+    let detection = drawn.observe(Some(&pattern())).unwrap();
+    drawn.assert_found(&detection, 2.0);
+}
+
+#[test]
+fn a_pattern_that_falls_partly_beside_the_sheet_is_used_where_it_lies_on_it() {
+    let p = |x: f64, y: f64| Point2::new(x, y);
+    let mut drawn = Drawn::tilted(640);
+    let panel = [p(-60.0, 40.0), p(460.0, 30.0), p(455.0, 440.0), p(-15.0, 400.0)];
+    drawn.camera_from_projector = Some(from_panel(panel));
+    let detection = drawn.observe(Some(&pattern())).unwrap();
+    assert!(detection.observation.pairs.len() < 70 && !detection.notes.is_empty());
+    drawn.assert_found(&detection, 1.0);
 }
 
 /// The rendered scenes beside the repository, or `None` where there are none.

@@ -1,0 +1,77 @@
+//! The arrows between the folders point one way.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Which folders each folder may use. What is not listed here meets in the plain types at the top of the crate.
+const MAY_USE: [(&str, &[&str]); 10] = [
+    ("geometry", &[]),
+    ("solve", &["geometry"]),
+    ("photo", &[]),
+    ("pattern", &["geometry", "photo"]),
+    ("detect", &["geometry", "solve", "photo", "pattern"]),
+    ("calibrate", &["geometry", "solve", "pattern"]),
+    ("decode", &["geometry", "solve", "photo", "pattern"]),
+    // The reusable object that goes from photograph to cloud runs the decoder.
+    ("reconstruct", &["geometry", "solve", "photo", "pattern", "decode"]),
+    ("evaluate", &["geometry", "solve"]),
+    ("format", &["geometry", "pattern"]),
+];
+
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(sources(&path));
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            files.push(path);
+        }
+    }
+    files
+}
+
+/// What stands behind `crate::` wherever it occurs in code, tests left out.
+fn used(text: &str) -> impl Iterator<Item = &str> {
+    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+    code.lines().filter(|l| !l.trim_start().starts_with("//")).flat_map(|line| {
+        line.split("crate::")
+            .skip(1)
+            .filter_map(|rest| rest.split(|c: char| !(c.is_alphanumeric() || c == '_')).next())
+    })
+}
+
+#[test]
+fn folders_use_only_what_lies_below_them() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let folders: Vec<&str> = MAY_USE.iter().map(|(name, _)| *name).collect();
+    let mut wrong = Vec::new();
+    for (folder, allowed) in MAY_USE {
+        for file in sources(&root.join(folder)) {
+            // Files of tests alone may build their scenes from anything.
+            if file
+                .file_stem()
+                .is_some_and(|s| s.to_string_lossy().ends_with("tests") || s == "monte_carlo" || s == "scene")
+            {
+                continue;
+            }
+            let text = fs::read_to_string(&file).unwrap();
+            for name in used(&text) {
+                if name != folder && folders.contains(&name) && !allowed.contains(&name) {
+                    wrong.push(format!("{} uses {name}", file.strip_prefix(&root).unwrap().display()));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn every_folder_is_listed() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    for entry in fs::read_dir(root).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        assert!(!path.is_dir() || MAY_USE.iter().any(|(folder, _)| *folder == name), "{name} is not listed");
+    }
+}
