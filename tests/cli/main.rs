@@ -3,7 +3,6 @@
 mod bad_input;
 mod calibrate;
 mod general;
-mod layers;
 mod pattern;
 mod rendered;
 
