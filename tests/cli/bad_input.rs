@@ -244,6 +244,18 @@ fn outputs_are_checked_before_the_work() {
 }
 
 #[test]
+fn an_input_is_never_replaced() {
+    let bench = with_pattern();
+    let photo = png(Scene::default().photograph(Some(&checker())));
+    bench.put("photo.png", &photo);
+    bench.run(&format!("{CALIBRATE} --overlay ./photo.png --force")).fails(2, &["photo.png", "input"]);
+    bench
+        .run(&format!("{} --force", CALIBRATE.replace("-o rig.json", "-o checker.json")))
+        .fails(2, &["checker.json"]);
+    assert_eq!(fs::read(bench.path("photo.png")).unwrap(), photo);
+}
+
+#[test]
 fn counts_that_do_not_match() {
     let bench = with_pattern();
     let line = "calibrate a.png b.png --size A4 --screen c.png -o rig.json";

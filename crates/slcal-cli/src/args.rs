@@ -1,6 +1,6 @@
 //! The command line as it is typed; what it means is decided by the verbs.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use nalgebra::Point2;
@@ -280,6 +280,16 @@ pub(crate) struct DecodeInput {
     pub(crate) white: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) gamma: GammaArg,
+}
+
+impl DecodeInput {
+    /// All files that are read.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        [Some(&self.pattern), self.black.as_ref(), self.white.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(PathBuf::as_path)
+    }
 }
 
 #[derive(Debug, Args)]

@@ -10,7 +10,7 @@ use std::path::Path;
 
 pub(crate) use photo::{decode_photo, load_photo};
 pub(crate) use text::{check_panel, load_checker, load_rig, load_stripes};
-pub(crate) use write::{Destination, check_distinct, png_bytes, write_all};
+pub(crate) use write::{Destination, check_distinct, check_spares, png_bytes, write_all};
 
 use crate::exit::{Exit, Failure, Outcome};
 

@@ -97,6 +97,25 @@ pub(crate) fn check_distinct<'a>(destinations: impl IntoIterator<Item = &'a Dest
     Ok(())
 }
 
+/// Refuses a command line whose output would replace one of its own inputs: no `--force` means that.
+pub(crate) fn check_spares<'a>(
+    destinations: impl IntoIterator<Item = &'a Destination>,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> Outcome {
+    let inputs: Vec<PathBuf> = inputs.into_iter().filter_map(|p| fs::canonicalize(p).ok()).collect();
+    for destination in destinations {
+        if let Destination::File { path, .. } = destination
+            && inputs.contains(path)
+        {
+            return Err(Failure::usage(format!(
+                "{} is an input and would be replaced by an output; give the output another name",
+                path.display()
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// Writes all results, each to its place, or none: every file is complete beside its place before the first takes its name.
 pub(crate) fn write_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
     let mut ready = Vec::new();

@@ -1,6 +1,6 @@
 //! `slcal calibrate`: photographs of the sheet in, rig out.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
 use slcal_core::detect::{DetectConfig, Detection, observe};
@@ -16,8 +16,8 @@ use slcal_core::{
 use crate::args::{CalibrateArgs, DistortionArg, MethodArg, PrincipalPointArg};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_distinct, input_name, is_dash, load_checker, load_photo, load_rig, png_bytes,
-    write_all,
+    Destination, check_distinct, check_spares, input_name, is_dash, load_checker, load_photo, load_rig,
+    png_bytes, write_all,
 };
 use crate::output::{Printer, print_json, print_result};
 use crate::overlay::Overlay;
@@ -43,10 +43,12 @@ struct Places {
 
 impl Places {
     fn prepare(args: &CalibrateArgs) -> Outcome<Self> {
-        let prepare = |p: &std::path::PathBuf| Destination::prepare(p, args.force);
+        let prepare = |p: &PathBuf| Destination::prepare(p, args.force);
         let rig = args.output.as_ref().map(prepare).transpose()?;
         let overlay = args.overlay.as_ref().map(prepare).transpose()?;
         check_distinct(rig.iter().chain(&overlay))?;
+        let inputs = args.photos.iter().chain(&args.screen).chain(&args.pattern).chain(&args.camera);
+        check_spares(rig.iter().chain(&overlay), inputs.map(PathBuf::as_path))?;
         let stdin = args.photos.iter().chain(&args.screen).filter(|p| is_dash(p)).count();
         if stdin > 1 {
             return Err(Failure::usage("stdin (-) can be one photograph only; give the others as files"));
@@ -126,7 +128,7 @@ fn observe_all(
         printer.detail(format!("{}: looking for the sheet", input_name(path)));
         let found = detect_one(path, &photo, screen.as_ref(), args, pattern, &detect);
         if let (0, Some(place)) = (i, &places.overlay) {
-            draw(&photo, found.as_ref().ok(), args, place)?;
+            draw(path, &photo, found.as_ref().ok(), args, place)?;
         }
         let found = found?;
         for note in &found.notes {
@@ -150,8 +152,10 @@ fn detect_one(
     observe(view, screen, args.size, pattern, config).in_file(path)
 }
 
-/// Draws what was found; when that is not everything, what the user gave by hand.
+/// Draws what was found. When that is not everything: the corners that were given by hand, or the sheet that would be
+/// taken without a pattern.
 fn draw(
+    path: &Path,
     photo: &DynamicImage,
     found: Option<&Detection>,
     args: &CalibrateArgs,
@@ -161,7 +165,12 @@ fn draw(
     match (found, args.corners.first()) {
         (Some(found), _) => overlay.draw_observation(&found.observation),
         (None, Some(corners)) => overlay.draw_sheet(corners),
-        (None, None) => {}
+        (None, None) => {
+            let detect = DetectConfig { encoding: args.gamma.gamma, corners: None };
+            if let Ok(sheet) = detect_one(path, photo, None, args, None, &detect) {
+                overlay.draw_observation(&sheet.observation);
+            }
+        }
     }
     write_all(&[(place.clone(), png_bytes(&overlay.into_picture())?)])
 }

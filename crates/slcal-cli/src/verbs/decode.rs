@@ -10,7 +10,9 @@ use slcal_core::photo::PhotoView;
 
 use crate::args::{self, DecodeArgs};
 use crate::exit::{Failure, InFile as _, Outcome};
-use crate::io::{Destination, check_distinct, is_dash, load_photo, load_stripes, png_bytes, write_all};
+use crate::io::{
+    Destination, check_distinct, check_spares, is_dash, load_photo, load_stripes, png_bytes, write_all,
+};
 use crate::output::{Printer, print_json, print_result};
 use crate::overlay::Overlay;
 use crate::summary;
@@ -19,6 +21,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     let output = Destination::prepare(&args.output, args.force)?;
     let overlay = args.overlay.as_ref().map(|p| Destination::prepare(p, args.force)).transpose()?;
     check_distinct([&output].into_iter().chain(&overlay))?;
+    check_spares([&output].into_iter().chain(&overlay), args.input.files().chain([args.image.as_path()]))?;
     if args.json && output == Destination::Stdout {
         return Err(Failure::usage("--json and -o - both print to stdout; give one of them"));
     }

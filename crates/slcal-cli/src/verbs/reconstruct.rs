@@ -16,8 +16,8 @@ use super::decode::Frames;
 use crate::args::{CullArg, FrameArg, ReconstructArgs};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_distinct, check_panel, input_name, is_dash, load_photo, load_rig, load_stripes,
-    png_bytes, write_all,
+    Destination, check_distinct, check_panel, check_spares, input_name, is_dash, load_photo, load_rig,
+    load_stripes, png_bytes, write_all,
 };
 use crate::output::{Printer, print_json, print_result};
 use crate::overlay::Overlay;
@@ -27,6 +27,11 @@ pub(super) fn run(args: &ReconstructArgs, printer: Printer) -> Outcome {
     let outputs = outputs(args)?;
     let overlay = args.overlay.as_ref().map(|p| Destination::prepare(p, args.force)).transpose()?;
     check_distinct(outputs.iter().chain(&overlay))?;
+    let photos = args.images.iter().map(PathBuf::as_path);
+    check_spares(
+        outputs.iter().chain(&overlay),
+        photos.chain(args.input.files()).chain([args.rig.as_path()]),
+    )?;
     let rig = load_rig(&args.rig)?;
     let pattern = load_stripes(&args.input.pattern)?;
     check_panel(&args.input.pattern, pattern.projector, &args.rig, &rig)?;

@@ -1,6 +1,6 @@
 //! `slcal rectify`: the picture to project so that it appears upright on the sheet.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, RgbImage};
 use nalgebra::{Point2, Vector2};
@@ -9,7 +9,9 @@ use slcal_core::{Rectification, Rig, rectify};
 
 use crate::args::RectifyArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
-use crate::io::{Destination, check_panel, load_checker, load_photo, load_rig, png_bytes, write_all};
+use crate::io::{
+    Destination, check_panel, check_spares, load_checker, load_photo, load_rig, png_bytes, write_all,
+};
 use crate::output::{Printer, print_result};
 
 /// Background left around a rectified checkerboard, in squares: the outermost squares must be seen as squares.
@@ -17,6 +19,8 @@ const MARGIN_SQUARES: f64 = 0.5;
 
 pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
     let output = Destination::prepare(&args.output, args.force)?;
+    let inputs = [Some(&args.rig), args.pattern.as_ref(), args.image.as_ref()];
+    check_spares([&output], inputs.into_iter().flatten().map(PathBuf::as_path))?;
     let rig = load_rig(&args.rig)?;
     let (picture, place) = match (&args.pattern, &args.image) {
         (Some(path), _) => {

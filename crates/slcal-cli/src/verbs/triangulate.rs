@@ -6,12 +6,13 @@ use slcal_core::reconstruct::{ReconstructConfig, cloud_from_matches};
 use super::reconstruct::{cloud_bytes, cull_rule, frame, ply_destination, with_projector};
 use crate::args::TriangulateArgs;
 use crate::exit::{InFile as _, Outcome};
-use crate::io::{Destination, load_rig, read_bytes, write_all};
+use crate::io::{Destination, check_spares, load_rig, read_bytes, write_all};
 use crate::output::{Printer, print_result};
 use crate::summary;
 
 pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
     let output = ply_destination(&args.output, args.force)?;
+    check_spares([&output], [args.rig.as_path(), &args.matches])?;
     let rig = load_rig(&args.rig)?;
     with_projector(&rig, &args.rig)?;
     let matches =
