@@ -4,11 +4,12 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["CheckerPattern", "StripePattern", "__version__", "run_command"]
 __version__: Final[str]
 
 @final
 class CheckerPattern:
-    """The checkerboard that calibration needs, centred on the projector's panel.
+    """The checkerboard that calibration needs, centred on the projector's panel: 11 columns and 8 rows unless told otherwise.
 
     Raises ValueError when columns + rows is even (the board would look the same after half a turn) or when the board
     does not fit on the panel.
@@ -17,7 +18,7 @@ class CheckerPattern:
     def __new__(
         cls,
         projector: tuple[int, int],
-        squares: tuple[int, int] = (11, 8),
+        squares: tuple[int, int] = ...,
         square_px: int | None = None,
     ) -> CheckerPattern: ...
     @property
