@@ -213,6 +213,16 @@ fn a_known_camera_leaves_the_rest_to_be_solved() {
 }
 
 #[test]
+fn a_pattern_whose_outer_squares_fall_off_the_sheet_is_used() {
+    let scene = Scene { aim_mm: [105.0, 0.0], ..Scene::default() };
+    let bench = with_photo(&scene);
+    let _ = bench.run(LINE).ok();
+    let rig = json(&bench.text("rig.json"));
+    assert!(focal_error(&rig, "camera", scene.camera_focal_px) < 0.2, "{}", focal(&rig, "camera"));
+    assert!(focal_error(&rig, "projector", scene.projector_focal_px) < 0.5, "{}", focal(&rig, "projector"));
+}
+
+#[test]
 fn a_pattern_partly_off_the_sheet_is_not_guessed_at() {
     // Without its last columns the board fits the pattern in more than one place.
     let scene = Scene { aim_mm: [190.0, 0.0], ..Scene::default() };

@@ -27,12 +27,10 @@ pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
     }
     if let Some(quality) = &rig.quality {
         let meaning = match quality.verdict {
-            Verdict::Good => "good: the focal lengths are known to better than 4 %",
-            Verdict::Fair => "fair: a focal length is known to between 4 and 10 % only",
-            Verdict::Weak => "weak: a focal length is uncertain by 10 to 25 %; treat lengths as rough",
-            Verdict::Degenerate => {
-                "degenerate: this view does not determine the focal lengths; do not rely on it"
-            }
+            Verdict::Good => "good",
+            Verdict::Fair => "fair: lengths may be off by several per cent",
+            Verdict::Weak => "weak: treat lengths as rough",
+            Verdict::Degenerate => "degenerate: do not rely on any of this",
         };
         line(&mut text, "verdict", meaning);
         if !report.cause.is_empty() {
