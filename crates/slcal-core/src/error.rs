@@ -28,7 +28,7 @@ pub enum Error {
         advice: String,
     },
     /// The geometry does not determine the answer.
-    #[error("{what} is not determined: {measure:.3e} against a limit of {limit:.3e}; {advice}")]
+    #[error("{what} is not determined: {} against a limit of {}; {advice}", short(*measure), short(*limit))]
     Degenerate {
         /// The quantity that is not determined.
         what: &'static str,
@@ -105,6 +105,11 @@ impl Error {
             Self::Io { .. } => ErrorClass::Other,
         }
     }
+}
+
+/// Three significant digits, in the form that is easier to read.
+fn short(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e5).contains(&x.abs()) { format!("{x:.3}") } else { format!("{x:.1e}") }
 }
 
 /// Shorthand for results of this library.

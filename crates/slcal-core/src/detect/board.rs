@@ -29,6 +29,8 @@ pub(super) struct Board {
 
 /// Fewer corners than this do not fix a homography well enough to tell the sheet from the light field.
 const MIN_CORNERS: usize = 12;
+/// Squares of more corners than this would be too small to be seen in any photograph.
+const MAX_CORNERS: usize = 10_000;
 /// A refined corner may lie this part of a square from where it was first seen; further off, the fit took hold of
 /// something else.
 const MAX_SHIFT_SQUARES: f64 = 0.15;
@@ -43,7 +45,14 @@ impl Board {
     /// [`Error::NotFound`] with what was seen instead.
     pub(super) fn find(grey: &GreyImage, pattern: &CheckerPattern) -> Result<Self> {
         let [columns, rows] = pattern.squares.map(|n| n.saturating_sub(1) as usize);
-        let expected = columns * rows;
+        let expected = columns.saturating_mul(rows);
+        if expected > MAX_CORNERS {
+            return Err(Error::invalid(
+                "checkerboard",
+                format!("at most {MAX_CORNERS} inner corners"),
+                expected,
+            ));
+        }
         let grids = labelled_grids(grey, expected);
         let largest = grids.first().map_or(0, Vec::len);
         let mut refusal = None;

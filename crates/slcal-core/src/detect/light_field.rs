@@ -4,7 +4,10 @@
 
 use nalgebra::{Point2, Vector2};
 
+use super::board::Board;
+use super::lens::Lens;
 use crate::geometry::{Homography, Line};
+use crate::pattern::CheckerPattern;
 
 /// The images of the four borders of the panel, for what lies on the plane of the sheet.
 #[derive(Debug, Clone)]
@@ -42,5 +45,22 @@ impl LightField {
     /// Distance from the nearest border, px.
     pub(super) fn distance_px(&self, p: Point2<f64>) -> f64 {
         self.borders.iter().map(|l| l.signed_distance_px(p).abs()).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The edges of the projected light, its border and the pattern's squares, in the photograph as it is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Light<'a> {
+    pub(super) field: &'a LightField,
+    pub(super) lens: &'a Lens,
+    pub(super) board: Option<(&'a Board, &'a CheckerPattern)>,
+}
+
+impl Light<'_> {
+    /// Distance of a point of the photograph from the nearest of these edges, px.
+    pub(super) fn distance_px(&self, p: Point2<f64>) -> f64 {
+        let p = self.lens.straighten(p);
+        let squares = self.board.map_or(f64::INFINITY, |(board, pattern)| board.edge_distance_px(pattern, p));
+        self.field.distance_px(p).min(squares)
     }
 }

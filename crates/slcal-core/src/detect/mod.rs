@@ -9,12 +9,15 @@ mod anchor;
 mod board;
 mod checkerboard;
 mod corner;
+mod crossing;
 mod edge;
 mod edge_map;
 mod lens;
 mod light_field;
 mod lines;
+mod profile;
 mod quad;
+mod scan;
 mod sheet;
 #[cfg(test)]
 mod tests;
@@ -29,9 +32,8 @@ use crate::pattern::CheckerPattern;
 use crate::photo::{Encoding, PhotoView};
 
 use board::Board;
-use edge::Light;
 use lens::Lens;
-use light_field::LightField;
+use light_field::{Light, LightField};
 
 /// What is known of a photograph before it is looked at.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]

@@ -2,9 +2,10 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::edge::{Light, measure_side};
+use super::edge::measure_side;
 use super::edge_map::{EdgeMap, Edgel};
 use super::lens::Lens;
+use super::light_field::Light;
 use super::lines::find_lines;
 use super::quad::{Content, find_sheet};
 use crate::error::{Error, Result};

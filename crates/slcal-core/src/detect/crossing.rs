@@ -1,0 +1,110 @@
+//! Crossings of one side: the smooth curve that they follow, without those that are not the side's, and the few points
+//! that stand for them.
+
+use super::scan::Scan;
+use crate::observations::EdgePoint;
+use crate::solve::Polynomial;
+
+/// Degree of the curve that a side may follow: an image of a straight line through an ordinary lens.
+pub(super) const CURVE_DEGREE: usize = 3;
+/// Crossings further from the curve than this many robust standard deviations are not the side's.
+const REJECT_SIGMAS: f64 = 3.5;
+/// Points per side, each the mean over neighbouring crossings: more would say nothing new.
+const MAX_POINTS: usize = 80;
+/// Standard deviation that no point goes below, px: what remains of the light's bleeding and shading on
+/// rendered sheets with exact truth.
+const FLOOR_SIGMA_PX: f64 = 0.01;
+
+/// One crossing of the side.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Crossing {
+    /// Row or column.
+    pub(super) line: f64,
+    /// Where on it, px.
+    pub(super) position: f64,
+    /// 1σ, px.
+    pub(super) sigma: f64,
+}
+
+/// Fits the curve, dropping what is far from it; what remains is in `crossings`.
+pub(super) fn robust_curve(crossings: &mut Vec<Crossing>) -> Option<Polynomial> {
+    let samples =
+        |c: &[Crossing]| c.iter().map(|c| (c.line, c.position, c.sigma.powi(-2))).collect::<Vec<_>>();
+    // A straight line through the medians of three parts starts off robustly; the degree then grows as outliers leave.
+    let mut curve = median_line(crossings)?;
+    let all = std::mem::take(crossings);
+    let mut kept: Vec<Crossing> = Vec::new();
+    for round in 0..8 {
+        let mut residuals: Vec<f64> = all.iter().map(|c| (c.position - curve.value(c.line)).abs()).collect();
+        let scale = 1.4826 * median(&mut residuals)?;
+        let limit = (REJECT_SIGMAS * scale).max(0.02);
+        kept = all.iter().copied().filter(|c| (c.position - curve.value(c.line)).abs() <= limit).collect();
+        let degree = if round < 2 { 1 } else { CURVE_DEGREE };
+        if kept.len() <= 2 * (degree + 1) {
+            return None;
+        }
+        curve = Polynomial::fit(&samples(&kept), degree)?;
+    }
+    *crossings = kept;
+    Some(curve)
+}
+
+/// A line through the medians of the first and the last third.
+fn median_line(crossings: &[Crossing]) -> Option<Polynomial> {
+    let third = crossings.len() / 3;
+    if third == 0 {
+        return None;
+    }
+    let middle = |part: &[Crossing]| {
+        let mut lines: Vec<f64> = part.iter().map(|c| c.line).collect();
+        let mut positions: Vec<f64> = part.iter().map(|c| c.position).collect();
+        Some((median(&mut lines)?, median(&mut positions)?, 1.0))
+    };
+    Polynomial::fit(&[middle(&crossings[..third])?, middle(&crossings[crossings.len() - third..])?], 1)
+}
+
+/// Means over runs of neighbouring crossings, with a σ that counts what neighbours have in common.
+pub(super) fn condense(
+    scan: Scan,
+    crossings: &[Crossing],
+    curve: &Polynomial,
+    across: f64,
+) -> Vec<EdgePoint> {
+    let run = crossings.len().div_ceil(MAX_POINTS);
+    let means: Vec<(f64, f64, f64)> = crossings
+        .chunks(run)
+        .map(|c| {
+            let weight: f64 = c.iter().map(|c| c.sigma.powi(-2)).sum();
+            let mean = |f: &dyn Fn(&Crossing) -> f64| {
+                c.iter().map(|c| f(c) * c.sigma.powi(-2)).sum::<f64>() / weight
+            };
+            let line = mean(&|c| c.line);
+            // The mean of the offsets from the curve, put back onto it: a run of a bent side is not pulled to its chord.
+            let offset = mean(&|c| c.position - curve.value(c.line));
+            (line, offset, weight.sqrt().recip())
+        })
+        .collect();
+    let freedom = (means.len() as f64 - CURVE_DEGREE as f64 - 1.0).max(1.0);
+    let chi = (means.iter().map(|m| (m.1 / m.2).powi(2)).sum::<f64>() / freedom).sqrt().max(1.0);
+    let norm: f64 = means.iter().map(|m| (m.1 / m.2).powi(2)).sum();
+    let lag: f64 = means.windows(2).map(|w| w[0].1 / w[0].2 * w[1].1 / w[1].2).sum();
+    // A first-order autoregressive sequence of correlation ρ holds (1 − ρ)/(1 + ρ) as many independent points.
+    let rho = if norm > 0.0 { (lag / norm).clamp(0.0, 0.9) } else { 0.0 };
+    let inflation = chi * ((1.0 + rho) / (1.0 - rho)).sqrt();
+    means
+        .iter()
+        .map(|&(line, offset, sigma)| EdgePoint {
+            position: scan.join(line, curve.value(line) + offset),
+            sigma_px: (sigma * inflation * across).max(FLOOR_SIGMA_PX),
+        })
+        .collect()
+}
+
+/// The upper median; `None` of nothing.
+pub(super) fn median(values: &mut [f64]) -> Option<f64> {
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
