@@ -1,7 +1,7 @@
 //! Projector–camera calibration from one photograph, and one-shot structured-light reconstruction.
 //!
 //! The folders are the verbs of the work, in the order in which data passes through them:
-//! [`pattern`] (what is projected), [`detect`] (photograph → [`Observations`]), [`calibrate`] (observations → [`Rig`]),
+//! [`pattern`] (what is projected), [`detect`] (photograph → [`Observations`]), [`mod@calibrate`] (observations → [`Rig`]),
 //! [`decode`] (photograph → [`Matches`]), [`reconstruct`] (matches + rig → [`PointCloud`]), [`evaluate`] (cloud → plane,
 //! sphere). They meet in the plain types at the top of the crate and rest on [`geometry`] (values) and [`solve`]
 //! (numerics). [`mod@format`] reads and writes those types as JSON, CSV and PLY on any `Read` and `Write`.
