@@ -51,7 +51,8 @@ pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
     advice.push(&report.advice);
     advice.retain(|a| !a.is_empty());
     // The report's advice is often that of a warning.
-    advice.dedup();
+    let mut said = std::collections::HashSet::new();
+    advice.retain(|a| said.insert(*a));
     for sentence in advice {
         line(&mut text, "advice", sentence);
     }

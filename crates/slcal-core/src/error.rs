@@ -28,11 +28,11 @@ pub enum Error {
         advice: String,
     },
     /// The geometry does not determine the answer.
-    #[error("{what} is not determined: {} against a limit of {}; {advice}", short(*measure), short(*limit))]
+    #[error("{what} is not determined: {advice}")]
     Degenerate {
         /// The quantity that is not determined.
         what: &'static str,
-        /// The number that shows it.
+        /// The number that shows it; what it means to the user is said in `advice`.
         measure: f64,
         /// The limit that it missed.
         limit: f64,
@@ -41,7 +41,9 @@ pub enum Error {
     },
     /// The closed form gives a negative squared focal length: no camera with this principal point sees the
     /// sheet's sides as perpendicular.
-    #[error("the focal length of the {device} is imaginary (f² = {f_squared:.4e} px²); {advice}")]
+    #[error(
+        "the focal length of the {device} is imaginary (its square came out negative, {f_squared:.4e} px²); {advice}"
+    )]
     ImaginaryFocal {
         /// "camera" or "projector".
         device: &'static str,
@@ -105,11 +107,6 @@ impl Error {
             Self::Io { .. } => ErrorClass::Other,
         }
     }
-}
-
-/// Three significant digits, in the form that is easier to read.
-fn short(x: f64) -> String {
-    if x == 0.0 || (1e-3..1e5).contains(&x.abs()) { format!("{x:.3}") } else { format!("{x:.1e}") }
 }
 
 /// Shorthand for results of this library.

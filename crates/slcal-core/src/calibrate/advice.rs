@@ -5,7 +5,11 @@ use nalgebra::{Unit, Vector3};
 use super::joint::Joint;
 use super::predict::{MORE_TILT, predict, reversed, tilt, turned};
 use super::refine::Fit;
+use super::verdict::{FAIR, WEAK};
 use crate::geometry::Pose;
+
+/// With several photographs one more is advised when it brings σ below this part of itself.
+const WORTH_ANOTHER: f64 = 0.5;
 
 /// The better of tilting the first view's sheet by 15° more about one of the camera's axes.
 pub(crate) struct Tilt {
@@ -28,9 +32,12 @@ pub(crate) fn best_tilt(joint: &Joint, fit: &Fit) -> Option<Tilt> {
     tried.min_by(|a, b| a.sigma.total_cmp(&b.sigma))
 }
 
-/// Per cent with two significant digits: "0.015 %", "5.4 %", "45 %".
+/// Per cent with two significant digits: "0.015 %", "5.4 %", "45 %"; beyond ten times the value the digits mean nothing.
 pub(crate) fn percent(share: f64) -> String {
     let p = share * 100.0;
+    if p > 1000.0 {
+        return "more than 1000 %".into();
+    }
     if p >= 10.0 || p <= 0.0 {
         return format!("{p:.0} %");
     }
@@ -38,44 +45,56 @@ pub(crate) fn percent(share: f64) -> String {
     format!("{p:.decimals$} %")
 }
 
-/// One sentence of advice: what more tilt and what a second photograph with the tilt reversed would bring.
-pub(crate) fn advise(joint: &Joint, fit: &Fit, sigma: f64, enough: bool) -> String {
+/// One sentence of advice: what more tilt and what a photograph with the tilt reversed would bring.
+pub(crate) fn advise(joint: &Joint, fit: &Fit, sigma: f64) -> String {
     let (Some(pose), Some(&size)) = (fit.model.views.first(), joint.sizes.first()) else {
         return String::new();
     };
-    let pair = |p: &Pose| predict(joint, fit, &[*p, reversed(p, size)]).map(|s| s.worst());
+    let others = &fit.model.views[1..];
+    // All poses with the first as given, and one more that reverses it.
+    let with_reversed = |p: &Pose| {
+        let mut poses = vec![*p, reversed(p, size)];
+        poses.extend_from_slice(others);
+        predict(joint, fit, &poses).map(|s| s.worst())
+    };
     let now = percent(sigma);
-    if enough || joint.sizes.len() > 1 {
-        return match pair(pose) {
-            Some(s) if joint.sizes.len() == 1 && s < sigma => format!(
-                "σ of the focal length is {now}; a second photograph with the tilt reversed brings it to {}",
-                percent(s)
-            ),
-            _ => format!("σ of the focal length is {now}"),
-        };
+    let another = if others.is_empty() { "a second photograph" } else { "another photograph" };
+    let second =
+        with_reversed(pose).filter(|s| *s < if others.is_empty() { 1.0 } else { WORTH_ANOTHER } * sigma);
+    let tilt_more = || best_tilt(joint, fit).filter(|t| t.sigma < sigma.min(WEAK));
+    if sigma >= FAIR
+        && others.is_empty()
+        && let Some(t) = tilt_more()
+    {
+        let pair = with_reversed(&t.pose).filter(|s| *s < t.sigma).map(|s| {
+            format!(", add a second photograph with the tilt reversed and it falls to {}", percent(s))
+        });
+        return format!(
+            "tilt the sheet by 15° more about its {} axis and it falls to {}{}",
+            t.axis,
+            percent(t.sigma),
+            pair.unwrap_or_default()
+        );
     }
-    let better = best_tilt(joint, fit).filter(|t| t.sigma < sigma);
-    match better {
-        Some(t) => {
-            let second = pair(&t.pose)
-                .filter(|s| *s < t.sigma)
-                .map(|s| {
-                    format!(", add a second photograph with the tilt reversed and it falls to {}", percent(s))
-                })
-                .unwrap_or_default();
-            format!(
-                "tilt the sheet by 15° more about its {} axis and it falls to {}{second}",
-                t.axis,
-                percent(t.sigma)
-            )
+    match second {
+        Some(s) => format!(
+            "σ of the focal length is {now}; {another} with the tilt reversed brings it to {}",
+            percent(s)
+        ),
+        None if sigma >= FAIR => {
+            "give the principal points or a known camera, or photograph the sheet in other poses".into()
         }
-        None => match pair(pose).filter(|s| *s < sigma) {
-            Some(s) => {
-                format!("add a second photograph with the tilt reversed and it falls to {}", percent(s))
-            }
-            None => {
-                "give the principal points or a known camera, or photograph the sheet in other poses".into()
-            }
-        },
+        None => format!("σ of the focal length is {now}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn per_cent_have_two_digits() {
+        let shown = [0.000_15, 0.054, 0.45, 3.2, 81.0, 0.0].map(percent);
+        assert_eq!(shown, ["0.015 %", "5.4 %", "45 %", "320 %", "more than 1000 %", "0 %"]);
     }
 }

@@ -11,6 +11,9 @@ use crate::observations::{Observations, SheetObservation, ViewObservation};
 const SMALLEST_AREA_SHARE: f64 = 1e-5;
 /// Sine of the angle at a corner below which three corners count as collinear.
 const FLATTEST_SINE: f64 = 1e-3;
+/// By how much the proportions of the sheet's image may differ from those of its size: a sheet is seen this much narrower
+/// when it stands 3° from edge-on.
+const MOST_FORESHORTENED: f64 = 20.0;
 /// Fewest projected corners from which a homography follows.
 const FEWEST_PAIRS: usize = 4;
 
@@ -84,7 +87,8 @@ fn check_view(view: &ViewObservation, i: usize, observations: &Observations) -> 
             "parallel neighbours",
         )
     })?;
-    check_corners(&corners, observations.camera, &what("the sheet's corners"))
+    check_corners(&corners, observations.camera, &what("the sheet's corners"))?;
+    check_proportions(&corners, view.size, &what("the sheet's size"))
 }
 
 fn check_pairs(view: &ViewObservation, what: &str) -> Result<()> {
@@ -120,6 +124,21 @@ fn check_on_panel(view: &ViewObservation, panel: [u32; 2], what: &str) -> Result
             format!("{:.1},{:.1}: is the pattern one for another panel?", p.projector.x, p.projector.y),
         )),
     }
+}
+
+/// A size with proportions far from what is seen was mistyped; the homography to it would be singular to rounding.
+fn check_proportions(corners: &[Point2<f64>; 4], size: RectangleSize, what: &str) -> Result<()> {
+    let side = |i: usize| (corners[(i + 1) % 4] - corners[i]).norm();
+    let seen = (side(0) + side(2)) / (side(1) + side(3));
+    let given = size.width_mm / size.height_mm;
+    if (given / seen).max(seen / given) <= MOST_FORESHORTENED {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        what,
+        format!("width and height near {seen:.2} to 1, as the sheet is seen"),
+        format!("{}x{} mm, which is {given:.3} to 1", size.width_mm, size.height_mm),
+    ))
 }
 
 fn check_corners(corners: &[Point2<f64>; 4], image: [u32; 2], what: &str) -> Result<()> {

@@ -17,8 +17,8 @@ pub enum PrincipalPointRule {
     Free,
     /// Exactly this pixel.
     Exact(f64, f64),
-    /// The horizontal centre as in [`Prior`](Self::Prior), the vertical one unknown to the order of the panel's
-    /// height: a projector with lens shift.
+    /// The horizontal centre as in [`Prior`](Self::Prior), the vertical one unknown (1σ of four times the panel's
+    /// height): a projector with lens shift.
     Shift,
 }
 
@@ -58,11 +58,12 @@ pub struct CalibrateConfig {
     /// The camera's principal point; default [`PrincipalPointRule::Prior`].
     pub camera_pp: PrincipalPointRule,
     /// The projector's principal point; default [`PrincipalPointRule::Shift`]. [`Method::TwoVp`], which needs an exact
-    /// one, takes the centre for `Prior` and `Shift`.
+    /// one, takes the centre for `Prior` and `Shift` of either device and refuses `Free`.
     pub projector_pp: PrincipalPointRule,
     /// The estimator; default [`Method::Ml`].
     pub method: Method,
-    /// Distortion of the camera; default [`DistortionModel::Auto`]. Ignored when the camera is known.
+    /// Distortion of the camera; default [`DistortionModel::Auto`]. Ignored when the camera is known;
+    /// [`Method::TwoVp`], which knows none, refuses anything but `Auto` and `None`.
     pub distortion: DistortionModel,
     /// A camera whose intrinsics and distortion are known and held fixed; default none.
     pub known_camera: Option<Camera>,
@@ -72,7 +73,7 @@ pub struct CalibrateConfig {
     /// 1σ of a principal point under `Prior`, as a share of the image's width; default 0.02 (published consumer cameras
     /// lie 0.5–3.5 % off the centre).
     pub principal_point_sigma: f64,
-    /// 1σ of k1 (and, a fortiori, of the smaller coefficients) when distortion is estimated; default 0.1.
+    /// 1σ of k1 and of k2 when distortion is estimated; default 0.1. That of p1, p2 and k3 is 0.01.
     pub distortion_sigma: f64,
 }
 

@@ -73,10 +73,11 @@ pub(crate) fn focal_from_homographies(homographies: &[Homography], device: &'sta
 /// The error for a negative f², with what usually causes it.
 pub(crate) fn imaginary(device: &'static str, f_squared: f64) -> Error {
     let advice = if device == "camera" {
-        "check the sheet's size (are width and height swapped?) and its corners, and tilt the sheet about both axes"
+        "no lens with this principal point sees the sheet like that; check the sheet's size (are width and height \
+         swapped?) and its corners, and tilt the sheet about both axes"
     } else {
-        "the projector's principal point is not where it was assumed (lens shift is usual): use the maximum-likelihood \
-         method with the rule 'shift', and tilt the sheet about both axes"
+        "no lens with this principal point throws the pattern like that: it is not where it was assumed (lens shift is \
+         usual); use the maximum-likelihood method with the rule 'shift', and tilt the sheet about both axes"
     };
     Error::ImaginaryFocal { device, f_squared, advice: advice.into() }
 }

@@ -24,6 +24,7 @@ mod start;
 mod transposed;
 mod two_vp;
 mod two_vp_rig;
+mod two_vp_sigma;
 mod verdict;
 
 pub use config::{CalibrateConfig, DistortionModel, Method, PrincipalPointRule};
@@ -75,10 +76,13 @@ pub fn calibrate_observations(observations: &Observations, config: &CalibrateCon
 }
 
 fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
-    let (solved, config) = &auto_distortion::solve_choosing(observations, config)?;
+    let (solved, config) = &match auto_distortion::solve_choosing(observations, config) {
+        Ok(solved) => solved,
+        Err(error) => return Err(transposed::explain(error, observations, config)),
+    };
     let mut judgement = verdict::judge(solved, config);
     if let Some(hint) = transposed::hint(observations, config) {
-        judgement.advice = format!("{} ({})", hint.advice, hint.message);
+        judgement.advice.clone_from(&hint.advice);
         judgement.warnings.insert(0, hint);
     }
     if judgement.verdict == Verdict::Degenerate && !config.allow_degenerate {
@@ -101,6 +105,8 @@ fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> 
     Ok(Calibration { rig, report })
 }
 
+#[cfg(test)]
+mod extremes_tests;
 #[cfg(test)]
 mod monte_carlo;
 #[cfg(test)]

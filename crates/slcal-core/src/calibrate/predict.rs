@@ -113,14 +113,13 @@ pub(crate) fn predict(joint: &Joint, fit: &Fit, poses: &[Pose]) -> Option<FocalS
 
 /// σ of the focal lengths if the principal points were known exactly.
 pub(crate) fn with_exact_principal_points(joint: &Joint, fit: &Fit) -> Option<FocalSigma> {
-    let mut layout = joint.layout.clone();
     // A prior of (almost) no width takes the unknown out without renumbering.
     let exact = joint
         .priors
         .iter()
         .map(|p| super::model::Prior { sigma: if p.index <= 2 { p.sigma * 1e-4 } else { p.sigma }, ..*p });
-    layout.len = joint.layout.len;
-    let mut tight = Joint::new(joint.sizes.clone(), joint.measurements.clone(), layout, exact.collect());
+    let (sizes, seen) = (joint.sizes.clone(), joint.measurements.clone());
+    let mut tight = Joint::new(sizes, seen, joint.layout.clone(), exact.collect());
     for (block, original) in tight.blocks.iter_mut().zip(&joint.blocks) {
         block.loss = original.loss;
     }

@@ -1,50 +1,50 @@
 //! A rig by the method of two vanishing points (see `two_vp`), with σ from the noise of what was measured, the method's
 //! own assumptions taken as exact, and a check of the result against what was seen.
 
-use nalgebra::{DMatrix, Point2, Vector3};
+use nalgebra::{Point2, Vector2};
 
 use super::advice::percent;
 use super::assemble::{projected_corners, projector_distance, rms, vanishing_points as images_of_axes};
-use super::config::CalibrateConfig;
+use super::config::{CalibrateConfig, DistortionModel, PrincipalPointRule};
 use super::model::principal_point;
 use super::residual::lit_point;
 use super::start::{robust_homography, sheet_corners};
 use super::two_vp::{focal, pose, rectified_pattern, vanishing_points, vanishing_points_of_quad};
+use super::two_vp_sigma::{SHIFT, TURN, corner_modes, sigmas};
 use super::verdict::{WEAK, verdict, warning};
 use super::{Calibration, CalibrationReport};
 use crate::error::{Error, Result};
-use crate::geometry::{Camera, Distortion, Homography, Intrinsics, Line, Pose, RectangleSize};
+use crate::geometry::{Camera, Distortion, Homography, Intrinsics, Pose, RectangleSize};
 use crate::observations::{Observations, SheetObservation, ViewObservation};
 use crate::rig::{Device, DeviceSigma, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning};
-use crate::solve::{covariance, homography_from_points};
+use crate::solve::homography_from_points;
 
-type Quad = [Point2<f64>; 4];
+pub(super) type Quad = [Point2<f64>; 4];
 
 /// Residuals this many times the noise say that the assumptions (centred principal points, no distortion) do not hold.
 const MISFIT: f64 = 10.0;
-/// σ of a focal length that a small change of the measurements already makes imaginary (1000 %).
-const NO_KNOWLEDGE: f64 = 10.0;
-/// Part of a mode's σ by which it is displaced to differentiate.
-const STEP: f64 = 0.05;
+
+const ADVICE: &str = "use the maximum-likelihood method: its σ covers principal points and distortion";
+const ADVICE_WEAK: &str = "tilt the sheet about both axes, or use the maximum-likelihood method";
 
 /// What the closed form starts from, in square, undistorted camera pixels.
 #[derive(Clone)]
-struct Input {
-    corners: Quad,
+pub(super) struct Input {
+    pub(super) corners: Quad,
     /// The pattern's outer corners in the camera image (through the homography) and in the projector.
-    outline: Option<(Quad, Quad)>,
-    size: RectangleSize,
-    camera: [u32; 2],
-    camera_pp: Point2<f64>,
-    known_focal: Option<f64>,
-    projector: Option<([u32; 2], Point2<f64>)>,
+    pub(super) outline: Option<(Quad, Quad)>,
+    pub(super) size: RectangleSize,
+    pub(super) camera: [u32; 2],
+    pub(super) camera_pp: Point2<f64>,
+    pub(super) known_focal: Option<f64>,
+    pub(super) projector: Option<([u32; 2], Point2<f64>)>,
 }
 
 /// What it answers.
-struct Output {
-    camera: Camera,
-    sheet: Pose,
-    projector: Option<(Camera, Pose)>,
+pub(super) struct Output {
+    pub(super) camera: Camera,
+    pub(super) sheet: Pose,
+    pub(super) projector: Option<(Camera, Pose)>,
 }
 
 fn pinhole([width, height]: [u32; 2], f: f64, pp: Point2<f64>) -> Camera {
@@ -52,7 +52,7 @@ fn pinhole([width, height]: [u32; 2], f: f64, pp: Point2<f64>) -> Camera {
 }
 
 /// The published method.
-fn closed_form(input: &Input) -> Result<Output> {
+pub(super) fn closed_form(input: &Input) -> Result<Output> {
     let v = vanishing_points_of_quad(&input.corners);
     let f = match input.known_focal {
         Some(f) => f,
@@ -124,130 +124,28 @@ fn outline(view: &ViewObservation) -> Result<(Quad, Quad, Homography)> {
     Ok((seen, drawn, camera_from_projector))
 }
 
-/// Independent displacements of the four corners, each of one σ.
-fn corner_modes(view: &ViewObservation, corners: &Quad) -> Vec<[nalgebra::Vector2<f64>; 4]> {
-    let mut modes = Vec::new();
-    match &view.sheet {
-        SheetObservation::Corners { sigma_px, .. } => {
-            for i in 0..8 {
-                let mut mode = [nalgebra::Vector2::zeros(); 4];
-                mode[i / 2][i % 2] = *sigma_px;
-                modes.push(mode);
-            }
-        }
-        SheetObservation::Edges(sides) => {
-            for (i, points) in sides.iter().enumerate() {
-                modes.extend(side_modes(i, points, corners));
-            }
-        }
+/// Refuses what the method cannot do, rather than leaving it out silently.
+fn check_options(config: &CalibrateConfig, with_projector: bool) -> Result<()> {
+    let free = PrincipalPointRule::Free;
+    if config.camera_pp == free && config.known_camera.is_none()
+        || config.projector_pp == free && with_projector
+    {
+        return Err(Error::invalid(
+            "principal point for the two-vp method",
+            "an exact one (the centre, or X,Y): two vanishing points determine the focal length alone",
+            "a free one",
+        ));
     }
-    modes
-}
-
-/// The offset and the slope of one side, as displacements of its two corners along the neighbouring sides.
-fn side_modes(
-    side: usize,
-    points: &[crate::observations::EdgePoint],
-    corners: &Quad,
-) -> Vec<[nalgebra::Vector2<f64>; 4]> {
-    let (from, to) = (side, (side + 1) % 4);
-    let along = corners[to] - corners[from];
-    let place = |p: &Point2<f64>| (p - corners[from]).dot(&along) / along.norm_squared();
-    let weight: f64 = points.iter().map(|p| p.sigma_px.powi(-2)).sum();
-    let mean = points.iter().map(|p| p.sigma_px.powi(-2) * place(&p.position)).sum::<f64>() / weight;
-    let spread: f64 = points.iter().map(|p| p.sigma_px.powi(-2) * (place(&p.position) - mean).powi(2)).sum();
-    let line = |a, b| Line::through_pixels(a, b);
-    let normal = nalgebra::Vector2::new(-along.y, along.x).normalize();
-    let moved = |at_from: f64, at_to: f64| -> Option<[nalgebra::Vector2<f64>; 4]> {
-        let shifted = line(corners[from] + normal * at_from, corners[to] + normal * at_to);
-        let before = line(corners[(side + 3) % 4], corners[from]);
-        let after = line(corners[to], corners[(side + 2) % 4]);
-        let mut mode = [nalgebra::Vector2::zeros(); 4];
-        mode[from] = before.meet(shifted).pixel()? - corners[from];
-        mode[to] = shifted.meet(after).pixel()? - corners[to];
-        Some(mode)
-    };
-    let (offset, slope) = (weight.sqrt().recip(), spread.sqrt().recip());
-    let modes = [moved(offset, offset), moved(-mean * slope, (1.0 - mean) * slope)];
-    modes.into_iter().flatten().collect()
-}
-
-/// Independent displacements of the outline's corners that stand for the noise of all pairs.
-fn outline_modes(
-    view: &ViewObservation,
-    seen: &Quad,
-    drawn: &Quad,
-) -> Option<Vec<[nalgebra::Vector2<f64>; 4]>> {
-    let map =
-        |seen: &Quad| homography_from_points(&drawn.iter().copied().zip(*seen).collect::<Vec<_>>()).ok();
-    let n = view.pairs.len();
-    let mut j = DMatrix::zeros(2 * n, 8);
-    let h = 1e-3;
-    for c in 0..8 {
-        let at = |s: f64| {
-            let mut moved = *seen;
-            moved[c / 2][c % 2] += s * h;
-            map(&moved)
-        };
-        let (up, down) = (at(1.0)?, at(-1.0)?);
-        for (i, p) in view.pairs.iter().enumerate() {
-            let d = (up.map(p.projector)? - down.map(p.projector)?) / (2.0 * h * p.sigma_px);
-            j[(2 * i, c)] = d.x;
-            j[(2 * i + 1, c)] = d.y;
-        }
+    if matches!(config.distortion, DistortionModel::Auto | DistortionModel::None)
+        || config.known_camera.is_some()
+    {
+        return Ok(());
     }
-    let factor = covariance(&j)?.cholesky()?.l();
-    let modes =
-        factor.column_iter().map(|l| std::array::from_fn(|k| nalgebra::Vector2::new(l[2 * k], l[2 * k + 1])));
-    Some(modes.collect())
-}
-
-/// ln f of both devices, then rotation and translation between them, as displacements from `base`.
-fn difference(a: &Output, base: &Output) -> [f64; 8] {
-    let mut d = [0.0; 8];
-    d[0] = (a.camera.intrinsics.fx / base.camera.intrinsics.fx).ln();
-    if let (Some((k, pose)), Some((k0, pose0))) = (&a.projector, &base.projector) {
-        d[1] = (k.intrinsics.fx / k0.intrinsics.fx).ln();
-        let turn = (pose.rotation * pose0.rotation.inverse()).scaled_axis();
-        let shift: Vector3<f64> = pose.translation - pose0.translation;
-        d[2..5].copy_from_slice(turn.as_slice());
-        d[5..8].copy_from_slice(shift.as_slice());
-    }
-    d
-}
-
-/// 1σ of what [`difference`] lists.
-fn sigmas(input: &Input, base: &Output, view: &ViewObservation) -> [f64; 8] {
-    let mut inputs = Vec::new();
-    let displaced = |q: &Quad, mode: &[nalgebra::Vector2<f64>; 4], s: f64| -> Quad {
-        std::array::from_fn(|i| q[i] + mode[i] * s)
-    };
-    for mode in corner_modes(view, &input.corners) {
-        inputs.push(
-            [STEP, -STEP].map(|s| Input { corners: displaced(&input.corners, &mode, s), ..input.clone() }),
-        );
-    }
-    if let Some((seen, drawn)) = &input.outline {
-        for mode in outline_modes(view, seen, drawn).unwrap_or_default() {
-            inputs.push(
-                [STEP, -STEP]
-                    .map(|s| Input { outline: Some((displaced(seen, &mode, s), *drawn)), ..input.clone() }),
-            );
-        }
-    }
-    let mut variance = [0.0; 8];
-    for [up, down] in inputs {
-        match (closed_form(&up), closed_form(&down)) {
-            (Ok(up), Ok(down)) => {
-                let (a, b) = (difference(&up, base), difference(&down, base));
-                for k in 0..8 {
-                    variance[k] += ((a[k] - b[k]) / (2.0 * STEP)).powi(2);
-                }
-            }
-            _ => variance.iter_mut().for_each(|v| *v += NO_KNOWLEDGE * NO_KNOWLEDGE),
-        }
-    }
-    variance.map(|v: f64| if v.is_finite() { v.sqrt().min(NO_KNOWLEDGE * 1e3) } else { NO_KNOWLEDGE })
+    Err(Error::invalid(
+        "distortion for the two-vp method",
+        "auto or none: the method takes lenses for undistorted (or give a known camera)",
+        "coefficients to estimate",
+    ))
 }
 
 /// The rig by two vanishing points.
@@ -260,6 +158,7 @@ pub(crate) fn calibrate(observations: &Observations, config: &CalibrateConfig) -
         ));
     };
     let known = config.known_camera.as_ref();
+    check_options(config, observations.projector.is_some())?;
     let view = squared(view, known)?;
     let [w, h] = observations.camera;
     let panel = observations.projector;
@@ -297,29 +196,43 @@ fn reprojection(output: &Output, input: &Input, view: &ViewObservation) -> ViewR
     ViewRms { edges, corners: rms(view.pairs.iter().map(of_pair)), projector: rms(on_panel) }
 }
 
+/// What the method's assumptions make wrong, where that is seen; and whether it is the sheet that does not fit.
 fn misfit(found: &ViewRms, view: &ViewObservation, input: &Input) -> Option<Warning> {
     let sheet = match &view.sheet {
         SheetObservation::Corners { sigma_px, .. } => *sigma_px,
         SheetObservation::Edges(_) => {
             let modes = corner_modes(view, &input.corners);
-            (modes.iter().flatten().map(nalgebra::Vector2::norm_squared).sum::<f64>() / 8.0).sqrt()
+            (modes.iter().flatten().map(Vector2::norm_squared).sum::<f64>() / 8.0).sqrt()
         }
     };
     let noise = view.pairs.iter().map(|p| p.sigma_px).fold(sheet, f64::max);
-    let worst = found.edges.max(found.corners.unwrap_or(0.0));
-    (worst > MISFIT * noise).then(|| {
-        warning(
-            "two-vp-misfit",
-            format!(
-                "reprojected, the sheet's corners lie {:.2} px and the projected corners {:.2} px from where they were \
-                 seen, where noise explains {noise:.2} px: the assumptions of the method do not hold here, and the \
-                 focal lengths may be far off",
-                found.edges,
-                found.corners.unwrap_or(0.0)
-            ),
-            "use the maximum-likelihood method, or give the projector's principal point (lens shift is usual)",
+    let pairs = found.corners.unwrap_or(0.0);
+    if found.edges.max(pairs) <= MISFIT * noise {
+        return None;
+    }
+    let (name, off, why, advice) = if found.edges > MISFIT * noise {
+        (
+            "sheet's corners",
+            found.edges,
+            "the sheet's size is not as given, or the camera's principal point is not where it was assumed",
+            "check width and height of the sheet, or use the maximum-likelihood method",
         )
-    })
+    } else {
+        (
+            "projected corners",
+            pairs,
+            "the projector's principal point is not where it was assumed (lens shift is usual)",
+            "use the maximum-likelihood method, or give the projector's principal point",
+        )
+    };
+    Some(warning(
+        "two-vp-misfit",
+        format!(
+            "this result is wrong: by it the {name} should lie {off:.1} px (rms) from where they were seen, and noise \
+             explains {noise:.2} px; {why}"
+        ),
+        advice,
+    ))
 }
 
 fn judge(
@@ -335,7 +248,7 @@ fn judge(
     let worst = camera_sigma.max(projector_sigma.unwrap_or(0.0));
     let found = reprojection(output, input, view);
     let mut verdict = verdict(worst);
-    let cause = format!(
+    let mut cause = format!(
         "σ of the focal length by two vanishing points is {}, with principal points taken as exact",
         percent(worst)
     );
@@ -344,13 +257,14 @@ fn judge(
         "σ is the measured points' noise propagated through the method; that principal points are exact and lenses \
          undistorted is assumed, not checked"
             .into(),
-        "use the maximum-likelihood method for σ that covers these",
+        ADVICE,
     )];
     if let Some(w) = misfit(&found, view, input) {
-        warnings.insert(0, w);
         verdict = verdict.max(Verdict::Weak);
+        cause = format!("what was seen does not fit this result; {cause} and the misfit left out");
+        warnings.insert(0, w);
     }
-    let advice = "tilt the sheet about both axes, or use the maximum-likelihood method".to_owned();
+    let advice = if verdict <= Verdict::Fair { ADVICE } else { ADVICE_WEAK }.to_owned();
     if verdict == Verdict::Degenerate && !config.allow_degenerate {
         let advice = format!("{cause}; {advice}");
         return Err(Error::Degenerate { what: "the focal length", measure: worst, limit: WEAK, advice });
@@ -384,8 +298,8 @@ fn assemble(
     let camera = known.unwrap_or(output.camera);
     let stereo = output.projector.map(|(_, pose)| StereoPose {
         projector_from_camera: pose,
-        sigma_r_rad: Some([sigma[2], sigma[3], sigma[4]]),
-        sigma_t_mm: Some([sigma[5], sigma[6], sigma[7]]),
+        sigma_r_rad: Some(std::array::from_fn(|k| sigma[TURN + k])),
+        sigma_t_mm: Some(std::array::from_fn(|k| sigma[SHIFT + k])),
     });
     let projector_from_sheet = output.projector.map(|(_, pose)| pose.compose(&output.sheet));
     Rig {

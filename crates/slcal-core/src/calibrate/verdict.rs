@@ -9,6 +9,15 @@ use super::predict::{FocalSigma, focal_sigma, has, tilt, with_exact_principal_po
 use crate::error::Error;
 use crate::rig::{Verdict, Warning};
 
+/// Warnings about how well the geometry determines the result; all others are about what does not fit.
+const SAID_BY_CAUSE: [&str; 5] = [
+    "weak-geometry",
+    "degenerate-geometry",
+    "principal-point-limited",
+    "lens-shift-undetermined",
+    "poses-alike",
+];
+
 /// Limits of the larger relative σ of the focal lengths.
 pub(crate) const GOOD: f64 = 0.04;
 pub(crate) const FAIR: f64 = 0.10;
@@ -22,6 +31,10 @@ const MISFIT: f64 = 3.0;
 const SHIFT_UNDETERMINED: f64 = 0.25;
 /// Shares of measurements left out by the robust loss that deserve a word.
 const MANY_OUTLIERS: f64 = 0.3;
+/// Code of the warning about corners given by hand that do not fit.
+const CORNERS_OFF: &str = "sheet-corners-off";
+/// Poses whose sheets are turned against each other by less than this add next to nothing, rad (1°).
+const ALIKE: f64 = std::f64::consts::PI / 180.0;
 /// Distance of a principal point from its prior, in σ, that deserves a word.
 const FAR_FROM_PRIOR: f64 = 3.0;
 
@@ -49,14 +62,17 @@ pub(crate) struct Judgement {
 }
 
 impl Judgement {
-    /// The error that refuses a degenerate view.
+    /// The error that refuses a degenerate view. Where the model does not fit, that is said first: more tilt would not help.
     pub(crate) fn refusal(&self) -> Error {
-        Error::Degenerate {
-            what: "the focal length",
-            measure: self.sigma.worst(),
-            limit: WEAK,
-            advice: format!("{}; {}", self.cause, self.advice),
-        }
+        let told = |w: &&Warning| !SAID_BY_CAUSE.contains(&w.code.as_str());
+        let misfits: Vec<String> =
+            self.warnings.iter().filter(told).map(|w| format!("{} ({})", w.message, w.advice)).collect();
+        let advice = if misfits.is_empty() {
+            format!("{}, where {} is the most that is accepted; {}", self.cause, percent(WEAK), self.advice)
+        } else {
+            format!("{}; {}", misfits.join("; "), self.cause)
+        };
+        Error::Degenerate { what: "the focal length", measure: self.sigma.worst(), limit: WEAK, advice }
     }
 }
 
@@ -65,7 +81,7 @@ fn worse_device(sigma: &FocalSigma) -> &'static str {
 }
 
 /// Why the focal length is as uncertain as it is.
-fn cause(solved: &Solved, sigma: &FocalSigma) -> String {
+fn cause(solved: &Solved, sigma: &FocalSigma, config: &CalibrateConfig) -> String {
     let device = worse_device(sigma);
     let model = &solved.fit.model;
     let tilts = |k: usize| model.views.iter().map(|v| tilt(v)[k].abs()).fold(0.0, f64::max);
@@ -79,7 +95,11 @@ fn cause(solved: &Solved, sigma: &FocalSigma) -> String {
             about_y.to_degrees()
         )
     };
-    format!("{seen}: σ of the focal length of the {device} is {}", percent(sigma.worst()))
+    let rule = if device == "camera" { config.camera_pp } else { config.projector_pp };
+    let alone = model.views.len() == 1 && rule == PrincipalPointRule::Free && sigma.worst() > 0.0;
+    let free =
+        if alone { " with its principal point free, which one photograph does not determine," } else { "" };
+    format!("{seen}: σ of the focal length of the {device}{free} is {}", percent(sigma.worst()))
 }
 
 /// Judges a maximum-likelihood fit.
@@ -92,8 +112,13 @@ pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
         verdict = Verdict::Degenerate;
         warnings.push(w);
     }
-    let cause = cause(solved, &sigma);
-    let advice = advise(joint, fit, sigma.worst(), verdict <= Verdict::Fair);
+    let misfits = misfits(solved);
+    // Corners are too few to widen their own σ: what they miss by is not in the σ of the focal length.
+    if misfits.iter().any(|w| w.code == CORNERS_OFF) {
+        verdict = verdict.max(Verdict::Weak);
+    }
+    let cause = cause(solved, &sigma, config);
+    let advice = advise(joint, fit, sigma.worst());
     if verdict >= Verdict::Weak {
         let code = if verdict == Verdict::Weak { "weak-geometry" } else { "degenerate-geometry" };
         warnings.push(warning(code, cause.clone(), advice.clone()));
@@ -101,7 +126,8 @@ pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
     warnings.extend(principal_point_limited(solved, &sigma, &advice));
     warnings.extend(shift_undetermined(solved, config));
     warnings.extend(far_from_prior(solved));
-    warnings.extend(misfits(solved));
+    warnings.extend(misfits);
+    warnings.extend(poses_alike(solved));
     Judgement { sigma, verdict, cause, advice, warnings }
 }
 
@@ -136,8 +162,8 @@ fn principal_point_limited(solved: &Solved, sigma: &FocalSigma, advice: &str) ->
         warning(
             "principal-point-limited",
             format!(
-                "σ of the focal length is {}, nearly all of it because the principal points are known from priors \
-                 alone; with exact ones it would be {}",
+                "σ of the focal length is {}, nearly all of it because the principal point is not known exactly (if it \
+                 were, σ would be {})",
                 percent(sigma.worst()),
                 percent(exact.worst())
             ),
@@ -215,6 +241,23 @@ fn misfits(solved: &Solved) -> Vec<Warning> {
     warnings
 }
 
+/// Photographs of one and the same pose.
+fn poses_alike(solved: &Solved) -> Option<Warning> {
+    let views = &solved.fit.model.views;
+    (1..views.len()).find_map(|j| {
+        let i = views[..j].iter().position(|v| v.turn_from(&views[j]).norm() < ALIKE)?;
+        Some(warning(
+            "poses-alike",
+            format!(
+                "photographs {} and {} show the sheet in the same pose: the second adds next to nothing",
+                i + 1,
+                j + 1
+            ),
+            "photograph the sheet with its tilt reversed instead, and give each photograph once",
+        ))
+    })
+}
+
 /// Corners given by hand that the model cannot reach.
 fn corner_misfit(solved: &Solved) -> Option<Warning> {
     let of_corners = solved.joint.measurements.iter().zip(&solved.fit.norms_px);
@@ -224,7 +267,7 @@ fn corner_misfit(solved: &Solved) -> Option<Warning> {
         .fold(0.0, f64::max);
     (worst > 2.0 * MISFIT).then(|| {
         warning(
-            "sheet-corners-off",
+            CORNERS_OFF,
             format!("a corner of the sheet lies {worst:.0} σ from the model"),
             "check the corners, their order (TL TR BR BL) and the sheet's size",
         )

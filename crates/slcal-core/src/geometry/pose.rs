@@ -61,6 +61,13 @@ impl Pose {
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
+    /// The rotation vector ω about a's axes with R = exp(ω) · R_other, rad. By way of the quaternion: the trace alone gives
+    /// small angles to 1e-8 only, or NaN where rounding brings its cosine above one.
+    #[must_use]
+    pub fn turn_from(&self, other: &Self) -> Vector3<f64> {
+        UnitQuaternion::from_rotation_matrix(&(self.rotation * other.rotation.inverse())).scaled_axis()
+    }
+
     /// `a_from_c` from `a_from_b` (self) and `b_from_c`.
     #[must_use]
     pub fn compose(&self, b_from_c: &Self) -> Self {
@@ -119,5 +126,19 @@ mod tests {
         assert!(Pose::from_matrix(&(Matrix3::identity() * 1.01), t).is_err());
         assert!(Pose::from_matrix(&Matrix3::identity(), Vector3::new(f64::NAN, 0.0, 0.0)).is_err());
         assert!(Pose::from_matrix(&(Matrix3::identity() * 1.000_01), t).is_ok());
+    }
+
+    #[test]
+    fn a_small_turn_is_found_to_all_its_digits() {
+        for turn in [Vector3::new(1e-12, -2e-12, 3e-12), Vector3::new(0.3, -2.0, 0.4), Vector3::zeros()] {
+            // A rotation with the rounding of many products.
+            let mut base = Pose::identity();
+            for _ in 0..100 {
+                base.rotation = Rotation3::from_euler_angles(0.3, -0.2, 0.1) * base.rotation;
+            }
+            let turned = Pose { rotation: Rotation3::new(turn) * base.rotation, ..base };
+            let found = turned.turn_from(&base);
+            assert!((found - turn).norm() < 1e-13, "{found} {turn}");
+        }
     }
 }
