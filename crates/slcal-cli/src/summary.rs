@@ -64,6 +64,13 @@ fn line(text: &mut String, label: &str, content: &str) {
     let _ = writeln!(text, "{label:<10} {content}");
 }
 
+/// A number with `decimals`, or with as many more as a small one needs to show two digits.
+fn rounded(x: f64, decimals: usize) -> String {
+    let small = x != 0.0 && x.abs() < 0.1;
+    let decimals = if small { (1.0 - x.abs().log10().floor()).min(6.0) as usize } else { decimals };
+    format!("{x:.decimals$}")
+}
+
 fn device(text: &mut String, label: &str, device: &Device) {
     let model = &device.model;
     let k = &model.intrinsics;
@@ -72,10 +79,14 @@ fn device(text: &mut String, label: &str, device: &Device) {
     } else {
         format!("{:.1} x {:.1}", k.fx, k.fy)
     };
-    let plus_minus = |sigma: f64| if sigma > 0.0 { format!(" ± {sigma:.1}") } else { " (fixed)".to_owned() };
+    let plus_minus =
+        |sigma: f64| if sigma > 0.0 { format!(" ± {}", rounded(sigma, 1)) } else { " (fixed)".to_owned() };
     let (f, share, cx, cy) = device.sigma.as_ref().map_or_else(Default::default, |s| {
-        let share =
-            if s.focal_px > 0.0 { format!(" ({:.2} %)", 100.0 * s.focal_px / k.fx) } else { String::new() };
+        let share = if s.focal_px > 0.0 {
+            format!(" ({} %)", rounded(100.0 * s.focal_px / k.fx, 2))
+        } else {
+            String::new()
+        };
         (plus_minus(s.focal_px), share, plus_minus(s.cx_px), plus_minus(s.cy_px))
     });
     line(
@@ -213,4 +224,15 @@ pub(crate) fn fit(surface: &str, report: &FitReport) -> String {
         ),
     );
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_numbers_keep_two_digits() {
+        assert_eq!([34.21, 0.42, 0.0514, 0.0031].map(|x| rounded(x, 1)), ["34.2", "0.4", "0.051", "0.0031"]);
+        assert_eq!([rounded(0.0, 2), rounded(2.234, 2)], ["0.00", "2.23"]);
+    }
 }

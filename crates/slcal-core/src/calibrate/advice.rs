@@ -84,7 +84,7 @@ pub(crate) fn advise(joint: &Joint, fit: &Fit, sigma: f64) -> String {
         None if sigma >= FAIR => {
             "give the principal points or a known camera, or photograph the sheet in other poses".into()
         }
-        None => format!("σ of the focal length is {now}"),
+        None => format!("σ of the focal length is {now}; more photographs would change little"),
     }
 }
 

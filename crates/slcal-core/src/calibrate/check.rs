@@ -137,7 +137,7 @@ fn check_proportions(corners: &[Point2<f64>; 4], size: RectangleSize, what: &str
     Err(Error::invalid(
         what,
         format!("width and height near {seen:.2} to 1, as the sheet is seen"),
-        format!("{}x{} mm, which is {given:.3} to 1", size.width_mm, size.height_mm),
+        format!("{}x{} mm", size.width_mm, size.height_mm),
     ))
 }
 

@@ -96,7 +96,7 @@ impl CalibrateConfig {
     /// Checks the values.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for numbers that are not finite or widths that are not positive.
+    /// [`Error::Invalid`] for numbers that are not finite, widths that are not positive, or what the method cannot do.
     pub fn validate(&self) -> Result<()> {
         for (name, rule) in [("camera_pp", self.camera_pp), ("projector_pp", self.projector_pp)] {
             if let PrincipalPointRule::Exact(x, y) = rule
@@ -113,6 +113,9 @@ impl CalibrateConfig {
                 return Err(Error::invalid(name, "a positive number", sigma));
             }
         }
+        if self.method == Method::TwoVp {
+            self.validate_two_vp()?;
+        }
         if let Some(camera) = &self.known_camera {
             let k = &camera.intrinsics;
             let finite = camera.distortion.to_array().iter().all(|x| x.is_finite());
@@ -123,6 +126,29 @@ impl CalibrateConfig {
                     format!("{:?}", k.matrix().as_slice()),
                 ));
             }
+        }
+        Ok(())
+    }
+}
+
+impl CalibrateConfig {
+    /// Refuses what that method cannot do, rather than leaving it out silently.
+    fn validate_two_vp(&self) -> Result<()> {
+        let unknown = self.known_camera.is_none();
+        let free = PrincipalPointRule::Free;
+        if self.camera_pp == free && unknown || self.projector_pp == free {
+            return Err(Error::invalid(
+                "principal point for the two-vp method",
+                "an exact one (the centre, or X,Y): two vanishing points determine the focal length alone",
+                "a free one",
+            ));
+        }
+        if unknown && !matches!(self.distortion, DistortionModel::Auto | DistortionModel::None) {
+            return Err(Error::invalid(
+                "distortion for the two-vp method",
+                "auto or none, as the method takes lenses for undistorted (or a known camera)",
+                "coefficients to estimate",
+            ));
         }
         Ok(())
     }

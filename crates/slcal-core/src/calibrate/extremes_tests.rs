@@ -45,7 +45,7 @@ fn a_size_with_impossible_proportions_is_refused_with_those_seen() {
 
 #[test]
 fn a_size_that_does_not_fit_is_blamed_before_the_tilt() {
-    match calibrate_observations(&with_size(300.0, 420.0), &CalibrateConfig::default()) {
+    match calibrate_observations(&with_size(420.0, 420.0), &CalibrateConfig::default()) {
         Ok(c) => assert!(c.rig.quality.unwrap().verdict >= Verdict::Fair),
         Err(e) => assert!(e.to_string().contains("size"), "{e}"),
     }
@@ -77,6 +77,24 @@ fn a_free_principal_point_is_undetermined_in_one_photograph_and_says_so() {
     let c = calibrate_observations(&good(), &CalibrateConfig { allow_degenerate: true, ..free }).unwrap();
     written(&c);
     assert_eq!(c.rig.quality.unwrap().verdict, Verdict::Degenerate);
+}
+
+#[test]
+fn a_principal_point_against_its_prior_is_not_called_good() {
+    // A photograph cropped by 250 px of 1280 on the left: 10 σ of the prior. The pull shows in two views.
+    let truth = rig(768.0, vec![pose(25.0, 28.0), pose(-25.0, -28.0)]);
+    let mut o = observe(&truth, 0.2, 0.1, &mut rng(4));
+    for view in &mut o.views {
+        if let SheetObservation::Corners { corners, .. } = &mut view.sheet {
+            corners.iter_mut().for_each(|c| c.x -= 250.0);
+        }
+        for p in &mut view.pairs {
+            p.camera.x -= 250.0;
+        }
+    }
+    let c = calibrate_observations(&o, &CalibrateConfig::default()).unwrap();
+    assert!(codes(&c).contains(&"principal-point-far"), "{:?}", codes(&c));
+    assert_eq!(c.rig.quality.unwrap().verdict, Verdict::Weak);
 }
 
 #[test]

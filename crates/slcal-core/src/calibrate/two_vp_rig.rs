@@ -5,7 +5,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::advice::percent;
 use super::assemble::{projected_corners, projector_distance, rms, vanishing_points as images_of_axes};
-use super::config::{CalibrateConfig, DistortionModel, PrincipalPointRule};
+use super::config::CalibrateConfig;
 use super::model::principal_point;
 use super::residual::lit_point;
 use super::start::{robust_homography, sheet_corners};
@@ -124,30 +124,6 @@ fn outline(view: &ViewObservation) -> Result<(Quad, Quad, Homography)> {
     Ok((seen, drawn, camera_from_projector))
 }
 
-/// Refuses what the method cannot do, rather than leaving it out silently.
-fn check_options(config: &CalibrateConfig, with_projector: bool) -> Result<()> {
-    let free = PrincipalPointRule::Free;
-    if config.camera_pp == free && config.known_camera.is_none()
-        || config.projector_pp == free && with_projector
-    {
-        return Err(Error::invalid(
-            "principal point for the two-vp method",
-            "an exact one (the centre, or X,Y): two vanishing points determine the focal length alone",
-            "a free one",
-        ));
-    }
-    if matches!(config.distortion, DistortionModel::Auto | DistortionModel::None)
-        || config.known_camera.is_some()
-    {
-        return Ok(());
-    }
-    Err(Error::invalid(
-        "distortion for the two-vp method",
-        "auto or none: the method takes lenses for undistorted (or give a known camera)",
-        "coefficients to estimate",
-    ))
-}
-
 /// The rig by two vanishing points.
 pub(crate) fn calibrate(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
     let [view] = observations.views.as_slice() else {
@@ -158,7 +134,6 @@ pub(crate) fn calibrate(observations: &Observations, config: &CalibrateConfig) -
         ));
     };
     let known = config.known_camera.as_ref();
-    check_options(config, observations.projector.is_some())?;
     let view = squared(view, known)?;
     let [w, h] = observations.camera;
     let panel = observations.projector;
@@ -259,12 +234,12 @@ fn judge(
             .into(),
         ADVICE,
     )];
+    let advice = if verdict <= Verdict::Fair { ADVICE } else { ADVICE_WEAK }.to_owned();
     if let Some(w) = misfit(&found, view, input) {
         verdict = verdict.max(Verdict::Weak);
         cause = format!("what was seen does not fit this result; {cause} and the misfit left out");
         warnings.insert(0, w);
     }
-    let advice = if verdict <= Verdict::Fair { ADVICE } else { ADVICE_WEAK }.to_owned();
     if verdict == Verdict::Degenerate && !config.allow_degenerate {
         let advice = format!("{cause}; {advice}");
         return Err(Error::Degenerate { what: "the focal length", measure: worst, limit: WEAK, advice });

@@ -37,6 +37,8 @@ const CORNERS_OFF: &str = "sheet-corners-off";
 const ALIKE: f64 = std::f64::consts::PI / 180.0;
 /// Distance of a principal point from its prior, in σ, that deserves a word.
 const FAR_FROM_PRIOR: f64 = 3.0;
+/// Beyond this distance, in σ, prior and photographs contradict each other, and σ of the result means little.
+const AGAINST_PRIOR: f64 = 6.0;
 
 /// The verdict on a relative σ.
 pub(crate) fn verdict(worst: f64) -> Verdict {
@@ -64,13 +66,16 @@ pub(crate) struct Judgement {
 impl Judgement {
     /// The error that refuses a degenerate view. Where the model does not fit, that is said first: more tilt would not help.
     pub(crate) fn refusal(&self) -> Error {
-        let told = |w: &&Warning| !SAID_BY_CAUSE.contains(&w.code.as_str());
-        let misfits: Vec<String> =
-            self.warnings.iter().filter(told).map(|w| format!("{} ({})", w.message, w.advice)).collect();
-        let advice = if misfits.is_empty() {
-            format!("{}, where {} is the most that is accepted; {}", self.cause, percent(WEAK), self.advice)
-        } else {
-            format!("{}; {}", misfits.join("; "), self.cause)
+        let advice = match self.warnings.iter().find(|w| !SAID_BY_CAUSE.contains(&w.code.as_str())) {
+            Some(w) => format!("{}: {}; as it is, {}", w.message, w.advice, self.cause),
+            None => {
+                format!(
+                    "{}, where {} is the most that is accepted; {}",
+                    self.cause,
+                    percent(WEAK),
+                    self.advice
+                )
+            }
         };
         Error::Degenerate { what: "the focal length", measure: self.sigma.worst(), limit: WEAK, advice }
     }
@@ -113,8 +118,11 @@ pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
         warnings.push(w);
     }
     let misfits = misfits(solved);
-    // Corners are too few to widen their own σ: what they miss by is not in the σ of the focal length.
-    if misfits.iter().any(|w| w.code == CORNERS_OFF) {
+    let far = far_from_prior(solved);
+    // Corners are too few to widen their own σ, and a prior never does: what they miss by is not in σ of the focal length.
+    if misfits.iter().any(|w| w.code == CORNERS_OFF)
+        || far.as_ref().is_some_and(|(_, off)| *off > AGAINST_PRIOR)
+    {
         verdict = verdict.max(Verdict::Weak);
     }
     let cause = cause(solved, &sigma, config);
@@ -125,7 +133,7 @@ pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
     }
     warnings.extend(principal_point_limited(solved, &sigma, &advice));
     warnings.extend(shift_undetermined(solved, config));
-    warnings.extend(far_from_prior(solved));
+    warnings.extend(far.map(|(w, _)| w));
     warnings.extend(misfits);
     warnings.extend(poses_alike(solved));
     Judgement { sigma, verdict, cause, advice, warnings }
@@ -187,24 +195,27 @@ fn shift_undetermined(solved: &Solved, config: &CalibrateConfig) -> Option<Warni
     })
 }
 
-fn far_from_prior(solved: &Solved) -> Option<Warning> {
+/// The principal point that lies furthest from its prior, if far, and its distance in σ.
+fn far_from_prior(solved: &Solved) -> Option<(Warning, f64)> {
     let model = &solved.fit.model;
-    solved.joint.priors.iter().filter(|p| p.index == 1 || p.index == 2).find_map(|p| {
-        let (name, lens) =
-            if p.of_projector { ("projector", model.projector?) } else { ("camera", model.camera) };
-        let off = (lens_values(&lens)[p.index] - p.mean) / p.sigma;
-        (off.abs() > FAR_FROM_PRIOR).then(|| {
-            let axis = if p.index == 1 { "cx" } else { "cy" };
-            warning(
-                "principal-point-far",
-                format!(
-                    "{axis} of the {name} lies {:.0} px from where it was expected, {:.1} σ",
-                    off * p.sigma,
-                    off.abs()
-                ),
-                "check the sheet's size, and whether the photograph was cropped or the lens distorts",
-            )
-        })
+    let offs = solved.joint.priors.iter().filter(|p| p.index == 1 || p.index == 2).filter_map(|p| {
+        let lens = if p.of_projector { model.projector? } else { model.camera };
+        Some((p, (lens_values(&lens)[p.index] - p.mean) / p.sigma))
+    });
+    let (prior, off) = offs.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    let name = if prior.of_projector { "projector" } else { "camera" };
+    let axis = if prior.index == 1 { "cx" } else { "cy" };
+    (off.abs() > FAR_FROM_PRIOR).then(|| {
+        let told = warning(
+            "principal-point-far",
+            format!(
+                "{axis} of the {name} lies {:.0} px from where it was expected, {:.1} σ",
+                off * prior.sigma,
+                off.abs()
+            ),
+            "check the sheet's size, and whether the photograph was cropped or the lens distorts",
+        );
+        (told, off.abs())
     })
 }
 
