@@ -37,11 +37,13 @@ pub(super) fn measure_side(
     let transition = half_transition(grey, scan, &lines, &coarse, uncertainty_px, light);
     let plateau = (0.5 * transition).ceil() + 2.0;
     let clearance = transition + plateau + 1.0;
+    let toward_sheet = inward.normalize();
     let mut curve = coarse;
     let (mut crossings, mut tried) = (Vec::new(), 0);
     // The second pass has its windows where the first found the side.
     for _ in 0..2 {
-        let clear = |line: f64| light.distance_px(scan.join(line, curve.value(line))) > clearance;
+        let clear =
+            |line: f64| light.leaves_clear(scan.join(line, curve.value(line)), toward_sheet, clearance);
         // Beyond the crossings it was fitted to, the curve may leave the path: there the side is not seen.
         let near = |line: f64, expected: f64| (curve.value(line) - expected).abs() <= uncertainty_px + 1.0;
         let profiles: Vec<Profile> = lines

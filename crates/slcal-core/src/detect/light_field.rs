@@ -59,8 +59,27 @@ pub(super) struct Light<'a> {
 impl Light<'_> {
     /// Distance of a point of the photograph from the nearest of these edges, px.
     pub(super) fn distance_px(&self, p: Point2<f64>) -> f64 {
+        self.field.distance_px(self.lens.straighten(p)).min(self.square_distance_px(p))
+    }
+
+    /// Whether a side of the sheet at `p` can be measured over `reach_px` to both sides without meeting one of these edges.
+    ///
+    /// The border of the light counts on the sheet only, towards `inward`: beyond the side there is nothing at the sheet's
+    /// distance for it to fall on.
+    pub(super) fn leaves_clear(&self, p: Point2<f64>, inward: Vector2<f64>, reach_px: f64) -> bool {
+        /// The border itself is as wide as the blur of projector and camera, px.
+        const BORDER_BLUR_PX: f64 = 2.0;
+        let seen = self.lens.straighten(p);
+        let ends = [seen - inward * BORDER_BLUR_PX, seen + inward * reach_px];
+        let border = self.field.borders.iter().any(|l| {
+            let [a, b] = ends.map(|q| l.signed_distance_px(q));
+            a * b <= 0.0 || a.abs().min(b.abs()) <= BORDER_BLUR_PX
+        });
+        !border && self.square_distance_px(p) > reach_px
+    }
+
+    fn square_distance_px(&self, p: Point2<f64>) -> f64 {
         let p = self.lens.straighten(p);
-        let squares = self.board.map_or(f64::INFINITY, |(board, pattern)| board.edge_distance_px(pattern, p));
-        self.field.distance_px(p).min(squares)
+        self.board.map_or(f64::INFINITY, |(board, pattern)| board.edge_distance_px(pattern, p))
     }
 }
