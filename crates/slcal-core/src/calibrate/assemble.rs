@@ -6,7 +6,7 @@ use super::joint::{Joint, Kind, Target};
 use super::model::{Layout, Model};
 use super::refine::Fit;
 use super::verdict::Judgement;
-use crate::geometry::{Camera, Homography, Plane, Pose, Ray, RectangleSize, VanishingPoints};
+use crate::geometry::{Camera, Plane, Pose, Ray, RectangleSize};
 use crate::rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, View, ViewRms};
 
 /// 1σ of a stripe's position in the camera image that the expected point σ assumes, px.
@@ -21,11 +21,6 @@ fn device(model: Camera, places: &[Option<usize>; super::residual::LENS], fit: &
         distortion: std::array::from_fn(|i| sigma(3 + i)),
     };
     Device { model, sigma: Some(sigma) }
-}
-
-/// The images of the sheet's directions: the columns of K·R.
-pub(crate) fn vanishing_points(device: &Camera, device_from_sheet: &Pose) -> VanishingPoints {
-    Homography(device.intrinsics.matrix() * device_from_sheet.rotation.matrix()).vanishing_points()
 }
 
 /// The sheet's corners in a device's image; those behind it (which a calibrated view never has) at the principal point.
@@ -98,11 +93,11 @@ pub(crate) fn rig(joint: &Joint, fit: &Fit, judgement: &Judgement) -> Rig {
             size,
             camera_from_sheet: *pose,
             projector_from_sheet,
-            camera_vanishing_points: vanishing_points(&model.camera, pose),
+            camera_vanishing_points: model.camera.vanishing_points(pose),
             projector_vanishing_points: model
                 .projector
                 .zip(projector_from_sheet)
-                .map(|(p, pose)| vanishing_points(&p, &pose)),
+                .map(|(p, pose)| p.vanishing_points(&pose)),
             corners_px: projected_corners(&model.camera, pose, size),
             rms_px: Some(view_rms(joint, fit, i)),
         }

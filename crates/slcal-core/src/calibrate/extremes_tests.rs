@@ -86,7 +86,9 @@ fn a_principal_point_against_its_prior_is_not_called_good() {
     let mut o = observe(&truth, 0.2, 0.1, &mut rng(4));
     for view in &mut o.views {
         if let SheetObservation::Corners { corners, .. } = &mut view.sheet {
-            corners.iter_mut().for_each(|c| c.x -= 250.0);
+            for c in corners {
+                c.x -= 250.0;
+            }
         }
         for p in &mut view.pairs {
             p.camera.x -= 250.0;

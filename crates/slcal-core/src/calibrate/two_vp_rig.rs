@@ -4,7 +4,7 @@
 use nalgebra::{Point2, Vector2};
 
 use super::advice::percent;
-use super::assemble::{projected_corners, projector_distance, rms, vanishing_points as images_of_axes};
+use super::assemble::{projected_corners, projector_distance, rms};
 use super::config::CalibrateConfig;
 use super::model::principal_point;
 use super::residual::lit_point;
@@ -286,11 +286,11 @@ fn assemble(
             size: input.size,
             camera_from_sheet: output.sheet,
             projector_from_sheet,
-            camera_vanishing_points: images_of_axes(&camera, &output.sheet),
+            camera_vanishing_points: camera.vanishing_points(&output.sheet),
             projector_vanishing_points: output
                 .projector
                 .zip(projector_from_sheet)
-                .map(|((p, _), pose)| images_of_axes(&p, &pose)),
+                .map(|((p, _), pose)| p.vanishing_points(&pose)),
             corners_px: projected_corners(&camera, &output.sheet, input.size),
             rms_px: Some(found),
         }],

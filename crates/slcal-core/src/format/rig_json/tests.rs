@@ -1,4 +1,9 @@
+use nalgebra::{DMatrix, Rotation3, Vector3};
+
+use super::read::project_corners;
 use super::*;
+use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
+use crate::rig::{Covariance, Device, DeviceSigma, Quality, StereoPose, View, ViewRms};
 
 fn rig() -> Rig {
     let size = RectangleSize::new(594.0, 420.0).unwrap();
@@ -26,7 +31,7 @@ fn rig() -> Rig {
             size,
             camera_from_sheet: pose,
             projector_from_sheet: Some(pose.inverse()),
-            camera_vanishing_points: vanishing_points_of(&camera, &pose),
+            camera_vanishing_points: camera.vanishing_points(&pose),
             projector_vanishing_points: None,
             corners_px: project_corners(&camera, &pose, size).unwrap(),
             rms_px: Some(ViewRms { edges: 0.1, corners: None, projector: Some(0.3) }),
@@ -57,7 +62,7 @@ fn a_rig_survives_writing_and_reading_bit_by_bit() {
     let mut rig = rig();
     // A missing value is derived on reading, so give every one for the comparison.
     rig.views[0].projector_vanishing_points =
-        Some(vanishing_points_of(&rig.camera.model, &rig.views[0].camera_from_sheet));
+        Some(rig.camera.model.vanishing_points(&rig.views[0].camera_from_sheet));
     assert_eq!(read_rig(text(&rig).as_bytes()).unwrap(), rig);
     let alone = Rig { projector: None, stereo: None, views: vec![], quality: None, covariance: None, ..rig };
     let written = text(&alone);

@@ -1,0 +1,163 @@
+//! From the text's fields to a rig, each checked.
+
+use nalgebra::{DMatrix, Matrix3, Point2, Rotation3, Vector3};
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use super::{
+    CovarianceDto, DeviceDto, QualityDto, RigDto, Rows3, StereoDto, VanishingDto, ViewDto, malformed,
+};
+use crate::error::Result;
+use crate::geometry::{
+    Camera, Distortion, Intrinsics, Pose, ProjectivePoint, RectangleSize, VanishingPoints,
+};
+use crate::rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, View, ViewRms};
+
+/// A matrix this near to a rotation is kept digit by digit, so that a rig survives writing and reading unchanged.
+const EXACT_ROTATION: f64 = 1e-12;
+
+pub(super) fn parse<T: DeserializeOwned>(value: Value, place: &str) -> Result<T> {
+    serde_json::from_value(value).map_err(|e| malformed(format!("{place}: {e}")))
+}
+
+fn parse_optional<T: DeserializeOwned>(value: Value, place: &str) -> Result<Option<T>> {
+    if value.is_null() { Ok(None) } else { parse(value, place).map(Some) }
+}
+
+pub(super) fn expect(found: &str, expected: &str, field: &str) -> Result<()> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(malformed(format!("`{field}` is \"{found}\", expected \"{expected}\"")))
+}
+
+pub(super) fn rig_from_dto(dto: RigDto) -> Result<Rig> {
+    let camera = device_from_dto(parse(dto.camera, "camera")?, "camera")?;
+    let projector =
+        parse_optional(dto.projector, "projector")?.map(|d| device_from_dto(d, "projector")).transpose()?;
+    let stereo = parse_optional::<StereoDto>(dto.projector_from_camera, "projector_from_camera")?
+        .map(|s| {
+            Ok(StereoPose {
+                projector_from_camera: pose_from_rows(&s.r, s.t, "projector_from_camera")?,
+                sigma_t_mm: s.sigma_t_mm,
+                sigma_r_rad: s.sigma_r_rad,
+            })
+        })
+        .transpose()?;
+    if projector.is_some() != stereo.is_some() {
+        return Err(malformed("`projector` and `projector_from_camera` must both be given or both be null"));
+    }
+    let mut views = Vec::new();
+    for (i, value) in dto.views.into_iter().enumerate() {
+        let place = format!("views[{i}]");
+        let view: ViewDto = parse(value, &place)?;
+        views.extend(view_from_dto(view, &place, &camera.model, projector.as_ref(), stereo.as_ref())?);
+    }
+    Ok(Rig {
+        camera,
+        projector,
+        stereo,
+        views,
+        method: dto.method.unwrap_or_else(|| "unknown".into()),
+        quality: parse_optional(dto.quality, "quality")?.and_then(quality_from_dto),
+        covariance: parse_optional(dto.covariance, "covariance")?.map(covariance_from_dto).transpose()?,
+    })
+}
+
+fn matrix_from_rows(m: &Rows3) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| m[i][j])
+}
+
+fn device_from_dto(dto: DeviceDto, place: &str) -> Result<Device> {
+    if dto.width == 0 || dto.height == 0 {
+        return Err(malformed(format!("{place}: width and height must be positive")));
+    }
+    let k = matrix_from_rows(&dto.k);
+    let intrinsics = Intrinsics::from_matrix(&k).map_err(|e| malformed(format!("{place}: {e}")))?;
+    let sigma = dto.sigma.and_then(|s| {
+        let (focal_px, cx_px, cy_px) = (s.focal_px?, s.cx_px?, s.cy_px?);
+        Some(DeviceSigma { focal_px, cx_px, cy_px, distortion: s.distortion.unwrap_or_default() })
+    });
+    let distortion = Distortion::from_array(dto.distortion);
+    Ok(Device { model: Camera { width: dto.width, height: dto.height, intrinsics, distortion }, sigma })
+}
+
+fn pose_from_rows(r: &Rows3, t: [f64; 3], place: &str) -> Result<Pose> {
+    let matrix = matrix_from_rows(r);
+    let pose =
+        Pose::from_matrix(&matrix, Vector3::from(t)).map_err(|e| malformed(format!("{place}: {e}")))?;
+    if (matrix.transpose() * matrix - Matrix3::identity()).abs().max() <= EXACT_ROTATION {
+        return Ok(Pose { rotation: Rotation3::from_matrix_unchecked(matrix), ..pose });
+    }
+    Ok(pose)
+}
+
+fn vanishing_from_rows([x, y]: [[f64; 3]; 2]) -> VanishingPoints {
+    VanishingPoints { x: ProjectivePoint(Vector3::from(x)), y: ProjectivePoint(Vector3::from(y)) }
+}
+
+fn view_from_dto(
+    dto: ViewDto,
+    place: &str,
+    camera: &Camera,
+    projector: Option<&Device>,
+    stereo: Option<&StereoPose>,
+) -> Result<Option<View>> {
+    let (Some([w, h]), Some(pose)) = (dto.size_mm, dto.camera_from_sheet) else { return Ok(None) };
+    let size = RectangleSize::new(w, h).map_err(|e| malformed(format!("{place}: {e}")))?;
+    let camera_from_sheet = pose_from_rows(&pose.r, pose.t, &format!("{place}.camera_from_sheet"))?;
+    let projector_from_sheet = match dto.projector_from_sheet {
+        Some(p) => Some(pose_from_rows(&p.r, p.t, &format!("{place}.projector_from_sheet"))?),
+        None => stereo.map(|s| s.projector_from_camera.compose(&camera_from_sheet)),
+    };
+    let given = dto.vanishing_points.unwrap_or(VanishingDto { camera: None, projector: None });
+    let corners_px = match dto.corners_px {
+        Some(c) => c.map(|[x, y]| Point2::new(x, y)),
+        None => project_corners(camera, &camera_from_sheet, size)
+            .ok_or_else(|| malformed(format!("{place}: the sheet lies behind the camera")))?,
+    };
+    Ok(Some(View {
+        photo: dto.photo,
+        size,
+        camera_from_sheet,
+        projector_from_sheet,
+        camera_vanishing_points: given
+            .camera
+            .map_or_else(|| camera.vanishing_points(&camera_from_sheet), vanishing_from_rows),
+        projector_vanishing_points: given
+            .projector
+            .map(vanishing_from_rows)
+            .or_else(|| Some(projector?.model.vanishing_points(projector_from_sheet.as_ref()?))),
+        corners_px,
+        rms_px: dto
+            .rms_px
+            .and_then(|r| Some(ViewRms { edges: r.edges?, corners: r.corners, projector: r.projector })),
+    }))
+}
+
+pub(super) fn project_corners(camera: &Camera, pose: &Pose, size: RectangleSize) -> Option<[Point2<f64>; 4]> {
+    let mut corners = size.corners();
+    for c in &mut corners {
+        *c = camera.project(&pose.transform(&nalgebra::Point3::new(c.x, c.y, 0.0)))?;
+    }
+    Some(corners)
+}
+
+fn quality_from_dto(dto: QualityDto) -> Option<Quality> {
+    let sigma = dto.focal_sigma_percent?;
+    Some(Quality {
+        verdict: dto.verdict?,
+        focal_sigma_percent_camera: sigma.camera?,
+        focal_sigma_percent_projector: sigma.projector,
+        expected_point_sigma_mm: dto.expected_point_sigma_mm,
+        warnings: dto.warnings,
+    })
+}
+
+fn covariance_from_dto(dto: CovarianceDto) -> Result<Covariance> {
+    let n = dto.parameters.len();
+    if dto.matrix.len() != n || dto.matrix.iter().any(|row| row.len() != n) {
+        return Err(malformed(format!("covariance: expected a {n}x{n} matrix for {n} parameters")));
+    }
+    Ok(Covariance { matrix: DMatrix::from_fn(n, n, |i, j| dto.matrix[i][j]), parameters: dto.parameters })
+}

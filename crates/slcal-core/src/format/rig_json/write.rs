@@ -1,0 +1,130 @@
+//! From a rig to the text's fields, each finite.
+
+use nalgebra::Matrix3;
+use serde::Serialize;
+
+use super::{
+    CovarianceDto, DeviceDto, FocalSigmaDto, PIXEL_CENTRE, PoseDto, QualityDto, RmsDto, Rows3, SCHEMA,
+    SigmaDto, StereoDto, UNITS, VanishingDto, ViewDto,
+};
+use crate::error::{Error, Result};
+use crate::geometry::{Pose, VanishingPoints};
+use crate::rig::{Covariance, Device, Quality, Rig, StereoPose, View};
+
+fn rows_from_matrix(m: &Matrix3<f64>) -> Rows3 {
+    std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]))
+}
+
+/// JSON has no NaN: refuse it here instead of writing a null that nobody can read.
+fn finite<'a>(numbers: impl IntoIterator<Item = &'a f64>, what: &str) -> Result<()> {
+    match numbers.into_iter().find(|x| !x.is_finite()) {
+        Some(x) => Err(Error::invalid(format!("rig to write, {what}"), "finite numbers", x)),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn rig_to_dto(rig: &Rig) -> Result<impl Serialize> {
+    // The order of the fields in the file is the order in which they are declared here.
+    #[derive(Serialize)]
+    struct RigOut {
+        schema: &'static str,
+        units: &'static str,
+        pixel_centre: &'static str,
+        camera: DeviceDto,
+        projector: Option<DeviceDto>,
+        projector_from_camera: Option<StereoDto>,
+        views: Vec<ViewDto>,
+        method: String,
+        quality: Option<QualityDto>,
+        covariance: Option<CovarianceDto>,
+    }
+    let out = RigOut {
+        schema: SCHEMA,
+        units: UNITS,
+        pixel_centre: PIXEL_CENTRE,
+        camera: device_to_dto(&rig.camera, "camera")?,
+        projector: rig.projector.as_ref().map(|d| device_to_dto(d, "projector")).transpose()?,
+        projector_from_camera: rig.stereo.as_ref().map(stereo_to_dto).transpose()?,
+        views: rig.views.iter().map(view_to_dto).collect::<Result<_>>()?,
+        method: rig.method.clone(),
+        quality: rig.quality.as_ref().map(quality_to_dto).transpose()?,
+        covariance: rig.covariance.as_ref().map(covariance_to_dto).transpose()?,
+    };
+    Ok(out)
+}
+
+fn device_to_dto(d: &Device, what: &str) -> Result<DeviceDto> {
+    let k = d.model.intrinsics.matrix();
+    let distortion = d.model.distortion.to_array();
+    finite(k.iter().chain(&distortion), what)?;
+    if let Some(s) = &d.sigma {
+        finite([s.focal_px, s.cx_px, s.cy_px].iter().chain(&s.distortion), what)?;
+    }
+    Ok(DeviceDto {
+        width: d.model.width,
+        height: d.model.height,
+        k: rows_from_matrix(&k),
+        distortion,
+        sigma: d.sigma.map(|s| SigmaDto {
+            focal_px: Some(s.focal_px),
+            cx_px: Some(s.cx_px),
+            cy_px: Some(s.cy_px),
+            distortion: Some(s.distortion),
+        }),
+    })
+}
+
+fn pose_to_dto(p: &Pose, what: &str) -> Result<PoseDto> {
+    finite(p.rotation.matrix().iter().chain(&p.translation), what)?;
+    Ok(PoseDto { r: rows_from_matrix(p.rotation.matrix()), t: p.translation.into() })
+}
+
+fn stereo_to_dto(s: &StereoPose) -> Result<StereoDto> {
+    let pose = pose_to_dto(&s.projector_from_camera, "projector_from_camera")?;
+    finite(s.sigma_t_mm.iter().chain(&s.sigma_r_rad).flatten(), "projector_from_camera")?;
+    Ok(StereoDto { r: pose.r, t: pose.t, sigma_t_mm: s.sigma_t_mm, sigma_r_rad: s.sigma_r_rad })
+}
+
+fn view_to_dto(v: &View) -> Result<ViewDto> {
+    let rows = |v: &VanishingPoints| [v.x.0.into(), v.y.0.into()];
+    let camera: [[f64; 3]; 2] = rows(&v.camera_vanishing_points);
+    let projector = v.projector_vanishing_points.as_ref().map(rows);
+    finite(camera.iter().chain(projector.iter().flatten()).flatten(), "vanishing points")?;
+    finite(v.corners_px.iter().flat_map(|c| c.coords.iter()), "corners")?;
+    if let Some(r) = &v.rms_px {
+        finite([&r.edges].into_iter().chain(&r.corners).chain(&r.projector), "rms")?;
+    }
+    Ok(ViewDto {
+        photo: v.photo.clone(),
+        size_mm: Some([v.size.width_mm, v.size.height_mm]),
+        camera_from_sheet: Some(pose_to_dto(&v.camera_from_sheet, "camera_from_sheet")?),
+        projector_from_sheet: v
+            .projector_from_sheet
+            .as_ref()
+            .map(|p| pose_to_dto(p, "projector_from_sheet"))
+            .transpose()?,
+        vanishing_points: Some(VanishingDto { camera: Some(camera), projector }),
+        corners_px: Some(v.corners_px.map(|c| [c.x, c.y])),
+        rms_px: v.rms_px.map(|r| RmsDto { edges: Some(r.edges), corners: r.corners, projector: r.projector }),
+    })
+}
+
+fn quality_to_dto(q: &Quality) -> Result<QualityDto> {
+    let optional = q.focal_sigma_percent_projector.iter().chain(&q.expected_point_sigma_mm);
+    finite(optional.chain([&q.focal_sigma_percent_camera]), "quality")?;
+    Ok(QualityDto {
+        verdict: Some(q.verdict),
+        focal_sigma_percent: Some(FocalSigmaDto {
+            camera: Some(q.focal_sigma_percent_camera),
+            projector: q.focal_sigma_percent_projector,
+        }),
+        expected_point_sigma_mm: q.expected_point_sigma_mm,
+        warnings: q.warnings.clone(),
+    })
+}
+
+fn covariance_to_dto(c: &Covariance) -> Result<CovarianceDto> {
+    finite(c.matrix.iter(), "covariance")?;
+    let matrix = c.matrix.row_iter().map(|r| r.iter().copied().collect()).collect();
+    Ok(CovarianceDto { parameters: c.parameters.clone(), matrix })
+}
