@@ -35,7 +35,7 @@ pub(crate) fn hint(observations: &Observations, config: &CalibrateConfig) -> Opt
         let size = observations.views[0].size;
         let against = if cost.is_finite() {
             format!(
-                "fits far better than the one given: its residuals are over {:.0} times smaller",
+                "fits far better than the one given (its residuals are over {:.0} times smaller)",
                 (cost / other.fit.cost).sqrt().min(MANY_TIMES).floor()
             )
         } else {
