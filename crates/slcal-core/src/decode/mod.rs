@@ -12,6 +12,7 @@ mod curves;
 mod lines;
 mod noise;
 mod peaks;
+mod recognise;
 mod session;
 #[cfg(test)]
 mod tests;

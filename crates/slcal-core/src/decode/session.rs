@@ -9,6 +9,7 @@ use super::curves::{Curves, Vote};
 use super::lines::{Frames, LineReader};
 use super::noise::Noise;
 use super::peaks::{Peak, PeakFinder};
+use super::recognise::{check_color, try_pattern};
 use super::width;
 use crate::error::{Error, Result};
 use crate::matches::{Match, Matches};
@@ -16,14 +17,7 @@ use crate::pattern::{Axis, StripePattern};
 use crate::photo::Encoding;
 
 /// Lines looked at to measure noise and width, and to try the pattern.
-const SAMPLE_LINES: usize = 64;
-/// Angle between the strongest colours below which a photograph is grey, rad.
-const MIN_HUE_SPREAD: f32 = 0.15;
-/// Another code of the same kind, tried on the same stripes, reaches up to two thirds of the right one's score by chance.
-const MIN_OVER_DECOY: f32 = 1.25;
-/// Score per crossing below which even the best code does not fit, in nats: a perfect fit has ln(hues) + 1, photographs
-/// without the pattern 0.2, and clutter among the crossings dilutes it.
-const MIN_FIT: f32 = 0.35;
+pub(super) const SAMPLE_LINES: usize = 64;
 /// Rounds in which hues are learned anew from what was decoded, and votes are heard.
 const LEARNING_PASSES: usize = 3;
 /// Votes are counted over this many stripe widths along a curve to either side: what holds along a stripe about as far
@@ -34,14 +28,14 @@ const CUT_BETWEEN: f32 = 0.72;
 const CUT_AT_END: f32 = 0.6;
 
 /// All crossings of a photograph.
-struct Crossings {
-    peaks: Vec<Peak>,
+pub(super) struct Crossings {
+    pub(super) peaks: Vec<Peak>,
     /// Peaks of line y: `lines[y]..lines[y + 1]`.
-    lines: Vec<u32>,
+    pub(super) lines: Vec<u32>,
 }
 
 impl Crossings {
-    fn of(&self, line: usize) -> std::ops::Range<usize> {
+    pub(super) fn of(&self, line: usize) -> std::ops::Range<usize> {
         self.lines[line] as usize..self.lines[line + 1] as usize
     }
 }
@@ -139,85 +133,13 @@ fn find_all(reader: &mut LineReader<'_>, finder: &mut PeakFinder, noise: &Noise)
     crossings
 }
 
-/// Refuses photographs without colour, such as a grey picture stored as RGB.
-fn check_color(peaks: &[Peak]) -> Result<()> {
-    let chroma = |p: &Peak| {
-        let (low, high) = p.color.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &c| (l.min(c), h.max(c)));
-        f64::from((high - low) / high.max(f32::MIN_POSITIVE))
-    };
-    let spread = median(peaks.iter().map(chroma));
-    if peaks.is_empty() || spread < f64::from(MIN_HUE_SPREAD) {
-        return Err(Error::NotFound {
-            what: "coloured stripes",
-            seen: format!(
-                "{} stripe crossings, half of them with a saturation below {:.0} %",
-                peaks.len(),
-                100.0 * spread
-            ),
-            advice:
-                "the stripes are told apart by their hues: give the colour photograph of the coloured pattern"
-                    .into(),
-        });
-    }
-    Ok(())
-}
-
-fn odds_of(hues: &Hues, peaks: &[Peak], out: &mut Vec<f32>) {
+pub(super) fn odds_of(hues: &Hues, peaks: &[Peak], out: &mut Vec<f32>) {
     let n = hues.directions.len();
     out.clear();
     out.resize(peaks.len() * n, 0.0);
     for (p, o) in peaks.iter().zip(out.chunks_exact_mut(n)) {
         hues.log_odds(p.color, o);
     }
-}
-
-/// Tries the pattern and decoys of it, forwards and backwards, on some lines: whether slits run against the image,
-/// and the score per crossing.
-fn try_pattern(crossings: &Crossings, hues: &Hues, pattern: &StripePattern) -> Result<(bool, f64)> {
-    let n = hues.directions.len() as u8;
-    let ratio = (pattern.period_px() / pattern.width_px) as f32;
-    let count = crossings.lines.len() - 1;
-    let mut odds = Vec::new();
-    let mut labels = Vec::new();
-    let mut tried = 0;
-    let mut score = |sequence: Vec<u8>| {
-        let mut aligner = Aligner::new(sequence, ratio);
-        let mut sum = 0.0;
-        tried = 0;
-        for i in 0..SAMPLE_LINES.min(count) {
-            let range = crossings.of((2 * i + 1) * count / (2 * SAMPLE_LINES.min(count)));
-            let peaks = &crossings.peaks[range];
-            odds_of(hues, peaks, &mut odds);
-            labels.clear();
-            labels.resize(peaks.len(), NONE);
-            sum += aligner.align(peaks, &odds, &[], hues, &mut labels);
-            tried += peaks.len();
-        }
-        sum
-    };
-    let sequence = &pattern.sequence;
-    let backwards = |s: &[u8]| s.iter().rev().copied().collect::<Vec<u8>>();
-    let (ahead, back) = (score(sequence.clone()), score(backwards(sequence)));
-    let best = ahead.max(back);
-    // The same sequence with its hues exchanged in a circle: as good a code, but not this one.
-    let mut decoy = 0.0_f32;
-    for shift in 1..n {
-        let other: Vec<u8> = sequence.iter().map(|s| (s + shift) % n).collect();
-        decoy = decoy.max(score(backwards(&other))).max(score(other));
-    }
-    let fit = best / tried.max(1) as f32;
-    if fit < MIN_FIT || best < MIN_OVER_DECOY * decoy {
-        return Err(Error::NotFound {
-            what: "the pattern's code",
-            seen: format!(
-                "{tried} stripe crossings on {} lines; their colours follow the pattern with {fit:.2} nats each, another code with {:.2}",
-                SAMPLE_LINES.min(count),
-                decoy / tried.max(1) as f32
-            ),
-            advice: "check that the pattern file is the one that was projected, and that the photograph's colours are not clipped".into(),
-        });
-    }
-    Ok((back > ahead, f64::from(fit)))
 }
 
 fn not_the_pattern(report: &DecodeReport, seen: &str) -> Error {
@@ -336,7 +258,7 @@ fn share(peaks: &[Peak], which: impl Fn(&Peak) -> bool) -> f64 {
     peaks.iter().filter(|p| which(p)).count() as f64 / peaks.len().max(1) as f64
 }
 
-fn median(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
     if values.is_empty() {
         return 0.0;

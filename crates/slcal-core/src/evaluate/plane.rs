@@ -28,9 +28,11 @@ pub fn fit_plane(cloud: &PointCloud, config: &FitConfig) -> Result<PlaneFit> {
     let camera = cloud.camera_centre;
     let (FoundPlane(plane), limit) = fit(&points, &camera, config).ok_or_else(|| Error::Degenerate {
         what: "plane",
-        measure: points.len() as f64,
-        limit: 3.0,
-        advice: "the points coincide or lie on one line".into(),
+        measure: spread_across(&points),
+        limit: MIN_SHAPE,
+        advice: "the points coincide or lie on one line (the number is their spread across it over that along it): \
+                 evaluate the cloud of a surface"
+            .into(),
     })?;
     Ok(PlaneFit { plane, report: report(&points, &camera, limit, |p| plane.signed_distance_mm(p)) })
 }
@@ -39,6 +41,19 @@ struct FoundPlane(Plane);
 
 /// Flattest triangle that is taken as a proposal: twice its area over its longest side squared.
 const MIN_SHAPE: f64 = 1e-3;
+
+/// Second-largest over largest standard deviation along the principal axes; 0 for points that coincide.
+fn spread_across(points: &[Point3<f64>]) -> f64 {
+    let n = points.len().max(1) as f64;
+    let mean = points.iter().fold(Vector3::zeros(), |s, p| s + p.coords / n);
+    let scatter =
+        points.iter().fold(Matrix3::zeros(), |s, p| s + (p.coords - mean) * (p.coords - mean).transpose());
+    let Some(eigen) = SymmetricEigen::try_new(scatter, f64::EPSILON, 100) else { return 0.0 };
+    let mut values = eigen.eigenvalues;
+    values.as_mut_slice().sort_by(f64::total_cmp);
+    let ratio = (values[1] / values[2]).max(0.0).sqrt();
+    if ratio.is_finite() { ratio } else { 0.0 }
+}
 
 fn facing(point: &Point3<f64>, normal: Vector3<f64>, camera: &Point3<f64>) -> Option<FoundPlane> {
     let towards = if normal.dot(&(camera - point)) < 0.0 { -normal } else { normal };

@@ -105,12 +105,18 @@ pub fn read_matches(input: impl Read) -> Result<Matches> {
         if sigma_px < 0.0 {
             return Err(malformed(format!("line {line}: sigma_px {sigma_px} is negative")));
         }
+        let confidence = number(confidence)?.unwrap_or(1.0);
+        if !(0.0..=1.0).contains(&confidence) {
+            return Err(malformed(format!(
+                "line {line}: expected a confidence from 0 to 1, found {confidence}"
+            )));
+        }
         items.push(Match {
             camera: Point2::new(given(u)?, given(v)?),
             projector_column,
             projector_row,
             slit,
-            confidence: number(confidence)?.unwrap_or(1.0),
+            confidence,
             sigma_px,
             color: [255; 3],
         });
@@ -187,5 +193,6 @@ mod tests {
         says("u,v,projector_column\n1,2\n", "line");
         says("u,v,projector_column,slit\n1,2,3,1.5\n", "slit");
         says("u,v,projector_column,sigma_px\n1,2,3,-1\n", "negative");
+        says("u,v,projector_column,confidence\n1,2,3,7\n", "from 0 to 1, found 7");
     }
 }

@@ -1,11 +1,33 @@
 //! Rigs, patterns, matches and clouds as text and binary files, on any `Read` and `Write`.
 
 mod matches_csv;
+mod obj;
 mod pattern_json;
 mod ply;
 mod rig_json;
+mod xyz;
 
 pub use matches_csv::{read_matches, write_matches};
+pub use obj::write_obj;
 pub use pattern_json::{read_pattern, write_pattern};
 pub use ply::{read_ply, write_ply};
 pub use rig_json::{read_rig, write_rig};
+pub use xyz::write_xyz;
+
+/// Four points and two triangles for the tests of the cloud formats.
+#[cfg(test)]
+fn test_cloud() -> crate::cloud::PointCloud {
+    let point = |i: u16| crate::cloud::CloudPoint {
+        position: nalgebra::Point3::new(f64::from(i), -0.5, 1000.25),
+        pixel: nalgebra::Point2::new(f64::NAN, f64::NAN),
+        color: [i as u8, 2, 255],
+        sigma_mm: 0.125,
+        slit: 60_000 + i,
+        confidence: 0.75,
+    };
+    crate::cloud::PointCloud {
+        points: (0..4).map(point).collect(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..crate::cloud::PointCloud::default()
+    }
+}

@@ -267,6 +267,18 @@ mod tests {
             let message = read(&file).unwrap_err();
             assert!(message.contains(expected), "{field}: {message}");
         }
+        let mut many = stripes.clone();
+        many["sequence"] = json!(vec![0; 1_000_000]);
+        many["centres_px"] = json!((0..1_000_000).map(|i| f64::from(i) * 1e-3).collect::<Vec<_>>());
+        many.as_object_mut().unwrap().remove("order");
+        assert!(read(&many).unwrap_err().contains("found 1000000"));
+        many["sequence"] = json!(vec![0; 600]);
+        many["centres_px"] = json!((0..600).collect::<Vec<_>>());
+        assert!(read(&many).unwrap_err().contains("at most 512 slits"));
+        many["sequence"] = json!([0, 1]);
+        many["centres_px"] = json!([3, 9]);
+        many["palette"] = json!(vec![[1, 2, 3]; 100_000]);
+        assert!(read(&many).unwrap_err().contains("1 to 64 colours"));
         let mut swapped = stripes.clone();
         swapped["centres_px"][5] = json!(7.5);
         assert!(read(&swapped).unwrap_err().contains("centres_px[5]"));

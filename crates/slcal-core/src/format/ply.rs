@@ -155,6 +155,8 @@ pub fn read_ply(input: impl Read) -> Result<PointCloud> {
         match element.name.as_str() {
             "vertex" => read_vertices(&mut values, element, &mut cloud)?,
             "face" => read_faces(&mut values, element, &mut cloud)?,
+            // A record without properties takes no bytes: their number would bound nothing.
+            _ if element.properties.is_empty() => {}
             _ => {
                 for _ in 0..element.count {
                     values.record(element, |_, _, _| {})?;
@@ -238,7 +240,7 @@ fn text_line(input: &mut impl BufRead, limit: u64) -> Result<Option<String>> {
     let mut bytes = Vec::new();
     let read = input.take(limit).read_until(b'\n', &mut bytes).map_err(|e| io(&e))?;
     if read as u64 == limit {
-        return Err(malformed("a line of more than 4096 bytes where text is expected"));
+        return Err(malformed(format!("a line of more than {limit} bytes where text is expected")));
     }
     Ok((read > 0).then(|| String::from_utf8_lossy(&bytes).trim_end().to_owned()))
 }
@@ -363,20 +365,9 @@ mod tests {
     use super::*;
 
     fn cloud(frame: Frame) -> PointCloud {
-        let point = |i: u16| CloudPoint {
-            position: Point3::new(f64::from(i), -0.5, 1000.25),
-            pixel: Point2::new(f64::NAN, f64::NAN),
-            color: [i as u8, 2, 255],
-            sigma_mm: 0.125,
-            slit: 60_000 + i,
-            confidence: 0.75,
-        };
-        PointCloud {
-            points: (0..4).map(point).collect(),
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            frame,
-            camera_centre: if frame == Frame::Plane { Point3::new(1.0, 2.0, -3.5) } else { Point3::origin() },
-        }
+        let camera_centre =
+            if frame == Frame::Plane { Point3::new(1.0, 2.0, -3.5) } else { Point3::origin() };
+        PointCloud { frame, camera_centre, ..crate::format::test_cloud() }
     }
 
     fn same(a: &PointCloud, b: &PointCloud) -> bool {
@@ -447,5 +438,21 @@ mod tests {
         let face = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
                     element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n3 0 1 2\n";
         says(face.as_bytes(), "vertex 1 of 1");
+    }
+
+    #[test]
+    fn a_lying_header_takes_neither_memory_nor_time() {
+        let of = |text: &str| read_ply(text.as_bytes()).map_err(|e| e.to_string());
+        let xyz = "property float x\nproperty float y\nproperty float z\nend_header\n";
+        let binary = "ply\nformat binary_little_endian 1.0\n";
+        assert!(
+            of(&format!("{binary}element vertex 99999999999\n{xyz}")).unwrap_err().contains("99999999999")
+        );
+        assert!(
+            of(&format!("{binary}element vertex 2147483648\n{xyz}abc")).unwrap_err().contains("file ends")
+        );
+        let idle = "element idle 2147483648\n".repeat(20);
+        let read = of(&format!("ply\nformat ascii 1.0\n{idle}element vertex 1\n{xyz}1 2 3\n")).unwrap();
+        assert_eq!(read.points[0].position, Point3::new(1.0, 2.0, 3.0));
     }
 }

@@ -1,5 +1,7 @@
 //! De Bruijn sequences: every window of `order` neighbouring symbols occurs once.
 
+use std::collections::{HashMap, HashSet};
+
 use crate::error::{Error, Result};
 
 /// Longest sequence that is drawn: slits are numbered with 16 bits in clouds.
@@ -46,21 +48,48 @@ pub fn de_bruijn(symbols: u32, order: u32) -> Result<Vec<u8>> {
 }
 
 /// The shortest window length whose windows are all different in a sequence that is not wrapped; the whole length for
-/// sequences without one.
+/// sequences without one. Takes n·log n steps: files from elsewhere may hold any sequence.
 #[must_use]
 pub fn unique_window(sequence: &[u8]) -> usize {
-    (1..sequence.len())
-        .find(|&n| {
-            let mut seen = std::collections::HashSet::new();
-            sequence.windows(n).all(|w| seen.insert(w))
-        })
-        .unwrap_or(sequence.len())
+    // Windows of `length` symbols by number, equal numbers for equal windows; the length doubles until all differ.
+    let mut names: Vec<u32> = sequence.iter().map(|&s| u32::from(s)).collect();
+    let mut length = 1;
+    while length < sequence.len() && !all_differ(&names, 0) {
+        if 2 * length >= sequence.len() || all_differ(&names, length) {
+            // Between the two lengths: two windows that overlap make up one of any length between.
+            let (mut shorter, mut longer) = (length, (2 * length).min(sequence.len()));
+            while longer - shorter > 1 {
+                let middle = usize::midpoint(shorter, longer);
+                let differ = all_differ(&names, middle - length);
+                *if differ { &mut longer } else { &mut shorter } = middle;
+            }
+            return longer;
+        }
+        let mut numbers = HashMap::new();
+        names = pairs(&names, length)
+            .map(|pair| {
+                let next = numbers.len() as u32;
+                *numbers.entry(pair).or_insert(next)
+            })
+            .collect();
+        length *= 2;
+    }
+    length.min(sequence.len())
+}
+
+/// The windows that each pair of windows `shift` apart makes up.
+fn pairs(names: &[u32], shift: usize) -> impl Iterator<Item = (u32, u32)> {
+    names.iter().copied().zip(names.iter().copied().skip(shift))
+}
+
+fn all_differ(names: &[u32], shift: usize) -> bool {
+    let mut seen = HashSet::new();
+    pairs(names, shift).all(|pair| seen.insert(pair))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::HashSet;
 
     #[test]
     fn every_cyclic_window_occurs_exactly_once() {
@@ -83,6 +112,35 @@ mod tests {
         assert_eq!(unique_window(&[0, 1, 2]), 1);
         assert_eq!(unique_window(&[1, 1, 1, 1]), 4);
         assert_eq!(unique_window(&[]), 0);
+        assert_eq!(unique_window(&[7]), 1);
+    }
+
+    #[test]
+    fn the_window_is_the_one_that_trying_all_lengths_finds() {
+        let by_trying = |s: &[u8]| {
+            let differ = |n: &usize| s.windows(*n).collect::<HashSet<_>>().len() == s.len() + 1 - n;
+            (1..s.len()).find(differ).unwrap_or(s.len())
+        };
+        let mut state = 1_u32;
+        for length in 0..60 {
+            for symbols in 1..4 {
+                let s: Vec<u8> = (0..length)
+                    .map(|_| {
+                        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                        ((state >> 16) % symbols) as u8
+                    })
+                    .collect();
+                assert_eq!(unique_window(&s), by_trying(&s), "{s:?}");
+                let twice = [&s[..], &s[..]].concat();
+                assert_eq!(unique_window(&twice), by_trying(&twice), "{twice:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_long_sequence_of_one_colour_takes_no_time() {
+        // Comparing all windows of all lengths would take 10^17 steps.
+        assert_eq!(unique_window(&vec![3; 1_000_000]), 1_000_000);
     }
 
     #[test]

@@ -63,6 +63,8 @@ impl Default for StripeConfig {
 const DEFAULT_SLITS: u32 = 64;
 /// Hues beyond this are less than 30° apart.
 const MAX_HUES: u32 = 12;
+/// Colours of a palette from elsewhere: far more than a camera tells apart; decoding takes memory for each.
+const MAX_PALETTE: usize = 64;
 
 impl StripeConfig {
     /// Checks the ranges of the fields.
@@ -167,7 +169,16 @@ impl StripePattern {
                 self.centres_px.len(),
             ));
         }
+        // A slit and the gap beside it need a pixel each.
+        let most = (self.length_px() / 2.0).ceil() as usize;
+        if n > most {
+            let expected = format!("at most {most} slits on a panel of {} px", self.length_px());
+            return Err(Error::invalid("sequence", expected, format!("{n} slits")));
+        }
         let hues = self.palette.len();
+        if !(1..=MAX_PALETTE).contains(&hues) {
+            return Err(Error::invalid("palette", format!("1 to {MAX_PALETTE} colours"), hues));
+        }
         if let Some((i, s)) = self.sequence.iter().enumerate().find(|(_, s)| usize::from(**s) >= hues) {
             return Err(Error::invalid(
                 format!("sequence[{i}]"),

@@ -275,6 +275,32 @@ mod tests {
     }
 
     #[test]
+    fn what_is_culled_does_not_depend_on_the_frame() {
+        let surface = |x: f64, y: f64| {
+            let step = if x < 180.0 { 1000.0 + y } else { 1300.0 - 0.7 * x };
+            if (x as u32) / 12 == 7 && (20.0..31.0).contains(&y) { 1250.0 } else { step }
+        };
+        for rule in [CullRule::Auto, CullRule::MaxAreaMm2(9.0), CullRule::Off] {
+            let mut here = cloud(surface);
+            let report = cull(&mut here, rule).unwrap();
+            for i in 1..12 {
+                let i = f64::from(i);
+                let turn = nalgebra::Rotation3::from_euler_angles(i, 0.7 * i * i, -1.3 * i);
+                let shift = nalgebra::Vector3::new(300.0 * i, -50.0, -700.0);
+                let mut there = cloud(surface);
+                for p in &mut there.points {
+                    p.position = turn * p.position + shift;
+                }
+                there.camera_centre = turn * there.camera_centre + shift;
+                assert_eq!(cull(&mut there, rule).unwrap(), report);
+                assert_eq!(there.triangles, here.triangles);
+                let pixels = |c: &PointCloud| c.points.iter().map(|p| p.pixel).collect::<Vec<_>>();
+                assert_eq!(pixels(&there), pixels(&here));
+            }
+        }
+    }
+
+    #[test]
     fn an_area_may_be_given_and_odd_clouds_do_no_harm() {
         let mut c = cloud(|_, _| 1000.0);
         // Triangles of 12 mm × 1 mm / 2.

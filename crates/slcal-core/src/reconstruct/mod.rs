@@ -17,6 +17,11 @@ use crate::pattern::StripePattern;
 use crate::photo::PhotoView;
 use crate::rig::Rig;
 
+/// Matches whose ray and light do not meet before the devices, as a share of all, above which pattern, rig and
+/// photograph do not belong together: a right pattern leaves a few in a thousand (numbers that are wrong by chance); a
+/// wrong one that decodes leaves a tenth and more.
+const MAX_IMPOSSIBLE: f64 = 0.05;
+
 /// How to reconstruct.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -109,6 +114,7 @@ impl Reconstructor {
         }
         let decoding = decode_frames(input, &self.pattern, &self.config.decode)?;
         let mut result = cloud_from_matches(&self.rig, &decoding.matches, &self.config)?;
+        check_possible(&result.triangulate, decoding.matches.items.len())?;
         result.decode = Some(decoding.report);
         Ok(result)
     }
@@ -151,7 +157,7 @@ pub fn cloud_from_matches(
                 report.outside_panel,
                 culled.outliers
             ),
-            advice: "check that the rig, the pattern and the photograph belong together, and that nothing has moved since the calibration".into(),
+            advice: "check that the rig, the pattern and the photograph belong together, and that nothing has moved since the calibration; a handful of points that make no surface stay with --cull off".into(),
         });
     }
     if !config.mesh {
@@ -159,6 +165,21 @@ pub fn cloud_from_matches(
     }
     let cloud = in_frame(cloud, rig, config.frame)?;
     Ok(Reconstruction { cloud, decode: None, triangulate: report, cull: culled })
+}
+
+/// Refuses a cloud when many of its matches are impossible: what the rest says is chance, too.
+fn check_possible(report: &TriangulateReport, matches: usize) -> Result<()> {
+    let impossible = report.behind + report.grazing;
+    if impossible as f64 <= MAX_IMPOSSIBLE * matches as f64 {
+        return Ok(());
+    }
+    Err(Error::NotFound {
+        what: "the pattern as this rig would project it",
+        seen: format!(
+            "{impossible} of {matches} decoded crossings lie where no light of their slit can meet the camera's ray in front of both devices"
+        ),
+        advice: "check that the pattern file is the one that was projected, upright and not mirrored, that the rig is the one that took the photograph, and that nothing has moved since the calibration".into(),
+    })
 }
 
 fn first_view(rig: &Rig) -> Result<&crate::rig::View> {
