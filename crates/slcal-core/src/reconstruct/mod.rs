@@ -17,9 +17,9 @@ use crate::pattern::StripePattern;
 use crate::photo::PhotoView;
 use crate::rig::Rig;
 
-/// Matches whose ray and light do not meet before the devices, as a share of all, above which pattern, rig and
-/// photograph do not belong together: a right pattern leaves a few in a thousand (numbers that are wrong by chance); a
-/// wrong one that decodes leaves a tenth and more.
+/// Matches whose ray does not meet light from the panel before the devices, as a share of all, above which pattern, rig
+/// and photograph do not belong together: a right pattern leaves a few in a thousand (numbers that are wrong by chance);
+/// a wrong one that decodes all the same leaves a tenth.
 const MAX_IMPOSSIBLE: f64 = 0.05;
 
 /// How to reconstruct.
@@ -169,14 +169,14 @@ pub fn cloud_from_matches(
 
 /// Refuses a cloud when many of its matches are impossible: what the rest says is chance, too.
 fn check_possible(report: &TriangulateReport, matches: usize) -> Result<()> {
-    let impossible = report.behind + report.grazing;
+    let impossible = report.behind + report.grazing + report.outside_panel;
     if impossible as f64 <= MAX_IMPOSSIBLE * matches as f64 {
         return Ok(());
     }
     Err(Error::NotFound {
         what: "the pattern as this rig would project it",
         seen: format!(
-            "{impossible} of {matches} decoded crossings lie where no light of their slit can meet the camera's ray in front of both devices"
+            "{impossible} of {matches} decoded crossings lie where no light from the panel's part of their slit can meet the camera's ray in front of both devices"
         ),
         advice: "check that the pattern file is the one that was projected, upright and not mirrored, that the rig is the one that took the photograph, and that nothing has moved since the calibration".into(),
     })
