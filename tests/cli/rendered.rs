@@ -96,6 +96,51 @@ fn a_sphere_is_reconstructed_as_one() {
 }
 
 #[test]
+fn the_name_tells_the_format_of_a_cloud() {
+    let bench = with_photo("fixtures/sphere.jpg");
+    bench.put("rig.json", fs::read(repository().join("crates/slcal-cli/demo/truth_rig.json")).unwrap());
+    let line = "reconstruct --rig rig.json --pattern stripes.json photo.jpg --mesh";
+    let report: Value =
+        serde_json::from_str(&bench.run(&format!("{line} -o c.xyz --json")).ok().text()).unwrap();
+    let points = report["clouds"][0]["points"].as_u64().unwrap() as usize;
+    let triangles = report["clouds"][0]["triangles"].as_u64().unwrap() as usize;
+    assert_eq!(bench.text("c.xyz").lines().count(), points);
+    let _ = bench.run(&format!("{line} -o c.OBJ")).ok();
+    let with = |start: &str| bench.text("c.OBJ").lines().filter(|l| l.starts_with(start)).count();
+    assert_eq!((with("v "), with("f ")), (points, triangles));
+    let _ = bench.run("decode --pattern stripes.json photo.jpg -o m.csv").ok();
+    let _ = bench.run("triangulate --rig rig.json m.csv -o t.xyz").ok();
+    assert!(bench.text("t.xyz").lines().count() >= points);
+    for line in [&format!("{line} -o c.stl"), "triangulate --rig rig.json m.csv -o t"] {
+        bench.run(line).fails(2, &[".ply, .xyz or .obj"]);
+    }
+}
+
+#[test]
+fn a_pattern_that_was_not_projected_gives_no_cloud() {
+    let bench = with_photo("fixtures/sphere.jpg");
+    bench.put("rig.json", fs::read(repository().join("crates/slcal-cli/demo/truth_rig.json")).unwrap());
+    let mut mirrored: Value = serde_json::from_str(&bench.text("stripes.json")).unwrap();
+    mirrored["sequence"].as_array_mut().unwrap().reverse();
+    bench.put("mirrored.json", mirrored.to_string());
+    let mut one: Value = serde_json::from_str(&bench.text("stripes.json")).unwrap();
+    one["palette"] = serde_json::json!([[255, 0, 0]]);
+    one["sequence"] = serde_json::json!(vec![0; 64]);
+    bench.put("one.json", one.to_string());
+    for (name, hues, order, slits) in [("a", 5, 3, 64), ("b", 3, 4, 61), ("c", 6, 2, 37), ("d", 4, 3, 48)] {
+        let _ = bench
+            .run(&format!("pattern stripes --projector 1024x768 --hues {hues} --order {order} --slits {slits} -o {name}.png"))
+            .ok();
+    }
+    for (name, exit) in [("mirrored", 4), ("a", 4), ("b", 4), ("c", 4), ("d", 4), ("one", 3)] {
+        bench
+            .run(&format!("reconstruct --rig rig.json --pattern {name}.json photo.jpg -o cloud.ply"))
+            .fails(exit, &["photo.jpg", "pa"]);
+        assert!(!bench.names().iter().any(|n| n == "cloud.ply"));
+    }
+}
+
+#[test]
 fn decode_and_triangulate_are_reconstruct_in_two_steps() {
     let bench = with_photo("fixtures/sphere.jpg");
     bench.put("rig.json", fs::read(repository().join("crates/slcal-cli/demo/truth_rig.json")).unwrap());

@@ -355,7 +355,7 @@ pub(crate) struct TriangulateArgs {
     #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value = "off",
           allow_hyphen_values = true)]
     pub(crate) cull: CullArg,
-    /// Where to write the cloud; `-` for stdout.
+    /// Where to write the cloud: .ply, .xyz or .obj by the name; `-` for a PLY on stdout.
     #[arg(short, long, value_name = "CLOUD.ply")]
     pub(crate) output: PathBuf,
     /// Replace files that exist.
@@ -380,7 +380,7 @@ pub(crate) struct ReconstructArgs {
     #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value = "auto",
           allow_hyphen_values = true)]
     pub(crate) cull: CullArg,
-    /// Where to write the cloud of one IMAGE; `-` for stdout.
+    /// Where to write the cloud of one IMAGE: .ply, .xyz or .obj by the name; `-` for a PLY on stdout.
     #[arg(short, long, value_name = "CLOUD.ply", group = "place")]
     pub(crate) output: Option<PathBuf>,
     /// Where to write the clouds, each named after its IMAGE; made when it does not exist.

@@ -1,5 +1,6 @@
 //! All files: photographs and texts in, complete files out.
 
+mod cloud;
 mod photo;
 mod text;
 mod write;
@@ -8,6 +9,7 @@ use std::fs;
 use std::io::Read as _;
 use std::path::Path;
 
+pub(crate) use cloud::CloudFormat;
 pub(crate) use photo::{decode_photo, load_photo};
 pub(crate) use text::{check_panel, load_checker, load_rig, load_stripes};
 pub(crate) use write::{Destination, check_distinct, check_spares, png_bytes, write_all};

@@ -15,10 +15,10 @@ use slcal_core::{CalibrateConfig, Calibration, Device, Observations, Rig, calibr
 
 use super::calibrate::rig_bytes;
 use super::pattern::pattern_bytes;
-use super::reconstruct::{cloud_bytes, draw, make_folder};
+use super::reconstruct::{draw, make_folder};
 use crate::args::DemoArgs;
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::{Destination, decode_photo, png_bytes, write_all};
+use crate::io::{CloudFormat, Destination, decode_photo, png_bytes, write_all};
 use crate::output::{Printer, print_result};
 use crate::overlay::Overlay;
 
@@ -80,8 +80,8 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
         HEAD.to_vec(),
         rig_bytes(rig)?,
         png_bytes(&seen.into_picture())?,
-        cloud_bytes(&board.cloud)?,
-        cloud_bytes(&head.cloud)?,
+        CloudFormat::Ply.bytes(&board.cloud)?,
+        CloudFormat::Ply.bytes(&head.cloud)?,
         draw(&head_photo, &head.cloud)?,
     ];
     write_all(&places.into_iter().zip(contents).collect::<Vec<_>>())?;

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use image::DynamicImage;
 use serde::Serialize;
 use slcal_core::decode::DecodeReport;
-use slcal_core::format::write_ply;
 use slcal_core::reconstruct::{
     CullReport, CullRule, ReconstructConfig, Reconstruction, Reconstructor, TriangulateReport,
 };
@@ -16,14 +15,15 @@ use super::decode::Frames;
 use crate::args::{CullArg, FrameArg, ReconstructArgs};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_distinct, check_panel, check_spares, input_name, is_dash, load_photo, load_rig,
-    load_stripes, png_bytes, write_all,
+    CloudFormat, Destination, check_distinct, check_panel, check_spares, input_name, is_dash, load_photo,
+    load_rig, load_stripes, png_bytes, write_all,
 };
 use crate::output::{Printer, print_json, print_result};
 use crate::overlay::Overlay;
 use crate::summary;
 
 pub(super) fn run(args: &ReconstructArgs, printer: Printer) -> Outcome {
+    let format = args.output.as_deref().map_or(Ok(CloudFormat::Ply), CloudFormat::of)?;
     let outputs = outputs(args)?;
     let overlay = args.overlay.as_ref().map(|p| Destination::prepare(p, args.force)).transpose()?;
     check_distinct(outputs.iter().chain(&overlay))?;
@@ -49,7 +49,7 @@ pub(super) fn run(args: &ReconstructArgs, printer: Printer) -> Outcome {
     for (path, output) in args.images.iter().zip(&outputs) {
         let photo = load_photo(path, printer)?;
         let result = scanner.reconstruct_frames(&frames.input(path, &photo)?).in_file(path)?;
-        let mut files = vec![(output.clone(), cloud_bytes(&result.cloud)?)];
+        let mut files = vec![(output.clone(), format.bytes(&result.cloud)?)];
         if let Some(place) = &overlay {
             files.push((place.clone(), draw(&photo, &result.cloud)?));
         }
@@ -71,7 +71,7 @@ fn outputs(args: &ReconstructArgs) -> Outcome<Vec<Destination>> {
         return Err(Failure::usage("stdin (-) can be one photograph only; give the others as files"));
     }
     if let Some(output) = &args.output {
-        let place = ply_destination(output, args.force)?;
+        let place = Destination::prepare(output, args.force)?;
         if args.images.len() > 1 {
             return Err(Failure::usage(format!(
                 "-o takes the cloud of one photograph, found {}; give --out-dir DIR",
@@ -114,22 +114,6 @@ pub(super) fn make_folder(folder: &Path) -> Outcome {
     })
 }
 
-/// A destination for a cloud, whose name must tell the one format that is written.
-pub(super) fn ply_destination(path: &Path, force: bool) -> Outcome<Destination> {
-    if !is_dash(path) && !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply")) && !is_device(path)
-    {
-        return Err(Failure::usage(format!(
-            "{}: expected an output whose name ends in .ply, or -",
-            path.display()
-        )));
-    }
-    Destination::prepare(path, force)
-}
-
-fn is_device(path: &Path) -> bool {
-    fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir())
-}
-
 /// Refuses a rig without a projector.
 pub(super) fn with_projector(rig: &Rig, path: &Path) -> Outcome {
     match rig.projector {
@@ -159,13 +143,6 @@ pub(super) fn frame(arg: FrameArg, rig: &Rig, path: &Path) -> Outcome<Frame> {
         )),
         FrameArg::Plane => Ok(Frame::Plane),
     }
-}
-
-/// The PLY file.
-pub(super) fn cloud_bytes(cloud: &PointCloud) -> Outcome<Vec<u8>> {
-    let mut bytes = Vec::new();
-    write_ply(cloud, &mut bytes)?;
-    Ok(bytes)
 }
 
 /// The points that were kept, drawn on the photograph, as PNG.

@@ -3,15 +3,16 @@
 use slcal_core::format::read_matches;
 use slcal_core::reconstruct::{ReconstructConfig, cloud_from_matches};
 
-use super::reconstruct::{cloud_bytes, cull_rule, frame, ply_destination, with_projector};
+use super::reconstruct::{cull_rule, frame, with_projector};
 use crate::args::TriangulateArgs;
 use crate::exit::{InFile as _, Outcome};
-use crate::io::{Destination, check_spares, load_rig, read_bytes, write_all};
+use crate::io::{CloudFormat, Destination, check_spares, load_rig, read_bytes, write_all};
 use crate::output::{Printer, print_result};
 use crate::summary;
 
 pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
-    let output = ply_destination(&args.output, args.force)?;
+    let format = CloudFormat::of(&args.output)?;
+    let output = Destination::prepare(&args.output, args.force)?;
     check_spares([&output], [args.rig.as_path(), &args.matches])?;
     let rig = load_rig(&args.rig)?;
     with_projector(&rig, &args.rig)?;
@@ -24,7 +25,7 @@ pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
         ..ReconstructConfig::default()
     };
     let result = cloud_from_matches(&rig, &matches, &config).in_file(&args.matches)?;
-    write_all(&[(output.clone(), cloud_bytes(&result.cloud)?)])?;
+    write_all(&[(output.clone(), format.bytes(&result.cloud)?)])?;
     let text = summary::cloud(&result);
     if output == Destination::Stdout {
         printer.note(text.trim_end());
