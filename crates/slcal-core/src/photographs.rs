@@ -30,16 +30,17 @@ use crate::photo::PhotoView;
 /// let checker = CheckerPattern::new([1024, 768], &CheckerConfig::default())?;
 /// let sheet = RectangleSize::new(594.0, 420.0)?;
 /// let views = [PhotoView::try_from(&photo)?];
-/// let calibration = slcal_core::calibrate(&views, sheet, Some(&checker), &CalibrateConfig::default())?;
+/// let calibration = slcal_core::calibrate(&views, sheet, &checker, &CalibrateConfig::default())?;
 /// println!("{:.1} px", calibration.rig.camera.model.intrinsics.fx);
 /// # Ok::<(), slcal_core::Error>(())
 /// ```
-pub fn calibrate(
+pub fn calibrate<'a>(
     photos: &[PhotoView<'_>],
     sheet: RectangleSize,
-    pattern: Option<&CheckerPattern>,
+    pattern: impl Into<Option<&'a CheckerPattern>>,
     config: &CalibrateConfig,
 ) -> Result<Calibration> {
+    let pattern = pattern.into();
     let size = |p: &PhotoView<'_>| [p.width() as u32, p.height() as u32];
     let camera = photos.first().map(size).ok_or_else(|| Error::invalid("photographs", "at least one", 0))?;
     if let Some([w, h]) = photos.iter().map(size).find(|s| *s != camera) {
