@@ -172,7 +172,7 @@ fn a_sheet_without_a_pattern_and_a_dark_room_are_not_found() {
 
 #[test]
 fn tiny_photographs_are_refused_without_a_panic() {
-    for (w, h) in [(1, 1), (3, 700), (17, 16), (40, 30)] {
+    for (w, h) in [(1, 1), (1, 3000), (3, 700), (17, 16), (40, 30)] {
         let image =
             DynamicImage::ImageLuma8(GrayImage::from_fn(w, h, |x, y| Luma([(x * 40 + y * 13) as u8])));
         let size = RectangleSize::new(594.0, 420.0).unwrap();

@@ -49,7 +49,7 @@ impl GreyImage {
     #[inline]
     #[must_use]
     pub fn bilinear(&self, x: f64, y: f64) -> Option<f64> {
-        let inside = x >= 0.0 && y >= 0.0 && x <= (self.width - 1) as f64 && y <= (self.height - 1) as f64;
+        let inside = x >= 0.0 && y >= 0.0 && x <= self.width as f64 - 1.0 && y <= self.height as f64 - 1.0;
         if !inside {
             return None;
         }
