@@ -19,20 +19,20 @@ use crate::photo::PhotoView;
 /// [`Error::Invalid`] for no photograph or photographs of different sizes; otherwise as the two functions say.
 ///
 /// # Examples
-/// ```no_run
+/// ```
 /// use slcal_core::calibrate::CalibrateConfig;
 /// use slcal_core::geometry::RectangleSize;
 /// use slcal_core::pattern::{CheckerConfig, CheckerPattern};
 /// use slcal_core::photo::PhotoView;
 ///
-/// # fn photograph() -> image::DynamicImage { unimplemented!() }
-/// let photo = photograph();
+/// # fn run(photo: &image::DynamicImage) -> slcal_core::Result<()> {
 /// let checker = CheckerPattern::new([1024, 768], &CheckerConfig::default())?;
 /// let sheet = RectangleSize::new(594.0, 420.0)?;
-/// let views = [PhotoView::try_from(&photo)?];
+/// let views = [PhotoView::try_from(photo)?];
 /// let calibration = slcal_core::calibrate(&views, sheet, &checker, &CalibrateConfig::default())?;
 /// println!("{:.1} px", calibration.rig.camera.model.intrinsics.fx);
-/// # Ok::<(), slcal_core::Error>(())
+/// # Ok(())
+/// # }
 /// ```
 pub fn calibrate<'a>(
     photos: &[PhotoView<'_>],

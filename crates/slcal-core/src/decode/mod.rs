@@ -13,7 +13,7 @@ mod lines;
 mod noise;
 mod peaks;
 mod recognise;
-mod session;
+mod stages;
 #[cfg(test)]
 mod tests;
 mod width;
@@ -46,5 +46,5 @@ pub fn decode_frames(
 ) -> Result<Decoding> {
     config.validate()?;
     pattern.validate()?;
-    session::run(input, pattern, config)
+    stages::run(input, pattern, config)
 }

@@ -3,7 +3,7 @@
 use super::align::{Aligner, NONE};
 use super::color::Hues;
 use super::peaks::Peak;
-use super::session::{Crossings, SAMPLE_LINES, median, odds_of};
+use super::stages::{Crossings, SAMPLE_LINES, median, odds_of};
 use crate::error::{Error, Result};
 use crate::pattern::StripePattern;
 
