@@ -66,7 +66,7 @@ impl EdgeMap {
         (p - Vector2::repeat((f - 1.0) / 2.0)) / f
     }
 
-    /// Half the diagonal is the natural unit of length of a photograph.
+    /// The diagonal, in working pixels: the unit of lengths in a photograph.
     pub(super) fn diagonal(&self) -> f64 {
         (self.width as f64).hypot(self.height as f64)
     }
