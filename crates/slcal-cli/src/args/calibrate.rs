@@ -1,0 +1,120 @@
+//! `slcal calibrate`.
+
+use std::path::PathBuf;
+
+use clap::{ArgAction, Args, ValueEnum};
+use nalgebra::Point2;
+use slcal_core::geometry::RectangleSize;
+
+use super::photo::GammaArg;
+use crate::size::{Corners, parse_corners, parse_point, parse_size};
+
+#[derive(Debug, Args)]
+pub(crate) struct CalibrateArgs {
+    /// Photographs of the sheet, one per pose; `-` for stdin.
+    #[arg(required = true, value_name = "PHOTO")]
+    pub(crate) photos: Vec<PathBuf>,
+    /// Size of the sheet: 594x420mm, 59.4x42cm, 11x8.5in, A4, A4-landscape, letter, legal …
+    #[arg(long, value_name = "SIZE", value_parser = parse_size, allow_hyphen_values = true)]
+    pub(crate) size: RectangleSize,
+    /// The checkerboard that was projected.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) pattern: Option<PathBuf>,
+    /// A photograph of the same pose with the projector dark or plain; repeat it once per PHOTO, in the same order.
+    #[arg(long, value_name = "PHOTO", action = ArgAction::Append)]
+    pub(crate) screen: Vec<PathBuf>,
+    /// The sheet's corners "x,y x,y x,y x,y" (TL TR BR BL) by hand; repeat it once per PHOTO, in the same order.
+    #[arg(long, value_name = "CORNERS", value_parser = parse_corners, allow_hyphen_values = true,
+          action = ArgAction::Append)]
+    pub(crate) corners: Vec<Corners>,
+    /// Camera intrinsics that are known already, as a rig JSON: the rest is solved.
+    #[arg(long, value_name = "RIG.json")]
+    pub(crate) camera: Option<PathBuf>,
+    /// The camera's principal point: prior (the centre, uncertain), centre, free, or X,Y exactly.
+    #[arg(long, value_name = "prior|centre|free|X,Y", value_parser = parse_camera_pp, default_value = "prior",
+          allow_hyphen_values = true, conflicts_with = "camera")]
+    pub(crate) camera_pp: PrincipalPointArg,
+    /// The projector's principal point: shift (horizontally near the centre, vertically anywhere), or as for the camera.
+    #[arg(long, value_name = "shift|prior|centre|free|X,Y", value_parser = parse_projector_pp,
+          default_value = "shift", allow_hyphen_values = true)]
+    pub(crate) projector_pp: PrincipalPointArg,
+    /// Lens distortion of the camera.
+    #[arg(long, value_enum, default_value = "auto", conflicts_with = "camera")]
+    pub(crate) distortion: DistortionArg,
+    /// Which estimator.
+    #[arg(long, value_enum, default_value = "ml")]
+    pub(crate) method: MethodArg,
+    #[command(flatten)]
+    pub(crate) gamma: GammaArg,
+    /// Write the rig even when the view does not determine it.
+    #[arg(long)]
+    pub(crate) allow_degenerate: bool,
+    /// Where to write the rig; `-` for stdout.
+    #[arg(short, long, value_name = "RIG.json", required_unless_present = "json")]
+    pub(crate) output: Option<PathBuf>,
+    /// Draw what was found on the (first) photograph, also when something was not found.
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) overlay: Option<PathBuf>,
+    /// Print the rig as JSON instead of a summary.
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Replace files that exist.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+/// A principal point as it is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum PrincipalPointArg {
+    /// Horizontal centre as a prior, vertical free.
+    Shift,
+    /// The centre, uncertain.
+    Prior,
+    /// The centre, exactly.
+    Centre,
+    /// Estimated without a prior.
+    Free,
+    /// Given, exactly.
+    At(Point2<f64>),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum DistortionArg {
+    /// Estimated when the photograph shows it.
+    Auto,
+    /// A lens without distortion.
+    None,
+    /// The first radial coefficient.
+    K1,
+    /// The first two radial coefficients.
+    K1k2,
+    /// All five coefficients.
+    Full,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodArg {
+    /// Maximum likelihood over everything that was seen.
+    Ml,
+    /// The two vanishing points alone, as published.
+    TwoVp,
+}
+
+fn parse_camera_pp(text: &str) -> Result<PrincipalPointArg, String> {
+    match text {
+        "shift" => Err("expected prior, centre, free or X,Y (shift is for projectors)".to_owned()),
+        other => parse_projector_pp(other),
+    }
+}
+
+fn parse_projector_pp(text: &str) -> Result<PrincipalPointArg, String> {
+    Ok(match text {
+        "shift" => PrincipalPointArg::Shift,
+        "prior" => PrincipalPointArg::Prior,
+        "centre" | "center" => PrincipalPointArg::Centre,
+        "free" => PrincipalPointArg::Free,
+        point => PrincipalPointArg::At(
+            parse_point(point).map_err(|e| format!("expected prior, centre, free or X,Y: {e}"))?,
+        ),
+    })
+}

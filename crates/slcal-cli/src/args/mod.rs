@@ -1,0 +1,140 @@
+//! The command line as it is typed, one file per verb; what it means is decided by the verbs.
+
+mod calibrate;
+mod cloud;
+mod decode;
+mod demo;
+mod evaluate;
+mod pattern;
+mod photo;
+mod reconstruct;
+mod rectify;
+mod triangulate;
+
+use clap::{Parser, Subcommand};
+
+pub(crate) use calibrate::{CalibrateArgs, DistortionArg, MethodArg, PrincipalPointArg};
+pub(crate) use cloud::{CullArg, FrameArg};
+pub(crate) use decode::{DecodeArgs, DecodeInput};
+pub(crate) use demo::DemoArgs;
+pub(crate) use evaluate::{EvaluateArgs, ShapeArg};
+pub(crate) use pattern::{CheckerArgs, PatternOutput, PatternVerb, StripesArgs};
+pub(crate) use reconstruct::ReconstructArgs;
+pub(crate) use rectify::RectifyArgs;
+pub(crate) use triangulate::TriangulateArgs;
+
+/// Calibrate a projector and a camera from one photograph; reconstruct what they see from one more.
+///
+/// Lengths are millimetres, pixels have integer centres. Results go to stdout, messages to stderr; `-` stands for stdin
+/// or stdout.
+#[derive(Debug, Parser)]
+#[command(
+    name = "slcal",
+    version,
+    arg_required_else_help = true,
+    after_help = "Exit codes: 0 done; 2 wrong command line; 3 input unreadable or malformed; 4 sheet, pattern or stripes \
+                  not found;\n5 geometry degenerate; 1 anything else.\n\nStart with `slcal demo`."
+)]
+pub(crate) struct Cli {
+    /// Say more on stderr.
+    #[arg(short, long, global = true, conflicts_with = "quiet", display_order = 1000)]
+    pub(crate) verbose: bool,
+    /// Say nothing but errors on stderr.
+    #[arg(short, long, global = true, display_order = 1001)]
+    pub(crate) quiet: bool,
+    #[command(subcommand)]
+    pub(crate) verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Verb {
+    /// Run the whole chain on built-in photographs.
+    #[command(
+        after_help = "Example:\n  slcal demo --out demo\n\nwrites the patterns, the photographs, rig.json, cloud.ply \
+                            and pictures of what was found into demo/."
+    )]
+    Demo(DemoArgs),
+    /// Draw the pattern to project.
+    #[command(subcommand)]
+    Pattern(PatternVerb),
+    /// Calibrate from photographs of a sheet with the checkerboard projected onto it.
+    #[command(
+        after_help = "Example:\n  slcal calibrate photo.jpg --size A2-landscape --pattern checker.json -o rig.json\n\n\
+                            The width is the side that runs most nearly along the image's x axis. Without --pattern the \
+                            camera alone\nis calibrated."
+    )]
+    Calibrate(CalibrateArgs),
+    /// Draw the picture that appears as an upright rectangle on the sheet.
+    #[command(
+        after_help = "Examples:\n  slcal rectify --rig rig.json --pattern checker.json -o straight.png\n  \
+                            slcal rectify --rig rig.json --image poster.jpg -o straight.png"
+    )]
+    Rectify(RectifyArgs),
+    /// Find the projected stripes in a photograph.
+    #[command(
+        after_help = "Example:\n  slcal decode --pattern stripes.json object.jpg -o matches.csv --overlay seen.png\n\n\
+                            matches.csv: u,v,projector_column,slit,confidence,sigma_px; one row per stripe and image row."
+    )]
+    Decode(DecodeArgs),
+    /// Turn matches of any decoder into points.
+    #[command(after_help = "Example:\n  slcal triangulate --rig rig.json matches.csv -o cloud.ply\n\n\
+                            The table needs the columns u, v and projector_column or projector_row (or both).")]
+    Triangulate(TriangulateArgs),
+    /// Photographs of an object under the stripes in, point clouds out.
+    #[command(
+        after_help = "Examples:\n  slcal reconstruct --rig rig.json --pattern stripes.json object.jpg -o cloud.ply --mesh\n  \
+                            slcal reconstruct --rig rig.json --pattern stripes.json *.jpg --out-dir clouds"
+    )]
+    Reconstruct(ReconstructArgs),
+    /// Fit a plane or a sphere to a cloud and say how far the points lie from it.
+    #[command(after_help = "Example:\n  slcal evaluate plane cloud.ply")]
+    Evaluate(EvaluateArgs),
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+    use nalgebra::Point2;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn values_may_start_with_a_minus_sign() {
+        let cli = Cli::try_parse_from([
+            "slcal",
+            "calibrate",
+            "a.png",
+            "--size",
+            "A4",
+            "--corners",
+            "-12,40 1,2 3,4 5,6",
+            "--camera-pp",
+            "-3,4",
+            "-o",
+            "r.json",
+        ])
+        .unwrap();
+        let Verb::Calibrate(args) = cli.verb else { panic!("another verb") };
+        assert_eq!(args.corners[0][0], Point2::new(-12.0, 40.0));
+        assert_eq!(args.camera_pp, PrincipalPointArg::At(Point2::new(-3.0, 4.0)));
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        for line in [
+            "slcal calibrate a.png --size A4 --camera-pp shift -o r.json",
+            "slcal calibrate a.png --size A4 --gamma nan -o r.json",
+            "slcal reconstruct --rig r --pattern p a.png",
+            "slcal reconstruct --rig r --pattern p a.png -o c.ply --out-dir d",
+            "slcal reconstruct --rig r --pattern p a.png -o c.ply --cull -1",
+            "slcal rectify --rig r -o a.png",
+        ] {
+            assert!(Cli::try_parse_from(line.split(' ')).is_err(), "{line}");
+        }
+    }
+}

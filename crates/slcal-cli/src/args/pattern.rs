@@ -1,0 +1,66 @@
+//! `slcal pattern`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use crate::size::parse_pair;
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum PatternVerb {
+    /// The checkerboard that calibration needs.
+    #[command(
+        after_help = "Example:\n  slcal pattern checker --projector 1024x768 -o checker.png\n\nwrites checker.png, to \
+                            be shown full screen at the projector's native resolution, and checker.json."
+    )]
+    Checker(CheckerArgs),
+    /// The coloured stripes that reconstruction needs.
+    #[command(
+        after_help = "Example:\n  slcal pattern stripes --projector 1024x768 -o stripes.png\n\nwrites stripes.png, to \
+                            be shown full screen at the projector's native resolution, and stripes.json."
+    )]
+    Stripes(StripesArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PatternOutput {
+    /// The picture, a PNG; the description goes beside it with the ending .json. `-` writes the picture alone to stdout.
+    #[arg(short, long, value_name = "FILE.png")]
+    pub(crate) output: PathBuf,
+    /// Replace files that exist.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckerArgs {
+    /// The projector's native resolution.
+    #[arg(long, value_name = "WxH", value_parser = parse_pair)]
+    pub(crate) projector: [u32; 2],
+    /// Columns and rows of squares; their sum must be odd.
+    #[arg(long, value_name = "CxR", value_parser = parse_pair, default_value = "11x8")]
+    pub(crate) squares: [u32; 2],
+    /// Side of a square in projector pixels [default: a sixteenth of the panel's height].
+    #[arg(long, value_name = "PX", allow_hyphen_values = true)]
+    pub(crate) square: Option<u32>,
+    #[command(flatten)]
+    pub(crate) to: PatternOutput,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct StripesArgs {
+    /// The projector's native resolution.
+    #[arg(long, value_name = "WxH", value_parser = parse_pair)]
+    pub(crate) projector: [u32; 2],
+    /// Number of colours.
+    #[arg(long, value_name = "N", default_value_t = 4, allow_hyphen_values = true)]
+    pub(crate) hues: u32,
+    /// How many neighbouring stripes tell which they are.
+    #[arg(long, value_name = "M", default_value_t = 3, allow_hyphen_values = true)]
+    pub(crate) order: u32,
+    /// Number of stripes [default: 64, or as many as the colours and the order allow].
+    #[arg(long, value_name = "K", allow_hyphen_values = true)]
+    pub(crate) slits: Option<u32>,
+    #[command(flatten)]
+    pub(crate) to: PatternOutput,
+}

@@ -1,0 +1,28 @@
+//! `slcal triangulate`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::cloud::{CloudArgs, CullArg, parse_cull};
+
+#[derive(Debug, Args)]
+pub(crate) struct TriangulateArgs {
+    /// The matches, a CSV table; `-` for stdin.
+    pub(crate) matches: PathBuf,
+    /// The calibrated rig.
+    #[arg(long, value_name = "RIG.json")]
+    pub(crate) rig: PathBuf,
+    #[command(flatten)]
+    pub(crate) shape: CloudArgs,
+    /// Which triangles, and with them lone points, are removed: auto, off, or those above an area in mm².
+    #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value = "off",
+          allow_hyphen_values = true)]
+    pub(crate) cull: CullArg,
+    /// Where to write the cloud: .ply, .xyz or .obj by the name; `-` for a PLY on stdout.
+    #[arg(short, long, value_name = "CLOUD.ply")]
+    pub(crate) output: PathBuf,
+    /// Replace files that exist.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
