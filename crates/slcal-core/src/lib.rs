@@ -28,7 +28,7 @@ mod photographs;
 mod rig;
 
 pub use calibrate::{
-    CalibrateConfig, Calibration, CalibrationReport, DistortionModel, Method, PrincipalPointRule,
+    CalibrateConfig, Calibration, CalibrationReport, DistortionModel, FocalPrior, Method, PrincipalPointRule,
     Rectification, calibrate_observations, rectify,
 };
 pub use cloud::{CloudPoint, Frame, PointCloud};

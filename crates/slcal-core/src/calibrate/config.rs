@@ -22,6 +22,16 @@ pub enum PrincipalPointRule {
     Shift,
 }
 
+/// What is known about the camera's focal length beforehand, as from a photograph's EXIF tags.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FocalPrior {
+    /// The expected focal length, px.
+    pub focal_px: f64,
+    /// 1σ of it as a share of the focal length (of ln f).
+    pub sigma_share: f64,
+}
+
 /// Which estimator to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -65,6 +75,9 @@ pub struct CalibrateConfig {
     /// Distortion of the camera; default [`DistortionModel::Auto`]. Ignored when the camera is known;
     /// [`Method::TwoVp`], which knows none, refuses anything but `Auto` and `None`.
     pub distortion: DistortionModel,
+    /// The camera's focal length as it is expected, uncertain; default none. Ignored when the camera is known;
+    /// [`Method::TwoVp`], which knows no priors, refuses one.
+    pub focal_prior: Option<FocalPrior>,
     /// A camera whose intrinsics and distortion are known and held fixed; default none.
     pub known_camera: Option<Camera>,
     /// Return a rig with the verdict `degenerate` instead of an error; default `false`. An imaginary focal length stays
@@ -84,6 +97,7 @@ impl Default for CalibrateConfig {
             projector_pp: PrincipalPointRule::Shift,
             method: Method::Ml,
             distortion: DistortionModel::Auto,
+            focal_prior: None,
             known_camera: None,
             allow_degenerate: false,
             principal_point_sigma: 0.02,
@@ -112,6 +126,12 @@ impl CalibrateConfig {
             if !(sigma.is_finite() && sigma > 0.0) {
                 return Err(Error::invalid(name, "a positive number", sigma));
             }
+        }
+        if let Some(FocalPrior { focal_px, sigma_share }) = self.focal_prior
+            && !(focal_px.is_finite() && focal_px > 0.0 && sigma_share.is_finite() && sigma_share > 0.0)
+        {
+            let found = format!("{focal_px} px, σ {sigma_share}");
+            return Err(Error::invalid("focal_prior", "a positive focal length and a positive σ", found));
         }
         if self.method == Method::TwoVp {
             self.validate_two_vp()?;
@@ -150,6 +170,13 @@ impl CalibrateConfig {
                 "coefficients to estimate",
             ));
         }
+        if unknown && self.focal_prior.is_some() {
+            return Err(Error::invalid(
+                "focal length for the two-vp method",
+                "none beforehand, as the method computes it from the vanishing points alone",
+                "an expected one",
+            ));
+        }
         Ok(())
     }
 }
@@ -164,6 +191,10 @@ mod tests {
         let d = CalibrateConfig::default;
         assert!(CalibrateConfig { principal_point_sigma: 0.0, ..d() }.validate().is_err());
         assert!(CalibrateConfig { distortion_sigma: f64::NAN, ..d() }.validate().is_err());
+        let prior = |focal_px, sigma_share| Some(FocalPrior { focal_px, sigma_share });
+        assert!(CalibrateConfig { focal_prior: prior(1500.0, 0.05), ..d() }.validate().is_ok());
+        assert!(CalibrateConfig { focal_prior: prior(-1.0, 0.05), ..d() }.validate().is_err());
+        assert!(CalibrateConfig { focal_prior: prior(1500.0, 0.0), ..d() }.validate().is_err());
         let nan = PrincipalPointRule::Exact(f64::NAN, 1.0);
         assert!(CalibrateConfig { camera_pp: nan, ..d() }.validate().is_err());
     }

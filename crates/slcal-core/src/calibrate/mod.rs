@@ -27,7 +27,7 @@ mod two_vp_rig;
 mod two_vp_sigma;
 mod verdict;
 
-pub use config::{CalibrateConfig, DistortionModel, Method, PrincipalPointRule};
+pub use config::{CalibrateConfig, DistortionModel, FocalPrior, Method, PrincipalPointRule};
 pub use rectify::{Rectification, rectify};
 
 use crate::error::Result;
@@ -107,6 +107,8 @@ fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> 
 
 #[cfg(test)]
 mod extremes_tests;
+#[cfg(test)]
+mod focal_prior_tests;
 #[cfg(test)]
 mod monte_carlo;
 #[cfg(test)]

@@ -204,8 +204,11 @@ pub(crate) fn priors(config: &CalibrateConfig, layout: &Layout, model: &Model) -
             TANGENTIAL_SIGMA,
             TANGENTIAL_SIGMA,
         ];
-        let all = [(1, centre.x, sigma[0]), (2, centre.y, sigma[1])]
+        let focal = config.focal_prior.filter(|_| !of_projector);
+        let all = focal
+            .map(|f| (0, f.focal_px.ln(), f.sigma_share))
             .into_iter()
+            .chain([(1, centre.x, sigma[0]), (2, centre.y, sigma[1])])
             .chain((3..LENS).map(|i| (i, 0.0, coefficients[i - 3])));
         let active = all.filter(|(i, ..)| places[*i].is_some());
         priors.extend(active.map(|(index, mean, sigma)| Prior { of_projector, index, mean, sigma }));

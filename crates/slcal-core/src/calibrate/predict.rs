@@ -114,10 +114,10 @@ pub(crate) fn predict(joint: &Joint, fit: &Fit, poses: &[Pose]) -> Option<FocalS
 /// σ of the focal lengths if the principal points were known exactly.
 pub(crate) fn with_exact_principal_points(joint: &Joint, fit: &Fit) -> Option<FocalSigma> {
     // A prior of (almost) no width takes the unknown out without renumbering.
-    let exact = joint
-        .priors
-        .iter()
-        .map(|p| super::model::Prior { sigma: if p.index <= 2 { p.sigma * 1e-4 } else { p.sigma }, ..*p });
+    let exact = joint.priors.iter().map(|p| super::model::Prior {
+        sigma: if (1..=2).contains(&p.index) { p.sigma * 1e-4 } else { p.sigma },
+        ..*p
+    });
     let (sizes, seen) = (joint.sizes.clone(), joint.measurements.clone());
     let mut tight = Joint::new(sizes, seen, joint.layout.clone(), exact.collect());
     for (block, original) in tight.blocks.iter_mut().zip(&joint.blocks) {

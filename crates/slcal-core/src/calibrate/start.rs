@@ -150,6 +150,8 @@ pub(crate) fn camera_starts(
         }
     }
     if candidates.is_empty() {
+        let expected = config.focal_prior.map(|p| Intrinsics::square(p.focal_px, pp));
+        candidates.extend(expected.map(|k| pinhole(observations.camera, k)));
         candidates.extend(guesses(observations.camera, pp).map(|k| pinhole(observations.camera, k)));
     }
     let models = candidates

@@ -118,11 +118,9 @@ pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
         warnings.push(w);
     }
     let misfits = misfits(solved);
-    let far = far_from_prior(solved);
+    let far: Vec<_> = far_from_prior(solved).into_iter().chain(focal_far_from_prior(solved)).collect();
     // Corners are too few to widen their own σ, and a prior never does: what they miss by is not in σ of the focal length.
-    if misfits.iter().any(|w| w.code == CORNERS_OFF)
-        || far.as_ref().is_some_and(|(_, off)| *off > AGAINST_PRIOR)
-    {
+    if misfits.iter().any(|w| w.code == CORNERS_OFF) || far.iter().any(|(_, off)| *off > AGAINST_PRIOR) {
         verdict = verdict.max(Verdict::Weak);
     }
     let cause = cause(solved, &sigma, config);
@@ -133,7 +131,7 @@ pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
     }
     warnings.extend(principal_point_limited(solved, &sigma, &advice));
     warnings.extend(shift_undetermined(solved, config));
-    warnings.extend(far.map(|(w, _)| w));
+    warnings.extend(far.into_iter().map(|(w, _)| w));
     warnings.extend(misfits);
     warnings.extend(poses_alike(solved));
     Judgement { sigma, verdict, cause, advice, warnings }
@@ -216,6 +214,32 @@ fn far_from_prior(solved: &Solved) -> Option<(Warning, f64)> {
             "check the sheet's size, and whether the photograph was cropped or the lens distorts",
         );
         (told, off.abs())
+    })
+}
+
+/// The camera's focal length against what was expected of it. Of an estimate that contains the prior, the distance from
+/// the prior's mean has the variance σ² of the prior less that of the estimate.
+fn focal_far_from_prior(solved: &Solved) -> Option<(Warning, f64)> {
+    let Solved { joint, fit } = solved;
+    let prior = joint.priors.iter().find(|p| p.index == 0 && !p.of_projector)?;
+    let place = joint.layout.camera[0]?;
+    let off = lens_values(&fit.model.camera)[0] - prior.mean;
+    let spread = (prior.sigma.powi(2) - fit.covariance[(place, place)]).max(0.0).sqrt();
+    let off = off.abs() / spread;
+    (off.is_finite() && off > FAR_FROM_PRIOR).then(|| {
+        let told = warning(
+            "focal-far-from-prior",
+            format!(
+                "the camera's focal length is {:.0} px where {:.0} px was expected within {}: {:.1} σ apart",
+                fit.model.camera.intrinsics.fx,
+                prior.mean.exp(),
+                percent(prior.sigma),
+                off
+            ),
+            "check the sheet's size, whether the photograph was cropped or scaled after it was taken, and whether the \
+             expected focal length is that of this lens at this zoom",
+        );
+        (told, off)
     })
 }
 
