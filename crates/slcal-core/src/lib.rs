@@ -29,7 +29,7 @@ mod rig;
 
 pub use calibrate::{
     CalibrateConfig, Calibration, CalibrationReport, DistortionModel, FocalPrior, Method, PrincipalPointRule,
-    Rectification, calibrate_observations, rectify,
+    Rectification, calibrate_observations, rectify, rectify_checker,
 };
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Error, ErrorClass, Result};

@@ -123,7 +123,11 @@ fn observe_all(
         if let Some((screen, file)) = screen.as_ref().zip(args.screen.get(i)) {
             check_size(file, screen, [photo.width(), photo.height()], path, "photograph of the same pose")?;
         }
-        let detect = DetectConfig { encoding: args.gamma.gamma, corners: args.corners.get(i).copied() };
+        let detect = DetectConfig {
+            encoding: args.gamma.gamma,
+            corners: args.corners.get(i).copied(),
+            ..DetectConfig::default()
+        };
         detect.validate()?;
         printer.detail(format!("{}: looking for the sheet", input_name(path)));
         let found = detect_one(path, &photo, screen.as_ref(), args, pattern, &detect);
@@ -166,7 +170,7 @@ fn draw(
         (Some(found), _) => overlay.draw_observation(&found.observation),
         (None, Some(corners)) => overlay.draw_sheet(corners),
         (None, None) => {
-            let detect = DetectConfig { encoding: args.gamma.gamma, corners: None };
+            let detect = DetectConfig { encoding: args.gamma.gamma, ..DetectConfig::default() };
             if let Ok(sheet) = detect_one(path, photo, None, args, None, &detect) {
                 overlay.draw_observation(&sheet.observation);
             }

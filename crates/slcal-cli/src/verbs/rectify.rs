@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, RgbImage};
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 use slcal_core::pattern::{CheckerPattern, warp_image};
-use slcal_core::{Rectification, Rig, rectify};
+use slcal_core::{Rectification, Rig, rectify, rectify_checker};
 
 use crate::args::RectifyArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
@@ -13,9 +13,6 @@ use crate::io::{
     Destination, check_panel, check_spares, load_checker, load_photo, load_rig, png_bytes, write_all,
 };
 use crate::output::{Printer, print_result};
-
-/// Background left around a rectified checkerboard, in squares: the outermost squares must be seen as squares.
-const MARGIN_SQUARES: f64 = 0.5;
 
 pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
     let output = Destination::prepare(&args.output, args.force)?;
@@ -50,9 +47,7 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
 }
 
 fn checkerboard(pattern: &CheckerPattern, rig: &Rig, rig_path: &Path) -> Outcome<(RgbImage, Rectification)> {
-    let [top_left, _, bottom_right, _] = pattern.outline();
-    let margin = Vector2::repeat(MARGIN_SQUARES * pattern.square_px);
-    let place = rectify(rig, 0, top_left - margin, bottom_right + margin).in_file(rig_path)?;
+    let place = rectify_checker(rig, 0, pattern).in_file(rig_path)?;
     Ok((pattern.draw_warped(&place.panel_from_source)?, place))
 }
 

@@ -28,7 +28,7 @@ mod two_vp_sigma;
 mod verdict;
 
 pub use config::{CalibrateConfig, DistortionModel, FocalPrior, Method, PrincipalPointRule};
-pub use rectify::{Rectification, rectify};
+pub use rectify::{Rectification, rectify, rectify_checker};
 
 use crate::error::Result;
 use crate::observations::Observations;

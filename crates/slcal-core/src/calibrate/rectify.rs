@@ -5,10 +5,11 @@
 //! scale): the half-planes are the sheet's sides, the panel's sides seen on the sheet, and the projector's horizon.
 //! (Eq. 14 of the paper, which depends on the pattern's first corner and may leave the panel, is in `two_vp`.)
 
-use nalgebra::{Matrix3, Point2, Vector3};
+use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
 use crate::error::{Error, Result};
 use crate::geometry::{Homography, RectangleSize};
+use crate::pattern::CheckerPattern;
 use crate::rig::Rig;
 use crate::solve::homography_from_points;
 
@@ -23,6 +24,20 @@ pub struct Rectification {
     pub origin_mm: Point2<f64>,
     /// Size of the picture on the sheet, mm.
     pub size_mm: RectangleSize,
+}
+
+/// Background kept around a rectified checkerboard, in squares: the outermost squares must be seen as squares.
+const MARGIN_SQUARES: f64 = 0.5;
+
+/// Where a checkerboard is drawn so that it appears upright on the sheet of a view, half a square of its background
+/// around it: [`rectify`] of its outline. What is drawn and what is looked for in a photograph of it are the same.
+///
+/// # Errors
+/// As [`rectify`].
+pub fn rectify_checker(rig: &Rig, view: usize, pattern: &CheckerPattern) -> Result<Rectification> {
+    let [top_left, _, bottom_right, _] = pattern.outline();
+    let margin = Vector2::repeat(MARGIN_SQUARES * pattern.square_px);
+    rectify(rig, view, top_left - margin, bottom_right + margin)
 }
 
 /// The half-plane of points p with n·(x, y) + c ≥ 0, (n, c) scaled to unit n; `None` when it is everything.

@@ -26,8 +26,8 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::geometry::RectangleSize;
-use crate::observations::{SheetObservation, ViewObservation};
+use crate::geometry::{Homography, RectangleSize};
+use crate::observations::{CornerPair, SheetObservation, ViewObservation};
 use crate::pattern::CheckerPattern;
 use crate::photo::{Encoding, PhotoView};
 
@@ -44,6 +44,10 @@ pub struct DetectConfig {
     /// The sheet's corners TL, TR, BR, BL by hand, px; they may lie outside the frame. The sides are still measured in the
     /// photograph where they are seen.
     pub corners: Option<[Point2<f64>; 4]>,
+    /// Where the pattern was drawn on the panel, when that is not where its description says: what
+    /// [`rectify_checker`](crate::rectify_checker) gives for a rectified one. The projector pixels of
+    /// [`ViewObservation::pairs`] are then those on the panel.
+    pub panel_from_pattern: Option<Homography>,
 }
 
 impl DetectConfig {
@@ -53,6 +57,9 @@ impl DetectConfig {
     /// [`Error::Invalid`] naming the field.
     pub fn validate(&self) -> Result<()> {
         self.encoding.validate()?;
+        if self.panel_from_pattern.is_some_and(|h| h.inverse().is_none()) {
+            return Err(Error::invalid("panel_from_pattern", "an invertible map", "a singular one"));
+        }
         match &self.corners {
             Some(corners) => sheet::check_corners(corners),
             None => Ok(()),
@@ -100,7 +107,12 @@ pub fn observe(
     let grey = photo.linear_grey(config.encoding);
     let board = pattern.map(|p| Board::find(&grey, p)).transpose()?;
     let field = match (&board, pattern) {
-        (Some(board), Some(p)) => LightField::new(&board.straight_from_projector, p.projector),
+        (Some(board), Some(p)) => {
+            // The board was fitted in the pattern's own pixels; the light ends where the panel does.
+            let pattern_from_panel = config.panel_from_pattern.and_then(|h| h.inverse());
+            let straight = board.straight_from_projector;
+            LightField::new(&pattern_from_panel.map_or(straight, |h| straight.compose(&h)), p.projector)
+        }
         _ => LightField::none(),
     };
     let lens = board.as_ref().map_or_else(|| Lens::straight(photo.width(), photo.height()), |b| b.lens);
@@ -117,10 +129,18 @@ pub fn observe(
     let pattern_corners = board.as_ref().map_or(0, |b| b.expected);
     let pairs = match board {
         None => Vec::new(),
-        Some(board) => on_sheet(board, &sheet.observation, &mut notes)?.pairs,
+        Some(board) => on_panel(on_sheet(board, &sheet.observation, &mut notes)?.pairs, config),
     };
     let observation = ViewObservation { size, sheet: sheet.observation, pairs };
     Ok(Detection { observation, pattern_corners, notes })
+}
+
+/// The pairs with their pixels where the pattern was drawn.
+fn on_panel(mut pairs: Vec<CornerPair>, config: &DetectConfig) -> Vec<CornerPair> {
+    if let Some(h) = &config.panel_from_pattern {
+        pairs.retain_mut(|pair| h.map(pair.projector).map(|q| pair.projector = q).is_some());
+    }
+    pairs
 }
 
 /// Leaves out the corners that fall beside the sheet: they lie on another surface.

@@ -1,11 +1,12 @@
 //! Maps of the projective plane.
 
 use nalgebra::{Matrix3, Point2, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::{Line, ProjectivePoint, VanishingPoints};
 
 /// An invertible 3×3 map between planes, named `a_from_b`; its scale carries no meaning.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Homography(pub Matrix3<f64>);
 
 impl Homography {
