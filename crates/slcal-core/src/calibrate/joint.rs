@@ -1,12 +1,13 @@
-//! The joint least-squares problem of all views: residuals and Jacobian, stacked and divided by their σ.
+//! The joint least-squares problem of all views: residuals and Jacobian, stacked and divided by their σ. A row depends on
+//! the devices and on the pose of its own view alone, so that the cost grows linearly with the number of views.
 
-use nalgebra::{DMatrix, DVector, Point2};
+use nalgebra::{DVector, Point2};
 
 use super::model::{Layout, Model, Prior, lens_values};
 use super::residual::{self, LENS, POSE, PointResidual};
 use crate::geometry::{RectangleSize, Side};
 use crate::observations::{Observations, SheetObservation};
-use crate::solve::{Block, Loss, Problem};
+use crate::solve::{Block, Linearised, Loss, Problem, Structure};
 
 /// What a residual block measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,27 +89,35 @@ pub(crate) struct Joint {
     pub(crate) layout: Layout,
     pub(crate) priors: Vec<Prior>,
     pub(crate) blocks: Vec<Block>,
+    /// Residuals of each view.
+    rows_of_views: Vec<usize>,
 }
 
-/// A residual with its derivatives, of either dimension.
+/// A residual with its derivatives, of either dimension; it lives for one row, on the stack.
+#[allow(clippy::large_enum_variant)]
 enum Row {
     Edge(residual::EdgeResidual),
-    Point(Box<PointResidual>),
+    Point(PointResidual),
 }
 
 impl Joint {
     pub(crate) fn new(
         sizes: Vec<RectangleSize>,
-        measurements: Vec<Measurement>,
+        mut measurements: Vec<Measurement>,
         layout: Layout,
         priors: Vec<Prior>,
     ) -> Self {
+        measurements.sort_by_key(|m| m.view);
         let mut blocks: Vec<Block> = measurements
             .iter()
             .map(|m| Block { len: if m.kind() == Kind::Edge { 1 } else { 2 }, loss: Loss::Square })
             .collect();
+        let mut rows_of_views = vec![0; sizes.len()];
+        for (m, block) in measurements.iter().zip(&blocks) {
+            rows_of_views[m.view] += block.len;
+        }
         blocks.resize(blocks.len() + priors.len(), Block { len: 1, loss: Loss::Square });
-        Self { sizes, measurements, layout, priors, blocks }
+        Self { sizes, measurements, layout, priors, blocks, rows_of_views }
     }
 
     /// Number of residuals, those of the priors included.
@@ -132,7 +141,7 @@ impl Joint {
                 residual::edge(&model.camera, pose, self.sizes[m.view], side, m.seen).map(Row::Edge)
             }
             Target::SheetCorner(corner) => {
-                residual::sheet_corner(&model.camera, pose, corner, m.seen).map(|r| Row::Point(Box::new(r)))
+                residual::sheet_corner(&model.camera, pose, corner, m.seen).map(Row::Point)
             }
             Target::Pair(q) => residual::projected_corner(
                 &model.camera,
@@ -142,7 +151,7 @@ impl Joint {
                 q,
                 m.seen,
             )
-            .map(|r| Row::Point(Box::new(r))),
+            .map(Row::Point),
         }
     }
 
@@ -165,22 +174,44 @@ impl Joint {
             .collect()
     }
 
-    fn put_point(&self, j: &mut DMatrix<f64>, at: usize, view: usize, p: &PointResidual, weight: f64) {
+    /// Residuals and derivatives at a model; `None` where it is not defined.
+    pub(crate) fn at(&self, model: &Model) -> Option<Linearised> {
+        let mut at = Linearised::zeros(self);
+        self.linearise(model, &mut at)?;
+        Some(at)
+    }
+
+    fn put_point(&self, to: &mut Linearised, at: usize, p: &PointResidual, weight: f64) {
         for k in 0..2 {
+            to.residuals[at + k] = p.value[k] * weight;
+            let mut row = to.jacobian.row_mut(at + k);
             for i in 0..LENS {
                 if let Some(c) = self.layout.camera[i] {
-                    j[(at + k, c)] = p.camera[(k, i)] * weight;
+                    row[POSE + c] = p.camera[(k, i)] * weight;
                 }
                 if let Some(c) = self.layout.projector[i] {
-                    j[(at + k, c)] = p.projector[(k, i)] * weight;
+                    row[POSE + c] = p.projector[(k, i)] * weight;
                 }
             }
             for i in 0..POSE {
-                j[(at + k, self.layout.view(view) + i)] = p.view[(k, i)] * weight;
+                row[i] = p.view[(k, i)] * weight;
                 if let Some(c) = self.layout.stereo {
-                    j[(at + k, c + i)] = p.stereo[(k, i)] * weight;
+                    row[POSE + c + i] = p.stereo[(k, i)] * weight;
                 }
             }
+        }
+    }
+
+    fn put_edge(&self, to: &mut Linearised, at: usize, e: &residual::EdgeResidual, weight: f64) {
+        to.residuals[at] = e.value * weight;
+        let mut row = to.jacobian.row_mut(at);
+        for i in 0..LENS {
+            if let Some(c) = self.layout.camera[i] {
+                row[POSE + c] = e.camera[i] * weight;
+            }
+        }
+        for i in 0..POSE {
+            row[i] = e.view[i] * weight;
         }
     }
 }
@@ -192,63 +223,42 @@ impl Problem for Joint {
         &self.blocks
     }
 
-    fn residuals(&self, model: &Model) -> Option<DVector<f64>> {
+    fn structure(&self) -> Structure<'_> {
+        Structure { shared: self.layout.views, width: POSE, groups: &self.rows_of_views }
+    }
+
+    fn linearise(&self, model: &Model, to: &mut Linearised) -> Option<()> {
         if !self.in_front(model) {
             return None;
         }
-        let mut r = DVector::zeros(self.rows());
-        let mut at = 0;
-        for m in &self.measurements {
-            match self.row(model, m)? {
-                Row::Edge(e) => {
-                    r[at] = e.value / m.sigma_px;
-                    at += 1;
-                }
-                Row::Point(p) => {
-                    r.fixed_rows_mut::<2>(at).copy_from(&(p.value / m.sigma_px));
-                    at += 2;
-                }
-            }
-        }
-        for p in &self.priors {
-            let device = if p.of_projector { model.projector.as_ref()? } else { &model.camera };
-            r[at] = (lens_values(device)[p.index] - p.mean) / p.sigma;
-            at += 1;
-        }
-        Some(r)
-    }
-
-    fn jacobian(&self, model: &Model) -> Option<DMatrix<f64>> {
-        let mut j = DMatrix::zeros(self.rows(), self.layout.len);
+        to.jacobian.fill(0.0);
         let mut at = 0;
         for m in &self.measurements {
             let weight = 1.0 / m.sigma_px;
             match self.row(model, m)? {
                 Row::Edge(e) => {
-                    for i in 0..LENS {
-                        if let Some(c) = self.layout.camera[i] {
-                            j[(at, c)] = e.camera[i] * weight;
-                        }
-                    }
-                    for i in 0..POSE {
-                        j[(at, self.layout.view(m.view) + i)] = e.view[i] * weight;
-                    }
+                    self.put_edge(to, at, &e, weight);
                     at += 1;
                 }
                 Row::Point(p) => {
-                    self.put_point(&mut j, at, m.view, &p, weight);
+                    self.put_point(to, at, &p, weight);
                     at += 2;
                 }
             }
         }
         for p in &self.priors {
-            let places = if p.of_projector { &self.layout.projector } else { &self.layout.camera };
+            let (device, places) = if p.of_projector {
+                (model.projector.as_ref()?, &self.layout.projector)
+            } else {
+                (&model.camera, &self.layout.camera)
+            };
+            to.residuals[at] = (lens_values(device)[p.index] - p.mean) / p.sigma;
             if let Some(c) = places[p.index] {
-                j[(at, c)] = 1.0 / p.sigma;
+                to.jacobian[(at, POSE + c)] = 1.0 / p.sigma;
             }
             at += 1;
         }
-        Some(j)
+        Some(())
     }
 
     fn step(&self, model: &Model, delta: &DVector<f64>) -> Option<Model> {

@@ -1,3 +1,5 @@
+use nalgebra::DMatrix;
+
 use super::*;
 use crate::calibrate::model::priors;
 use crate::calibrate::scene::{observe, pose, rig, rng, with_edges};
@@ -20,21 +22,38 @@ fn joint(model: &Model, config: &CalibrateConfig, edges: bool, noise: f64) -> Jo
     )
 }
 
+/// Largest difference between the analytic and the numeric Jacobian, relative to the largest entry of the column.
 fn largest_error(joint: &Joint, model: &Model) -> f64 {
-    let analytic = joint.jacobian(model).unwrap();
+    let analytic = joint.at(model).unwrap().jacobian;
+    let full = in_full(joint, &analytic);
     let mut worst: f64 = 0.0;
     for c in 0..joint.layout.len {
+        let largest = full.column(c).amax();
         // Moves the points by about a thousandth of a pixel.
-        let h = 1e-3 / joint.measurements[0].sigma_px / analytic.column(c).amax();
+        let h = 1e-3 / joint.measurements[0].sigma_px / largest;
         let at = |s: f64| {
             let mut d = DVector::zeros(joint.layout.len);
             d[c] = s * h;
-            joint.residuals(&joint.step(model, &d).unwrap()).unwrap()
+            joint.at(&joint.step(model, &d).unwrap()).unwrap().residuals
         };
         let numeric = (at(1.0) - at(-1.0)) / (2.0 * h);
-        worst = worst.max((numeric - analytic.column(c)).amax() / analytic.column(c).amax());
+        worst = worst.max((numeric - full.column(c)).amax() / largest);
     }
     worst
+}
+
+/// A Jacobian with a column for every unknown.
+fn in_full(joint: &Joint, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+    let shared = joint.layout.views;
+    let mut full = DMatrix::zeros(jacobian.nrows(), joint.layout.len);
+    full.view_mut((0, 0), (jacobian.nrows(), shared)).copy_from(&jacobian.columns(POSE, shared));
+    let mut at = 0;
+    for (m, block) in joint.measurements.iter().zip(&joint.blocks) {
+        let own = jacobian.view((at, 0), (block.len, POSE));
+        full.view_mut((at, joint.layout.view(m.view)), (block.len, POSE)).copy_from(&own);
+        at += block.len;
+    }
+    full
 }
 
 #[test]

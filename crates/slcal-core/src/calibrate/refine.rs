@@ -118,7 +118,7 @@ pub(crate) fn covariance_at(
     inliers: &[bool],
     widened: [f64; 2],
 ) -> Option<DMatrix<f64>> {
-    let mut j = joint.jacobian(model)?;
+    let mut j = joint.at(model)?.jacobian;
     let mut at = 0;
     for ((m, block), keep) in joint.measurements.iter().zip(&joint.blocks).zip(inliers) {
         let weight = match (m.kind(), block.loss) {
@@ -132,12 +132,8 @@ pub(crate) fn covariance_at(
         j.rows_mut(at, block.len).scale_mut(weight);
         at += block.len;
     }
-    let (rows, n) = j.shape();
-    let mut vague = j.resize_vertically(rows + n, 0.0);
-    for (i, unit) in units(joint, model).into_iter().enumerate() {
-        vague[(rows + i, i)] = 1.0 / (VAGUE * unit);
-    }
-    covariance(&vague)
+    let vague: Vec<f64> = units(joint, model).into_iter().map(|unit| 1.0 / (VAGUE * unit)).collect();
+    covariance(&joint.structure(), &j, &vague)
 }
 
 /// The natural unit of each unknown: 1 for ln f, angles and coefficients, the width for pixels, the distance for lengths.

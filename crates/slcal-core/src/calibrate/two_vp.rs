@@ -14,14 +14,14 @@
 //! Precondition: square pixels, no distortion, an exactly known principal point, and a sheet tilted about both axes: only
 //! the orthogonality of the sheet's sides is used, which says nothing when one of them is parallel to the image.
 
-use nalgebra::{Matrix3, Point2, Point3, Vector3};
+use nalgebra::{Matrix2x3, Matrix3, Point2, Point3, Vector3};
 
 use super::metric::imaginary;
 use crate::error::{Error, Result};
 use crate::geometry::{
     Camera, Homography, Line, Pose, ProjectivePoint, RectangleSize, VanishingPoints, nearest_rotation,
 };
-use crate::solve::{Block, Loss, Problem, minimise};
+use crate::solve::{Block, Linearised, Loss, Problem, Structure, minimise};
 
 type Quad = [Point2<f64>; 4];
 
@@ -115,27 +115,21 @@ impl Problem for Translation<'_> {
         &self.blocks
     }
 
-    fn residuals(&self, t: &Vector3<f64>) -> Option<nalgebra::DVector<f64>> {
-        let mut r = nalgebra::DVector::zeros(8);
-        for (i, (c, seen)) in self.size.corners().iter().zip(self.corners).enumerate() {
-            let p = self.rotation * Vector3::new(c.x, c.y, 0.0) + t;
-            r.fixed_rows_mut::<2>(2 * i).copy_from(&(self.camera.project(&Point3::from(p))? - seen));
-        }
-        Some(r)
+    fn structure(&self) -> Structure<'_> {
+        Structure::dense(3)
     }
 
-    fn jacobian(&self, t: &Vector3<f64>) -> Option<nalgebra::DMatrix<f64>> {
+    fn linearise(&self, t: &Vector3<f64>, at: &mut Linearised) -> Option<()> {
         let f = self.camera.intrinsics.fx;
-        let mut j = nalgebra::DMatrix::zeros(8, 3);
-        for (i, c) in self.size.corners().iter().enumerate() {
+        for (i, (c, seen)) in self.size.corners().iter().zip(self.corners).enumerate() {
             let p = self.rotation * Vector3::new(c.x, c.y, 0.0) + t;
+            let off = self.camera.project(&Point3::from(p))? - seen;
+            at.residuals.fixed_rows_mut::<2>(2 * i).copy_from(&off);
             let s = f / p.z;
-            j[(2 * i, 0)] = s;
-            j[(2 * i, 2)] = -s * p.x / p.z;
-            j[(2 * i + 1, 1)] = s;
-            j[(2 * i + 1, 2)] = -s * p.y / p.z;
+            let by_t = Matrix2x3::new(s, 0.0, -s * p.x / p.z, 0.0, s, -s * p.y / p.z);
+            at.jacobian.fixed_view_mut::<2, 3>(2 * i, 0).copy_from(&by_t);
         }
-        Some(j)
+        Some(())
     }
 
     fn step(&self, t: &Vector3<f64>, delta: &nalgebra::DVector<f64>) -> Option<Vector3<f64>> {

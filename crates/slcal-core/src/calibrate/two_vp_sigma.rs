@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Point2, Vector2, Vector3};
 use super::two_vp_rig::{Input, Output, Quad, closed_form};
 use crate::geometry::Line;
 use crate::observations::{EdgePoint, SheetObservation, ViewObservation};
-use crate::solve::{covariance, homography_from_points};
+use crate::solve::{Structure, covariance, homography_from_points};
 
 /// σ of what a small change of the measurements already makes imaginary (1000 %).
 const NO_KNOWLEDGE: f64 = 10.0;
@@ -83,7 +83,7 @@ fn outline_modes(view: &ViewObservation, seen: &Quad, drawn: &Quad) -> Option<Ve
             j[(2 * i + 1, c)] = d.y;
         }
     }
-    let factor = covariance(&j)?.cholesky()?.l();
+    let factor = covariance(&Structure::dense(8), &j, &[])?.cholesky()?.l();
     let modes = factor.column_iter().map(|l| std::array::from_fn(|k| Vector2::new(l[2 * k], l[2 * k + 1])));
     Some(modes.collect())
 }

@@ -4,10 +4,10 @@
 //! normals n₁, n₂ and blur s; m, g, a, h take up the illumination and its slope. Fitted by Levenberg–Marquardt to linear
 //! light. The centre of the erf pair is the corner whatever the blur, so that defocus does not bias it.
 
-use nalgebra::{DMatrix, DVector, Matrix2, Point2, SVector, Vector2};
+use nalgebra::{DVector, Matrix2, Point2, SVector, Vector2};
 
 use crate::photo::GreyImage;
-use crate::solve::{Block, Loss, Problem, covariance, minimise};
+use crate::solve::{Block, Linearised, Loss, Problem, Structure, covariance, minimise};
 
 /// Parameters: c (2), θ₁, θ₂, s², m, g (2), a, h (2).
 const N: usize = 11;
@@ -177,7 +177,8 @@ impl Window {
         }
         let minimum = minimise(self, start)?;
         let variance = minimum.cost / freedom;
-        let covariance = covariance(&self.jacobian(&minimum.state)?)?.fixed_view::<2, 2>(0, 0) * variance;
+        let jacobian = &minimum.at.jacobian;
+        let covariance = covariance(&self.structure(), jacobian, &[])?.fixed_view::<2, 2>(0, 0) * variance;
         Some(Fit { params: minimum.state, rms: variance.sqrt(), covariance })
     }
 }
@@ -195,17 +196,17 @@ impl Problem for Window {
         30
     }
 
-    fn residuals(&self, p: &Params) -> Option<DVector<f64>> {
-        let residual = |&(at, light): &(Vector2<f64>, f64)| Self::model(p, at).0 - light;
-        Some(DVector::from_iterator(self.samples.len(), self.samples.iter().map(residual)))
+    fn structure(&self) -> Structure<'_> {
+        Structure::dense(N)
     }
 
-    fn jacobian(&self, p: &Params) -> Option<DMatrix<f64>> {
-        let mut jacobian = DMatrix::zeros(self.samples.len(), N);
-        for (mut row, (at, _)) in jacobian.row_iter_mut().zip(&self.samples) {
-            row.copy_from(&Self::model(p, *at).1.transpose());
+    fn linearise(&self, p: &Params, to: &mut Linearised) -> Option<()> {
+        for (i, (at, light)) in self.samples.iter().enumerate() {
+            let (value, derivative) = Self::model(p, *at);
+            to.residuals[i] = value - light;
+            to.jacobian.row_mut(i).copy_from(&derivative.transpose());
         }
-        Some(jacobian)
+        Some(())
     }
 
     fn step(&self, p: &Params, delta: &DVector<f64>) -> Option<Params> {

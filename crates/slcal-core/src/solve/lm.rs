@@ -1,10 +1,10 @@
-//! Levenberg–Marquardt for small dense problems (J. J. Moré, "The Levenberg-Marquardt algorithm: implementation and
-//! theory", 1978, with the damping rule of H. B. Nielsen, 1999), by QR on scaled columns: never through JᵀJ, whose
-//! condition number is the square of the problem's.
+//! Levenberg–Marquardt for small problems (J. J. Moré, "The Levenberg-Marquardt algorithm: implementation and theory",
+//! 1978, with the damping rule of H. B. Nielsen, 1999) on scaled columns; the linear algebra is in `arrow`.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Loss;
+use super::arrow::{Reduced, Structure};
 
 /// A residual block: consecutive residuals whose norm is judged together.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,16 +15,38 @@ pub struct Block {
     pub loss: Loss,
 }
 
+/// Residuals, and their derivatives by a step, at one state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Linearised {
+    /// Residuals divided by their σ.
+    pub residuals: DVector<f64>,
+    /// d residuals / d step at step zero, columns as the problem's [`Structure`] has them.
+    pub jacobian: DMatrix<f64>,
+}
+
+impl Linearised {
+    /// Zeros of the sizes that a problem needs.
+    #[must_use]
+    pub fn zeros<P: Problem>(problem: &P) -> Self {
+        let rows = problem.blocks().iter().map(|b| b.len).sum();
+        Self {
+            residuals: DVector::zeros(rows),
+            jacobian: DMatrix::zeros(rows, problem.structure().columns()),
+        }
+    }
+}
+
 /// A least-squares problem over a state that may live on a manifold.
 pub trait Problem {
     /// What is estimated.
     type State: Clone;
     /// How the residuals are grouped, in order.
     fn blocks(&self) -> &[Block];
-    /// Residuals divided by their σ; `None` where the model is not defined.
-    fn residuals(&self, state: &Self::State) -> Option<DVector<f64>>;
-    /// d residuals / d step at step zero.
-    fn jacobian(&self, state: &Self::State) -> Option<DMatrix<f64>>;
+    /// Which unknowns they depend on.
+    fn structure(&self) -> Structure<'_>;
+    /// Writes every residual and every derivative (`at` holds those of another state); `None` where the model is not
+    /// defined.
+    fn linearise(&self, state: &Self::State, at: &mut Linearised) -> Option<()>;
     /// The state after a step; `None` when it leaves the domain.
     fn step(&self, state: &Self::State, delta: &DVector<f64>) -> Option<Self::State>;
     /// Steps tried before giving up. Well-posed calibrations take 5 to 20, nearly singular ones 100.
@@ -40,6 +62,8 @@ pub struct Minimum<S> {
     pub state: S,
     /// Sum of the blocks' costs.
     pub cost: f64,
+    /// Residuals and derivatives there, without the weights of the losses.
+    pub at: Linearised,
     /// Accepted and rejected steps.
     pub iterations: usize,
     /// Whether the predicted decrease fell below [`CONVERGED_DECREASE`], or steps that should gain next to nothing gained
@@ -66,106 +90,56 @@ pub fn robust_cost(blocks: &[Block], residuals: &DVector<f64>) -> f64 {
     cost
 }
 
-/// Multiplies residuals and Jacobian by the square roots of the blocks' weights.
-fn apply_weights(blocks: &[Block], residuals: &mut DVector<f64>, jacobian: &mut DMatrix<f64>) {
-    let mut at = 0;
+/// Square roots of the blocks' weights, one for each residual.
+fn set_weights(weights: &mut Vec<f64>, blocks: &[Block], residuals: &DVector<f64>) {
+    weights.clear();
     for block in blocks {
-        if block.loss != Loss::Square {
-            let w = block.loss.weight(residuals.rows(at, block.len).norm_squared()).sqrt();
-            residuals.rows_mut(at, block.len).scale_mut(w);
-            jacobian.rows_mut(at, block.len).scale_mut(w);
-        }
-        at += block.len;
-    }
-}
-
-/// Column norms; zero columns count as one, so that parameters without effect stay where they are.
-fn column_scale(jacobian: &DMatrix<f64>) -> DVector<f64> {
-    DVector::from_iterator(
-        jacobian.ncols(),
-        jacobian.column_iter().map(|c| {
-            let n = c.norm();
-            if n > 0.0 { n } else { 1.0 }
-        }),
-    )
-}
-
-/// The problem reduced to R·y = −c in scaled steps y, by QR of [J D⁻¹ | r].
-struct Reduced {
-    r: DMatrix<f64>,
-    rhs: DVector<f64>,
-    scale: DVector<f64>,
-}
-
-fn reduce<P: Problem>(problem: &P, state: &P::State, mut residuals: DVector<f64>) -> Option<Reduced> {
-    let mut j = problem.jacobian(state)?;
-    apply_weights(problem.blocks(), &mut residuals, &mut j);
-    if !j.iter().all(|x| x.is_finite()) {
-        return None;
-    }
-    let scale = column_scale(&j);
-    let (m, n) = j.shape();
-    let mut augmented = j.resize(m.max(n + 1), n + 1, 0.0);
-    for (mut column, s) in augmented.column_iter_mut().zip(&scale) {
-        column /= *s;
-    }
-    augmented.view_mut((0, n), (m, 1)).copy_from(&residuals);
-    let factor = augmented.qr().unpack_r();
-    Some(Reduced {
-        r: factor.view((0, 0), (n, n)).into(),
-        rhs: factor.view((0, n), (n, 1)).column(0).into(),
-        scale,
-    })
-}
-
-impl Reduced {
-    /// The damped step in scaled parameters.
-    fn step(&self, damping: f64) -> Option<DVector<f64>> {
-        let n = self.r.ncols();
-        let mut a = DMatrix::zeros(2 * n, n);
-        a.view_mut((0, 0), (n, n)).copy_from(&self.r);
-        a.view_mut((n, 0), (n, n)).fill_diagonal(damping.sqrt());
-        let mut b = DVector::zeros(2 * n);
-        b.rows_mut(0, n).copy_from(&-&self.rhs);
-        let qr = a.qr();
-        qr.q_tr_mul(&mut b);
-        let y = qr.r().solve_upper_triangular(&b.rows(0, n).into_owned())?;
-        y.iter().all(|x| x.is_finite()).then_some(y)
+        let s = residuals.rows(weights.len(), block.len).norm_squared();
+        let w = if block.loss == Loss::Square { 1.0 } else { block.loss.weight(s).sqrt() };
+        weights.resize(weights.len() + block.len, w);
     }
 }
 
 /// Minimises the problem's cost from `start`; `None` when the model is not defined there.
 #[must_use]
 pub fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::State>> {
-    let mut residuals = problem.residuals(&start)?;
-    let mut cost = robust_cost(problem.blocks(), &residuals);
+    let (blocks, structure) = (problem.blocks(), problem.structure());
+    let mut here = Linearised::zeros(problem);
+    problem.linearise(&start, &mut here)?;
+    let mut cost = robust_cost(blocks, &here.residuals);
     if !cost.is_finite() {
         return None;
     }
+    let mut there = here.clone();
+    let mut reduced = Reduced::new(&structure);
+    let mut weights = Vec::with_capacity(here.residuals.len());
+    let mut reduce = |at: &Linearised, reduced: &mut Reduced| {
+        set_weights(&mut weights, blocks, &at.residuals);
+        reduced.reduce(&structure, &at.jacobian, at.residuals.as_slice(), &weights).then_some(())
+    };
+    reduce(&here, &mut reduced)?;
     let mut state = start;
     let mut damping = INITIAL_DAMPING;
     let mut growth = 2.0;
-    let mut reduced = reduce(problem, &state, residuals.clone())?;
     let mut converged = false;
     let mut iterations = 0;
     while iterations < problem.max_iterations() && damping < MAX_DAMPING {
         iterations += 1;
-        let Some(y) = reduced.step(damping) else {
+        let Some((delta, predicted)) = reduced.step(&structure, damping) else {
             damping = damping.max(f64::EPSILON) * 10.0;
             continue;
         };
-        let predicted = 2.0 * damping * y.norm_squared() + (&reduced.r * &y).norm_squared();
-        let candidate = problem.step(&state, &y.component_div(&reduced.scale));
-        let tried = candidate.and_then(|s| {
-            let r = problem.residuals(&s)?;
-            let c = robust_cost(problem.blocks(), &r);
-            c.is_finite().then_some((s, r, c))
+        let tried = problem.step(&state, &delta).and_then(|s| {
+            problem.linearise(&s, &mut there)?;
+            let c = robust_cost(blocks, &there.residuals);
+            c.is_finite().then_some((s, c))
         });
         let small = predicted <= CONVERGED_DECREASE;
         match tried {
-            Some((s, r, c)) if c < cost => {
+            Some((s, c)) if c < cost => {
                 let gain = (cost - c) / predicted;
-                (state, residuals, cost) = (s, r, c);
+                (state, cost) = (s, c);
+                std::mem::swap(&mut here, &mut there);
                 damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 1.0);
                 growth = 2.0;
                 // A heavily damped step is short whatever the gradient: only nearly undamped ones show convergence.
@@ -173,9 +147,9 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::S
                     converged = true;
                     break;
                 }
-                reduced = reduce(problem, &state, residuals.clone())?;
+                reduce(&here, &mut reduced)?;
             }
-            // Rounding, or a Jacobian that is exact to first order only, keeps the cost from falling further.
+            // Rounding keeps the cost from falling further.
             _ if predicted <= STALLED_DECREASE => {
                 converged = true;
                 break;
@@ -186,28 +160,7 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::S
             }
         }
     }
-    Some(Minimum { state, cost, iterations, converged })
-}
-
-/// (JᵀJ)⁻¹ of a whitened Jacobian that includes the priors, by QR on scaled columns; `None` when it is singular.
-#[must_use]
-pub fn covariance(jacobian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let (m, n) = jacobian.shape();
-    if m < n || !jacobian.iter().all(|x| x.is_finite()) {
-        return None;
-    }
-    let scale = column_scale(jacobian);
-    let mut scaled = jacobian.clone();
-    for (mut column, s) in scaled.column_iter_mut().zip(&scale) {
-        column /= *s;
-    }
-    let r = scaled.qr().unpack_r();
-    let mut inverse = r.solve_upper_triangular(&DMatrix::identity(n, n))?;
-    for (mut row, s) in inverse.row_iter_mut().zip(&scale) {
-        row /= *s;
-    }
-    let c = &inverse * inverse.transpose();
-    c.iter().all(|x| x.is_finite()).then_some(c)
+    Some(Minimum { state, cost, at: here, iterations, converged })
 }
 
 #[cfg(test)]
@@ -233,14 +186,17 @@ mod tests {
         fn blocks(&self) -> &[Block] {
             &self.blocks
         }
-        fn residuals(&self, [a, b]: &[f64; 2]) -> Option<DVector<f64>> {
-            Some(DVector::from_fn(self.samples.len(), |t, _| a * (-b * t as f64).exp() - self.samples[t]))
+        fn structure(&self) -> Structure<'_> {
+            Structure::dense(2)
         }
-        fn jacobian(&self, [a, b]: &[f64; 2]) -> Option<DMatrix<f64>> {
-            Some(DMatrix::from_fn(self.samples.len(), 2, |t, j| {
+        fn linearise(&self, [a, b]: &[f64; 2], at: &mut Linearised) -> Option<()> {
+            for (t, sample) in self.samples.iter().enumerate() {
                 let e = (-b * t as f64).exp();
-                if j == 0 { e } else { -a * t as f64 * e }
-            }))
+                at.residuals[t] = a * e - sample;
+                at.jacobian[(t, 0)] = e;
+                at.jacobian[(t, 1)] = -a * t as f64 * e;
+            }
+            Some(())
         }
         fn step(&self, s: &[f64; 2], d: &DVector<f64>) -> Option<[f64; 2]> {
             Some([s[0] + d[0], s[1] + d[1]])
@@ -259,17 +215,8 @@ mod tests {
     #[test]
     fn the_gradient_vanishes_at_a_minimum() {
         let problem = Decay::new(Loss::Square);
-        let at = minimise(&problem, [1.0, 0.1]).unwrap().state;
-        let gradient = problem.jacobian(&at).unwrap().transpose() * problem.residuals(&at).unwrap();
+        let at = minimise(&problem, [1.0, 0.1]).unwrap().at;
+        let gradient = at.jacobian.transpose() * at.residuals;
         assert!(gradient.norm() < 1e-5, "{gradient}");
-    }
-
-    #[test]
-    fn covariance_of_badly_scaled_columns() {
-        let j = DMatrix::from_row_slice(3, 2, &[1e9, 0.0, 0.0, 1e-9, 0.0, 0.0]);
-        let c = covariance(&j).unwrap();
-        assert!((c[(0, 0)] * 1e18 - 1.0).abs() < 1e-12 && (c[(1, 1)] * 1e-18 - 1.0).abs() < 1e-12);
-        assert!(covariance(&DMatrix::from_element(3, 2, f64::NAN)).is_none());
-        assert!(covariance(&DMatrix::zeros(1, 2)).is_none());
     }
 }
