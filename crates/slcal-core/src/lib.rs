@@ -34,6 +34,8 @@ pub use calibrate::{
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Error, ErrorClass, Result};
 pub use matches::{Match, Matches};
-pub use observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
+pub use observations::{
+    CornerPair, EdgePoint, ExternalObservations, Observations, SheetObservation, Unstated, ViewObservation,
+};
 pub use photographs::calibrate;
 pub use rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning};

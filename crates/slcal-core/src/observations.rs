@@ -84,3 +84,38 @@ pub struct Observations {
     /// One entry per pose.
     pub views: Vec<ViewObservation>,
 }
+
+/// Which σ of one view its source did not state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Unstated {
+    /// That of the sheet's edge points or corners.
+    pub sheet: bool,
+    /// That of the pairs.
+    pub pairs: bool,
+}
+
+/// Observations from a detector of one's own, which may not know its noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExternalObservations {
+    /// What was seen. A σ that is unstated stands as any positive number, which nothing depends on.
+    pub observations: Observations,
+    /// One entry per view; missing entries mean that everything is stated.
+    pub unstated: Vec<Unstated>,
+    /// Name of each view's photograph, where it has one.
+    pub photos: Vec<Option<String>>,
+}
+
+impl From<Observations> for ExternalObservations {
+    /// Observations with every σ stated and no names.
+    fn from(observations: Observations) -> Self {
+        Self { observations, unstated: Vec::new(), photos: Vec::new() }
+    }
+}
+
+impl ExternalObservations {
+    /// What view `i` leaves unstated.
+    #[must_use]
+    pub fn unstated(&self, i: usize) -> Unstated {
+        self.unstated.get(i).copied().unwrap_or_default()
+    }
+}

@@ -1,7 +1,8 @@
-//! Rigs, patterns, matches and clouds as text and binary files, on any `Read` and `Write`.
+//! Rigs, observations, patterns, matches and clouds as text and binary files, on any `Read` and `Write`.
 
 mod matches_csv;
 mod obj;
+mod observations_json;
 mod pattern_json;
 mod ply;
 mod rig_json;
@@ -9,6 +10,7 @@ mod xyz;
 
 pub use matches_csv::{read_matches, write_matches};
 pub use obj::write_obj;
+pub use observations_json::{read_observations, write_observations};
 pub use pattern_json::{read_pattern, write_pattern};
 pub use ply::{read_ply, write_ply};
 pub use rig_json::{read_rig, write_rig};

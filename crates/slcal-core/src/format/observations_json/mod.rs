@@ -1,0 +1,59 @@
+//! observations.json (`"schema": "slcal-observations/1"`): corners and pairs of any detector as text.
+//!
+//! Required: schema, camera {width, height}, projector {width, height} or null, and for each view `size_mm` and either
+//! `sheet_corners_px` or `sheet_edges_px`; with a projector also `pairs`. σ may be stated for a view (`sheet_sigma_px`,
+//! `pair_sigma_px`) or for a point, as one number more behind its coordinates; where it is stated nowhere, it counts as
+//! unknown. Fields that are not known are skipped. Numbers are written with the fewest digits that read back to the same
+//! `f64`.
+
+mod read;
+mod write;
+
+use std::io::{Read, Write};
+
+use serde_json::Value;
+
+use crate::error::{Error, Result};
+use crate::observations::ExternalObservations;
+
+const WHAT: &str = "observations JSON";
+const SCHEMA: &str = "slcal-observations/1";
+/// Names of the sheet's sides, in the order of [`Side::ALL`](crate::geometry::Side::ALL).
+const SIDES: [&str; 4] = ["top", "right", "bottom", "left"];
+
+fn malformed(detail: impl Into<String>) -> Error {
+    Error::Malformed { what: WHAT, detail: detail.into() }
+}
+
+/// Reads observations.
+///
+/// # Errors
+/// [`Error::Malformed`] naming the view, the field and the point when the text is not JSON, the schema is another, a
+/// required field is missing, or a value is not what the schema says (null in the place of a number, coordinates beyond
+/// 10⁹ px, σ that are not positive, σ for a part of the points only); [`Error::Io`] when the stream fails. Whether a
+/// calibration can be computed from them is not asked here.
+pub fn read_observations(mut input: impl Read) -> Result<ExternalObservations> {
+    let mut text = Vec::new();
+    input
+        .read_to_end(&mut text)
+        .map_err(|e| Error::Io { what: "reading an observations JSON", detail: e.to_string() })?;
+    let value: Value =
+        serde_json::from_slice(&text).map_err(|e| malformed(format!("this is not JSON: {e}")))?;
+    drop(text);
+    read::observations(&value)
+}
+
+/// Writes observations as JSON with a final newline, one line per point. σ that are unstated stay so.
+///
+/// # Errors
+/// [`Error::Invalid`] when a number is not finite; [`Error::Io`] when the stream fails.
+pub fn write_observations(external: &ExternalObservations, mut output: impl Write) -> Result<()> {
+    let text = write::text(external)?;
+    let io =
+        |e: &dyn std::fmt::Display| Error::Io { what: "writing an observations JSON", detail: e.to_string() };
+    output.write_all(text.as_bytes()).map_err(|e| io(&e))?;
+    output.flush().map_err(|e| io(&e))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,241 @@
+//! From the text's fields to observations, each checked.
+
+use nalgebra::Point2;
+use serde_json::{Map, Value};
+
+use super::{SCHEMA, SIDES, malformed};
+use crate::error::Result;
+use crate::geometry::RectangleSize;
+use crate::observations::{
+    CornerPair, EdgePoint, ExternalObservations, Observations, SheetObservation, Unstated, ViewObservation,
+};
+
+/// Coordinates beyond this are no pixels; their products would overflow.
+const MAX_COORDINATE_PX: f64 = 1e9;
+/// σ outside of this range are mistakes; their squares would overflow.
+const SIGMA_RANGE_PX: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
+/// Sides of a sheet, mm: outside of it a unit was mistaken.
+const SIDE_RANGE_MM: std::ops::RangeInclusive<f64> = 1.0..=100_000.0;
+/// Stands for a σ that is unstated.
+const PLACEHOLDER_PX: f64 = 1.0;
+
+/// How a value is called in messages: its text, shortened.
+fn shown(value: &Value) -> String {
+    const LONGEST: usize = 60;
+    match value {
+        Value::Array(a) => format!("an array of {}", a.len()),
+        Value::Object(_) => "an object".into(),
+        other => {
+            let text = other.to_string();
+            if text.chars().count() <= LONGEST {
+                return text;
+            }
+            text.chars().take(LONGEST).chain("…".chars()).collect()
+        }
+    }
+}
+
+fn wrong(place: &str, expected: &str, found: &Value) -> crate::Error {
+    malformed(format!("{place}: expected {expected}, found {}", shown(found)))
+}
+
+fn object<'a>(value: &'a Value, place: &str, expected: &str) -> Result<&'a Map<String, Value>> {
+    value.as_object().ok_or_else(|| wrong(place, expected, value))
+}
+
+fn required<'a>(from: &'a Map<String, Value>, field: &str, place: &str, expected: &str) -> Result<&'a Value> {
+    from.get(field).ok_or_else(|| malformed(format!("{place}missing field `{field}`, expected {expected}")))
+}
+
+pub(super) fn observations(value: &Value) -> Result<ExternalObservations> {
+    let top = object(value, "the file", &format!("an object with \"schema\": \"{SCHEMA}\""))?;
+    let schema = required(top, "schema", "", &format!("\"{SCHEMA}\""))?;
+    if schema.as_str() != Some(SCHEMA) {
+        return Err(wrong("schema", &format!("\"{SCHEMA}\""), schema));
+    }
+    let camera = panel(required(top, "camera", "", "{\"width\", \"height\"}")?, "camera")?;
+    let expected = "{\"width\", \"height\"}, or null to calibrate the camera alone";
+    let projector = match required(top, "projector", "", expected)? {
+        Value::Null => None,
+        given => Some(panel(given, "projector")?),
+    };
+    let list = required(top, "views", "", "a list with one entry per pose of the sheet")?;
+    let list = list.as_array().ok_or_else(|| wrong("views", "a list", list))?;
+    let mut external =
+        ExternalObservations::from(Observations { camera, projector, views: Vec::with_capacity(list.len()) });
+    for (i, value) in list.iter().enumerate() {
+        let place = format!("views[{i}]");
+        let fields = object(value, &place, "an object")?;
+        let (view, unstated) = view(fields, &place, projector.is_some())?;
+        external.observations.views.push(view);
+        external.unstated.push(unstated);
+        external.photos.push(match fields.get("photo") {
+            None | Some(Value::Null) => None,
+            Some(Value::String(name)) => Some(name.clone()),
+            Some(other) => return Err(wrong(&format!("{place}.photo"), "a name", other)),
+        });
+    }
+    Ok(external)
+}
+
+fn panel(value: &Value, place: &str) -> Result<[u32; 2]> {
+    let fields = object(value, place, "{\"width\", \"height\"}")?;
+    let side = |name: &str| {
+        let expected = "a whole number of pixels above zero";
+        let value = required(fields, name, &format!("{place}: "), expected)?;
+        let number = value.as_u64().and_then(|n| u32::try_from(n).ok()).filter(|n| *n > 0);
+        number.ok_or_else(|| wrong(&format!("{place}.{name}"), expected, value))
+    };
+    Ok([side("width")?, side("height")?])
+}
+
+fn view(fields: &Map<String, Value>, place: &str, with_pairs: bool) -> Result<(ViewObservation, Unstated)> {
+    let dot = format!("{place}: ");
+    let sides = numbers(
+        required(fields, "size_mm", &dot, "[width, height]")?,
+        &format!("{place}.size_mm"),
+        "[width, height]",
+    )?;
+    let &[w, h] = sides.as_slice() else {
+        return Err(wrong(&format!("{place}.size_mm"), "[width, height]", &fields["size_mm"]));
+    };
+    if ![w, h].iter().all(|s| SIDE_RANGE_MM.contains(s)) {
+        return Err(malformed(format!(
+            "{place}.size_mm: expected lengths from 1 mm to 100 m, in millimetres, found [{w}, {h}]"
+        )));
+    }
+    let size = RectangleSize::new(w, h)?;
+    let sheet_sigma = sigma_of(fields, "sheet_sigma_px", place)?;
+    let (sheet, sheet_stated) = match (fields.get("sheet_corners_px"), fields.get("sheet_edges_px")) {
+        (Some(corners), None) => sheet_corners(corners, sheet_sigma, &format!("{place}.sheet_corners_px"))?,
+        (None, Some(edges)) => sheet_edges(edges, sheet_sigma, &format!("{place}.sheet_edges_px"))?,
+        (found, _) => {
+            let found = if found.is_some() { "both" } else { "neither" };
+            return Err(malformed(format!(
+                "{place}: expected either `sheet_corners_px` or `sheet_edges_px`, found {found}"
+            )));
+        }
+    };
+    let pair_sigma = sigma_of(fields, "pair_sigma_px", place)?;
+    let (pairs, pairs_stated) = match fields.get("pairs") {
+        Some(value) => pairs(value, pair_sigma, &format!("{place}.pairs"))?,
+        None if with_pairs => {
+            return Err(malformed(format!(
+                "{place}: missing field `pairs`, expected [[camera_x, camera_y, projector_x, projector_y], …] as there is a projector"
+            )));
+        }
+        None => (Vec::new(), true),
+    };
+    let unstated = Unstated { sheet: !sheet_stated, pairs: !pairs_stated };
+    Ok((ViewObservation { size, sheet, pairs }, unstated))
+}
+
+fn sigma_of(fields: &Map<String, Value>, name: &str, place: &str) -> Result<Option<f64>> {
+    match fields.get(name) {
+        None | Some(Value::Null) => Ok(None),
+        Some(value) => {
+            let sigma = value.as_f64().filter(|s| SIGMA_RANGE_PX.contains(s));
+            let expected = "a positive number of pixels (1σ)";
+            Ok(Some(sigma.ok_or_else(|| wrong(&format!("{place}.{name}"), expected, value))?))
+        }
+    }
+}
+
+/// Numbers of a row, each finite and of a size that pixels have.
+fn numbers(value: &Value, place: &str, expected: &str) -> Result<Vec<f64>> {
+    let row = value.as_array().ok_or_else(|| wrong(place, expected, value))?;
+    let number = |(k, v): (usize, &Value)| {
+        v.as_f64()
+            .filter(|x| x.abs() <= MAX_COORDINATE_PX)
+            .ok_or_else(|| wrong(&format!("{place}[{k}]"), "a finite number up to 1e9", v))
+    };
+    row.iter().enumerate().map(number).collect()
+}
+
+/// Rows of `N` coordinates, with σ as one number more in every row or in none: the coordinates, and the points' own σ.
+fn rows<const N: usize>(value: &Value, place: &str, expected: &str) -> Result<Vec<([f64; N], Option<f64>)>> {
+    let list = value.as_array().ok_or_else(|| wrong(place, &format!("a list of {expected}"), value))?;
+    let mut rows = Vec::with_capacity(list.len());
+    for (i, value) in list.iter().enumerate() {
+        let place = || format!("{place}[{i}]");
+        let row = numbers(value, &place(), expected)?;
+        let (coordinates, rest) =
+            row.split_first_chunk::<N>().ok_or_else(|| wrong(&place(), expected, value))?;
+        let sigma = match rest {
+            [] => None,
+            [sigma] if SIGMA_RANGE_PX.contains(sigma) => Some(*sigma),
+            [sigma] => {
+                return Err(malformed(format!(
+                    "{}: expected a positive σ in pixels as its last number, found {sigma}",
+                    place()
+                )));
+            }
+            _ => return Err(wrong(&place(), expected, value)),
+        };
+        rows.push((*coordinates, sigma));
+    }
+    let without = rows.iter().position(|r| r.1.is_none());
+    if let (Some(without), Some(with)) = (without, rows.iter().position(|r| r.1.is_some())) {
+        return Err(malformed(format!(
+            "{place}: expected σ as the last number of every row or of none, found it in [{with}] and not in [{without}]"
+        )));
+    }
+    Ok(rows)
+}
+
+fn sheet_corners(value: &Value, of_view: Option<f64>, place: &str) -> Result<(SheetObservation, bool)> {
+    const EXPECTED: &str = "[x, y]";
+    let rows = rows::<2>(value, place, EXPECTED)?;
+    let &[a, b, c, d] = rows.as_slice() else {
+        return Err(malformed(format!(
+            "{place}: expected four corners TL, TR, BR, BL, found {}",
+            rows.len()
+        )));
+    };
+    if a.1.is_some() {
+        return Err(malformed(format!(
+            "{place}: expected {EXPECTED} for each corner, found σ as a third number; state one for all four as `sheet_sigma_px`"
+        )));
+    }
+    let corners = [a, b, c, d].map(|(xy, _)| Point2::from(xy));
+    let sigma_px = of_view.unwrap_or(PLACEHOLDER_PX);
+    Ok((SheetObservation::Corners { corners, sigma_px }, of_view.is_some()))
+}
+
+fn sheet_edges(value: &Value, of_view: Option<f64>, place: &str) -> Result<(SheetObservation, bool)> {
+    let fields = object(value, place, "an object with top, right, bottom and left")?;
+    let mut sides: [Vec<EdgePoint>; 4] = Default::default();
+    let mut own = [false; 4];
+    for ((points, own), name) in sides.iter_mut().zip(&mut own).zip(SIDES) {
+        let expected = "[x, y] or [x, y, σ]";
+        let list = required(fields, name, &format!("{place}: "), &format!("a list of {expected}"))?;
+        let rows = rows::<2>(list, &format!("{place}.{name}"), expected)?;
+        *own = rows.first().is_some_and(|r| r.1.is_some());
+        points.extend(rows.into_iter().map(|(xy, sigma)| EdgePoint {
+            position: Point2::from(xy),
+            sigma_px: sigma.or(of_view).unwrap_or(PLACEHOLDER_PX),
+        }));
+    }
+    let filled = || own.iter().zip(&sides).filter(|(_, s)| !s.is_empty());
+    if of_view.is_none() && filled().any(|(own, _)| *own) && !filled().all(|(own, _)| *own) {
+        return Err(malformed(format!(
+            "{place}: expected σ for the points of every side or of none, found it on some sides only; state one for the rest \
+             as `sheet_sigma_px`"
+        )));
+    }
+    let stated = of_view.is_some() || filled().any(|(own, _)| *own);
+    Ok((SheetObservation::Edges(sides), stated))
+}
+
+fn pairs(value: &Value, of_view: Option<f64>, place: &str) -> Result<(Vec<CornerPair>, bool)> {
+    let expected =
+        "[camera_x, camera_y, projector_x, projector_y], or with σ of the camera's pixel behind them";
+    let rows = rows::<4>(value, place, expected)?;
+    let stated = of_view.is_some() || rows.first().is_none_or(|r| r.1.is_some());
+    let pair = |([cx, cy, px, py], sigma): ([f64; 4], Option<f64>)| CornerPair {
+        camera: Point2::new(cx, cy),
+        projector: Point2::new(px, py),
+        sigma_px: sigma.or(of_view).unwrap_or(PLACEHOLDER_PX),
+    };
+    Ok((rows.into_iter().map(pair).collect(), stated))
+}

@@ -1,0 +1,79 @@
+//! From observations to text, one line per point so that people can read and edit it.
+
+use std::fmt::Write as _;
+
+use serde_json::Value;
+
+use super::{SCHEMA, SIDES};
+use crate::error::{Error, Result};
+use crate::observations::{ExternalObservations, SheetObservation};
+
+/// A list of numbers; JSON has no NaN, so that is refused here.
+fn row(numbers: &[f64], sigma: Option<f64>) -> Result<String> {
+    let all = || numbers.iter().copied().chain(sigma);
+    if let Some(bad) = all().find(|x| !x.is_finite()) {
+        return Err(Error::invalid("observations to write", "finite numbers", bad));
+    }
+    let list: Vec<String> = all().map(|x| Value::from(x).to_string()).collect();
+    Ok(format!("[{}]", list.join(", ")))
+}
+
+/// Rows below each other, indented by `indent` spaces.
+fn list(rows: impl Iterator<Item = Result<String>>, indent: usize) -> Result<String> {
+    let rows = rows.collect::<Result<Vec<String>>>()?;
+    if rows.is_empty() {
+        return Ok("[]".into());
+    }
+    let pad = " ".repeat(indent);
+    Ok(format!("[\n{pad}  {}\n{pad}]", rows.join(&format!(",\n{pad}  "))))
+}
+
+fn panel(size: Option<[u32; 2]>) -> String {
+    size.map_or("null".into(), |[w, h]| format!("{{\"width\": {w}, \"height\": {h}}}"))
+}
+
+pub(super) fn text(external: &ExternalObservations) -> Result<String> {
+    let o = &external.observations;
+    let views = (0..o.views.len()).map(|i| view(external, i)).collect::<Result<Vec<_>>>()?;
+    Ok(format!(
+        "{{\n  \"schema\": \"{SCHEMA}\",\n  \"camera\": {},\n  \"projector\": {},\n  \"views\": [{}]\n}}\n",
+        panel(Some(o.camera)),
+        panel(o.projector),
+        views.join(", ")
+    ))
+}
+
+fn view(external: &ExternalObservations, i: usize) -> Result<String> {
+    let (view, unstated) = (&external.observations.views[i], external.unstated(i));
+    let mut text = String::from("{\n");
+    if let Some(Some(photo)) = external.photos.get(i) {
+        let _ = writeln!(text, "    \"photo\": {},", Value::from(photo.as_str()));
+    }
+    let _ = writeln!(text, "    \"size_mm\": {},", row(&[view.size.width_mm, view.size.height_mm], None)?);
+    match &view.sheet {
+        SheetObservation::Corners { corners, sigma_px } => {
+            let rows = list(corners.iter().map(|c| row(&[c.x, c.y], None)), 4)?;
+            let _ = writeln!(text, "    \"sheet_corners_px\": {rows},");
+            if !unstated.sheet {
+                let [sigma] = [*sigma_px].map(Value::from);
+                let _ = writeln!(text, "    \"sheet_sigma_px\": {sigma},");
+            }
+        }
+        SheetObservation::Edges(sides) => {
+            let mut fields = Vec::new();
+            for (name, points) in SIDES.iter().zip(sides) {
+                let own = |sigma: f64| (!unstated.sheet).then_some(sigma);
+                let rows = points.iter().map(|p| row(&[p.position.x, p.position.y], own(p.sigma_px)));
+                fields.push(format!("      \"{name}\": {}", list(rows, 6)?));
+            }
+            let _ = writeln!(text, "    \"sheet_edges_px\": {{\n{}\n    }},", fields.join(",\n"));
+        }
+    }
+    let own = |sigma: f64| (!unstated.pairs).then_some(sigma);
+    let rows = view
+        .pairs
+        .iter()
+        .map(|p| row(&[p.camera.x, p.camera.y, p.projector.x, p.projector.y], own(p.sigma_px)));
+    let _ = write!(text, "    \"pairs\": {}\n  }}", list(rows, 4)?);
+    Ok(text)
+}
