@@ -10,7 +10,7 @@ use nalgebra::{Point2, Vector2};
 use super::checkerboard::LabelledCorner;
 use crate::geometry::Homography;
 use crate::pattern::{CheckerPattern, SquareColor};
-use crate::photo::GreyImage;
+use crate::photo::LinearPhoto;
 use crate::solve::homography_from_points;
 
 /// A corner of the photograph with its place in the pattern: column and row of the inner corner, 0-based.
@@ -65,7 +65,7 @@ const MAX_DISAGREEMENT: f64 = 0.5;
 
 /// Places a grid in the pattern.
 pub(super) fn anchor(
-    grey: &GreyImage,
+    photo: &LinearPhoto<'_>,
     grid: &[LabelledCorner],
     pattern: &CheckerPattern,
 ) -> Result<Vec<AnchoredCorner>, Unanchored> {
@@ -86,7 +86,7 @@ pub(super) fn anchor(
         image_from_label
     };
 
-    let cells = Cells::sample(grey, &image_from_label, &grid, pattern);
+    let cells = Cells::sample(photo, &image_from_label, &grid, pattern);
     let mut ranked: Vec<(f64, Placement)> =
         placements(&grid, pattern).into_iter().map(|p| (cells.disagreement(pattern, &p), p)).collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -136,7 +136,7 @@ struct Cells {
 
 impl Cells {
     fn sample(
-        grey: &GreyImage,
+        photo: &LinearPhoto<'_>,
         image_from_label: &Homography,
         grid: &[LabelledCorner],
         pattern: &CheckerPattern,
@@ -157,7 +157,7 @@ impl Cells {
                 if (image_from_label.0 * centre).z * sign.z <= 0.0 {
                     continue;
                 }
-                if let Some(mean) = cell_light(grey, image_from_label, u, v) {
+                if let Some(mean) = cell_light(photo, image_from_label, u, v) {
                     light.insert([u, v], mean.max(1e-6).ln());
                 }
             }
@@ -268,13 +268,13 @@ fn color(pattern: &CheckerPattern, [i, j]: [i32; 2]) -> f64 {
 }
 
 /// Mean light over the middle of a cell; `None` unless all of it lies in the frame.
-fn cell_light(grey: &GreyImage, image_from_label: &Homography, u: i32, v: i32) -> Option<f64> {
+fn cell_light(photo: &LinearPhoto<'_>, image_from_label: &Homography, u: i32, v: i32) -> Option<f64> {
     const OFFSETS: [f64; 3] = [0.35, 0.5, 0.65];
     let mut sum = 0.0;
     for du in OFFSETS {
         for dv in OFFSETS {
             let p = image_from_label.map(Point2::from(Vector2::new(f64::from(u) + du, f64::from(v) + dv)))?;
-            sum += grey.bilinear(p.x, p.y)?;
+            sum += photo.bilinear(p)?;
         }
     }
     Some(sum / 9.0)

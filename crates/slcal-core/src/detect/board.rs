@@ -4,13 +4,15 @@ use nalgebra::{Point2, Vector2};
 
 use super::anchor::{AnchoredCorner, Unanchored, anchor};
 use super::checkerboard::labelled_grids;
-use super::corner::refine;
+use super::corner::Refiner;
 use super::lens::Lens;
+use super::working::Working;
 use crate::error::{Error, Result};
 use crate::geometry::Homography;
 use crate::observations::CornerPair;
 use crate::pattern::CheckerPattern;
-use crate::photo::GreyImage;
+use crate::photo::LinearPhoto;
+
 use crate::solve::homography_from_points;
 
 /// The checkerboard as found in a photograph.
@@ -43,7 +45,7 @@ impl Board {
     ///
     /// # Errors
     /// [`Error::NotFound`] with what was seen instead.
-    pub(super) fn find(grey: &GreyImage, pattern: &CheckerPattern) -> Result<Self> {
+    pub(super) fn find(photo: &LinearPhoto<'_>, working: &Working, pattern: &CheckerPattern) -> Result<Self> {
         let [columns, rows] = pattern.squares.map(|n| n.saturating_sub(1) as usize);
         let expected = columns.saturating_mul(rows);
         if expected > MAX_CORNERS {
@@ -53,13 +55,13 @@ impl Board {
                 expected,
             ));
         }
-        let grids = labelled_grids(grey, expected);
+        let grids = labelled_grids(photo, working, expected);
         let largest = grids.first().map_or(0, Vec::len);
         let mut refusal = None;
         for grid in grids.iter().filter(|g| g.len() >= MIN_CORNERS.min(expected)) {
-            match anchor(grey, grid, pattern) {
+            match anchor(photo, grid, pattern) {
                 Ok(corners) => {
-                    if let Some(board) = Self::refined(grey, &corners, pattern, expected) {
+                    if let Some(board) = Self::refined(photo, &corners, pattern, expected) {
                         return Ok(board);
                     }
                 }
@@ -70,7 +72,7 @@ impl Board {
     }
 
     fn refined(
-        grey: &GreyImage,
+        photo: &LinearPhoto<'_>,
         corners: &[AnchoredCorner],
         pattern: &CheckerPattern,
         expected: usize,
@@ -78,12 +80,13 @@ impl Board {
         let projector = |c: &AnchoredCorner| pattern.inner_corner(c.index[0], c.index[1]);
         let raw: Vec<_> = corners.iter().map(|c| (projector(c), c.position)).collect();
         let rough = homography_from_points(&raw).ok()?;
+        let mut refiner = Refiner::new(photo);
         let mut pairs: Vec<([u32; 2], CornerPair)> = Vec::with_capacity(corners.len());
         for corner in corners {
             let at = projector(corner);
             let jacobian = rough.jacobian(at) * pattern.square_px;
             let steps: [Vector2<f64>; 2] = [jacobian.column(0).into_owned(), jacobian.column(1).into_owned()];
-            let Some(found) = refine(grey, corner.position, steps) else { continue };
+            let Some(found) = refiner.refine(corner.position, steps) else { continue };
             let limit = MAX_SHIFT_SQUARES * steps[0].norm().min(steps[1].norm()).max(4.0);
             if (found.position - corner.position).norm() <= limit {
                 let pair = CornerPair { camera: found.position, projector: at, sigma_px: found.sigma_px };
@@ -95,7 +98,7 @@ impl Board {
         }
         pairs.sort_by_key(|(index, _)| (index[1], index[0]));
         let pairs: Vec<CornerPair> = pairs.into_iter().map(|(_, pair)| pair).collect();
-        let lens = Lens::from_corners(grey.width(), grey.height(), &pairs);
+        let lens = Lens::from_corners(photo.width(), photo.height(), &pairs);
         let (straight_from_projector, projector_from_straight) = fit(&pairs, &lens)?;
         Some(Self { pairs, lens, straight_from_projector, projector_from_straight, expected })
     }

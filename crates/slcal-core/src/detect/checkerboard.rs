@@ -7,7 +7,8 @@ use calib_targets_chessboard::{
 };
 use nalgebra::Point2;
 
-use crate::photo::{Encoding, GreyImage};
+use super::working::Working;
+use crate::photo::{Encoding, GreyImage, LinearPhoto};
 
 /// A corner of a grid whose place in the pattern is not known yet.
 #[derive(Debug, Clone, Copy)]
@@ -19,9 +20,9 @@ pub(super) struct LabelledCorner {
 }
 
 /// The corner detector samples a ring of 5 px radius, so squares of 20 to 60 px suit it best. A board takes a fair part of
-/// the photograph, so a longer side of about this many pixels brings common boards into that range; finer and coarser
-/// scales follow when the board is not found there.
-const PREFERRED_SIDE_PX: usize = 1200;
+/// the photograph, so that the working image brings common boards into that range; these parts of its reduction follow
+/// when the board is not found there: finer ones for small squares, a coarser one for blurred ones.
+const OTHER_SCALES: [(usize, usize); 3] = [(1, 2), (1, 4), (2, 1)];
 
 /// Corner strengths (in grey levels of the stretched image) below which corners are dropped, in the order in which they
 /// are tried: the detector's own default for sharp boards first, then weaker ones for blurred or faint boards.
@@ -29,13 +30,25 @@ const STRENGTH_FLOORS: [f32; 3] = [33.0, 12.0, 4.0];
 
 /// All grids that can be seen in the photograph, best first, at most a few. Stops at the first scale at which a grid
 /// has `enough` corners.
-pub(super) fn labelled_grids(grey: &GreyImage, enough: usize) -> Vec<Vec<LabelledCorner>> {
+pub(super) fn labelled_grids(
+    photo: &LinearPhoto<'_>,
+    working: &Working,
+    enough: usize,
+) -> Vec<Vec<LabelledCorner>> {
     let mut grids: Vec<Vec<LabelledCorner>> = Vec::new();
-    for factor in scales(grey.width().max(grey.height())) {
-        let (width, height, pixels) = stretched(grey, factor);
+    for factor in scales(working.factor) {
+        let reduced;
+        let image = if factor == working.factor {
+            &working.image
+        } else {
+            reduced = photo.reduced(factor);
+            &reduced
+        };
+        let (width, height) = (image.width(), image.height());
         if width < 16 || height < 16 {
             continue;
         }
+        let pixels = stretched(image);
         let view = GrayImageView { width, height, data: &pixels };
         for floor in STRENGTH_FLOORS {
             let mut found = grids_at(view, floor, factor);
@@ -52,11 +65,11 @@ pub(super) fn labelled_grids(grey: &GreyImage, enough: usize) -> Vec<Vec<Labelle
     grids
 }
 
-/// Reduction factors, the preferred one first.
-fn scales(side: usize) -> Vec<usize> {
-    let preferred = (side / PREFERRED_SIDE_PX).max(1);
-    let mut scales = vec![preferred];
-    for other in [preferred * 2, preferred / 2, preferred / 4] {
+/// Reduction factors, that of the working image first.
+fn scales(working: usize) -> Vec<usize> {
+    let mut scales = vec![working];
+    for (by, to) in OTHER_SCALES {
+        let other = working * by / to;
         if other >= 1 && !scales.contains(&other) {
             scales.push(other);
         }
@@ -81,23 +94,14 @@ fn grids_at(view: GrayImageView<'_>, floor: f32, factor: usize) -> Vec<Vec<Label
     detector.detect_all(&corners).iter().map(|d| d.corners.iter().map(labelled).collect()).collect()
 }
 
-/// The photograph reduced by `factor`, stretched so that its bright parts use all of 8 bits, sRGB-encoded.
-fn stretched(grey: &GreyImage, factor: usize) -> (usize, usize, Vec<u8>) {
-    let reduced;
-    let image = if factor > 1 {
-        reduced = grey.reduced(factor);
-        &reduced
-    } else {
-        grey
-    };
+/// An image stretched so that its bright parts use all of 8 bits, sRGB-encoded.
+fn stretched(image: &GreyImage) -> Vec<u8> {
     let white = quantile(image.data(), 0.995).max(f32::MIN_POSITIVE);
     // 4096 steps of linear light keep the dark end of the curve smooth in 8 bits.
     let table: Vec<u8> = (0..=4096)
         .map(|i| (Encoding::Srgb.from_linear(f64::from(i) / 4096.0) * 255.0).round() as u8)
         .collect();
-    let pixels =
-        image.data().iter().map(|&l| table[((l / white).clamp(0.0, 1.0) * 4096.0) as usize]).collect();
-    (image.width(), image.height(), pixels)
+    image.data().iter().map(|&l| table[((l / white).clamp(0.0, 1.0) * 4096.0) as usize]).collect()
 }
 
 /// The value below which the fraction `q` of at most some 10⁵ evenly taken samples lies.

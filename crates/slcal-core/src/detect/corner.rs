@@ -1,17 +1,18 @@
 //! Sub-pixel positions of checkerboard corners: a model of two crossing blurred edges, integrated over the pixels.
 //!
 //! Around a corner c the light is m + g·q + (a + h·q)·E₁·E₂ with q = p − c and E_k = erf(n_k·q / (√2·s)), the two edges with
-//! normals n₁, n₂ and blur s; m, g, a, h take up the illumination and its slope. Fitted by Levenberg–Marquardt to linear
-//! light. The centre of the erf pair is the corner whatever the blur, so that defocus does not bias it.
+//! normals n₁, n₂ and blur s; m, g, a, h take up the illumination and its slope. Fitted by damped Gauss–Newton steps to
+//! linear light. The centre of the erf pair is the corner whatever the blur, so that defocus does not bias it.
 
-use nalgebra::{DVector, Matrix2, Point2, SVector, Vector2};
+use nalgebra::{Matrix2, Point2, SMatrix, SVector, Vector2};
 
-use crate::photo::GreyImage;
-use crate::solve::{Block, Linearised, Loss, Problem, Structure, covariance, minimise};
+use super::erf::ErfTable;
+use crate::photo::LinearPhoto;
 
 /// Parameters: c (2), θ₁, θ₂, s², m, g (2), a, h (2).
 const N: usize = 11;
 type Params = SVector<f64, N>;
+type Normal = SMatrix<f64, N, N>;
 
 /// The window reaches this part of the way to the nearest neighbouring corner, so that it stays inside the squares.
 const WINDOW_FRACTION: f64 = 0.4;
@@ -22,15 +23,27 @@ const MAX_RADIUS_SAMPLES: f64 = 12.0;
 const MIN_RADIUS_SAMPLES: f64 = 2.5;
 /// The pixel is integrated over this many points per side, each standing for its part of the pixel.
 const SUBSAMPLES: usize = 4;
+const POINTS: usize = SUBSAMPLES * SUBSAMPLES;
 /// A blur of half their distance joins the subsamples: without it a sharp edge between two of them has no slope.
-const SUBSAMPLE_VARIANCE: f64 = 0.25 / (SUBSAMPLES * SUBSAMPLES) as f64;
+const SUBSAMPLE_VARIANCE: f64 = 0.25 / POINTS as f64;
 /// The blur's variance may take back nearly all of that, so that a perfectly sharp edge is an inner point of the fit.
-const LEAST_VARIANCE: f64 = -0.8 * SUBSAMPLE_VARIANCE;
-/// Squares that differ by less than twice this, in linear light, are below one step of an 8-bit photograph.
+const LEAST_VARIANCE: f64 = -0.9 * SUBSAMPLE_VARIANCE;
+/// A sample whose centre lies this many s, and half a pixel's diagonal, from an edge sees nothing of it: erf is then
+/// within 1e-5 of one.
+const EDGE_REACH_SIGMAS: f64 = 4.5;
+const HALF_DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// Weakest contrast of a corner, linear light.
 const MIN_AMPLITUDE: f64 = 1e-4;
 /// What remains of perspective, shading and the pixel grid after the fit, in samples: measured on rendered boards with
 /// exact truth, where positions scatter by this much with no noise.
 const MODEL_SIGMA_SAMPLES: f64 = 0.01;
+
+/// Steps tried: five are usual. Sharp edges along the pixel grid have a cost that is rough below a thousandth of a
+/// pixel: more steps would only follow that.
+const MAX_STEPS: usize = 30;
+/// A step that moves the corner by less than this many samples ends the fit: a tenth of what the model leaves.
+const LAST_STEP: f64 = 1e-4;
+const INITIAL_DAMPING: f64 = 1e-4;
 
 /// A refined corner.
 #[derive(Debug, Clone, Copy)]
@@ -40,39 +53,20 @@ pub(super) struct Refined {
     pub(super) sigma_px: f64,
 }
 
-/// Refines the corner near `start`; `steps` are the offsets to the neighbouring corners along the two grid
-/// directions, px. `None` when the window leaves the frame, the fit does not converge, or what is there is no corner.
-pub(super) fn refine(grey: &GreyImage, start: Point2<f64>, steps: [Vector2<f64>; 2]) -> Option<Refined> {
-    let reach_px = WINDOW_FRACTION * steps[0].norm().min(steps[1].norm());
-    let block = ((reach_px / MAX_RADIUS_SAMPLES).ceil() as usize).max(1);
-    let radius = reach_px / block as f64;
-    if radius.is_nan() || radius < MIN_RADIUS_SAMPLES {
-        return None;
-    }
-    let window = Window::cut(grey, start, block, radius)?;
-    let mut p = Params::zeros();
-    p[2] = steps[0].y.atan2(steps[0].x);
-    p[3] = steps[1].y.atan2(steps[1].x);
-    p[4] = 0.6;
-    window.solve_light(&mut p);
-    let fit = window.fit(p)?;
-    let c = Vector2::new(fit.params[0], fit.params[1]);
-    // A fit that ran away from its start, or whose edges collapsed into one, has fitted something else.
-    let crossing = (fit.params[2] - fit.params[3]).sin().abs();
-    if c.norm() > 0.6 * radius || crossing < 0.2 || fit.params[8].abs() <= 3.0 * fit.rms + MIN_AMPLITUDE {
-        return None;
-    }
-    let position = window.origin + c * block as f64;
-    let variance = fit.covariance.trace() / 2.0 + MODEL_SIGMA_SAMPLES.powi(2);
-    Some(Refined { position, sigma_px: variance.sqrt() * block as f64 })
+/// Refines the corners of a photograph one after the other.
+#[derive(Debug)]
+pub(super) struct Refiner<'a> {
+    photo: &'a LinearPhoto<'a>,
+    erf: ErfTable,
+    window: Window,
 }
 
 /// The samples around a corner, relative to `origin`, in units of blocks.
+#[derive(Debug, Default)]
 struct Window {
     origin: Point2<f64>,
     samples: Vec<(Vector2<f64>, f64)>,
     radius: f64,
-    block: Block,
 }
 
 struct Fit {
@@ -81,20 +75,54 @@ struct Fit {
     covariance: Matrix2<f64>,
 }
 
+impl<'a> Refiner<'a> {
+    pub(super) fn new(photo: &'a LinearPhoto<'a>) -> Self {
+        Self { photo, erf: ErfTable::new(), window: Window::default() }
+    }
+
+    /// Refines the corner near `start`; `steps` are the offsets to the neighbouring corners along the two grid
+    /// directions, px. `None` when the window leaves the frame, the fit does not converge, or what is there is no corner.
+    pub(super) fn refine(&mut self, start: Point2<f64>, steps: [Vector2<f64>; 2]) -> Option<Refined> {
+        let reach_px = WINDOW_FRACTION * steps[0].norm().min(steps[1].norm());
+        let block = ((reach_px / MAX_RADIUS_SAMPLES).ceil() as usize).max(1);
+        let radius = reach_px / block as f64;
+        if radius.is_nan() || radius < MIN_RADIUS_SAMPLES {
+            return None;
+        }
+        self.window.cut(self.photo, start, block, radius)?;
+        let mut p = Params::zeros();
+        p[2] = steps[0].y.atan2(steps[0].x);
+        p[3] = steps[1].y.atan2(steps[1].x);
+        p[4] = 0.6;
+        self.window.solve_light(&self.erf, &mut p);
+        let fit = self.window.fit(&self.erf, p)?;
+        let c = Vector2::new(fit.params[0], fit.params[1]);
+        // A fit that ran away from its start, or whose edges collapsed into one, has fitted something else.
+        let crossing = (fit.params[2] - fit.params[3]).sin().abs();
+        if c.norm() > 0.6 * radius || crossing < 0.2 || fit.params[8].abs() <= 3.0 * fit.rms + MIN_AMPLITUDE {
+            return None;
+        }
+        let position = self.window.origin + c * block as f64;
+        let variance = fit.covariance.trace() / 2.0 + MODEL_SIGMA_SAMPLES.powi(2);
+        Some(Refined { position, sigma_px: variance.sqrt() * block as f64 })
+    }
+}
+
 impl Window {
-    fn cut(grey: &GreyImage, start: Point2<f64>, block: usize, radius: f64) -> Option<Self> {
+    fn cut(&mut self, photo: &LinearPhoto<'_>, start: Point2<f64>, block: usize, radius: f64) -> Option<()> {
         let half = radius.floor() as isize;
         let k = block as isize;
         // The block grid is laid so that the middle block is centred as near to `start` as whole pixels allow.
         let centre_offset = (block as f64 - 1.0) / 2.0;
         let x0 = (start.x - centre_offset).round() as isize;
         let y0 = (start.y - centre_offset).round() as isize;
-        let origin = Point2::new(x0 as f64 + centre_offset, y0 as f64 + centre_offset);
         let fits = |v: isize, size: usize| v - half * k >= 0 && v + half * k + k <= size as isize;
-        if !(fits(x0, grey.width()) && fits(y0, grey.height())) {
+        if !(fits(x0, photo.width()) && fits(y0, photo.height())) {
             return None;
         }
-        let mut samples = Vec::with_capacity((2 * half as usize + 1).pow(2));
+        self.origin = Point2::new(x0 as f64 + centre_offset, y0 as f64 + centre_offset);
+        self.radius = radius;
+        self.samples.clear();
         for j in -half..=half {
             for i in -half..=half {
                 let at = Vector2::new(i as f64, j as f64);
@@ -102,60 +130,20 @@ impl Window {
                     continue;
                 }
                 let (x, y) = ((x0 + i * k) as usize, (y0 + j * k) as usize);
-                let sum: f32 = (y..y + block).map(|y| grey.row(y)[x..x + block].iter().sum::<f32>()).sum();
-                samples.push((at, f64::from(sum) / (block * block) as f64));
+                let row = |y: usize| (x..x + block).map(|x| photo.at(x, y)).sum::<f32>();
+                let sum: f32 = (y..y + block).map(row).sum();
+                self.samples.push((at, f64::from(sum) / (block * block) as f64));
             }
         }
-        let block = Block { len: samples.len(), loss: Loss::Square };
-        Some(Self { origin, samples, radius, block })
-    }
-
-    /// The mean over a sample of the product of edges, and its derivatives by c, θ₁, θ₂, s, and the mean of q·E.
-    fn model(p: &Params, at: Vector2<f64>) -> (f64, Params) {
-        let s = (p[4] + SUBSAMPLE_VARIANCE).sqrt();
-        let (t1, t2) = (Vector2::new(p[2].cos(), p[2].sin()), Vector2::new(p[3].cos(), p[3].sin()));
-        let (n1, n2) = (Vector2::new(-t1.y, t1.x), Vector2::new(-t2.y, t2.x));
-        let root = 1.0 / (std::f64::consts::SQRT_2 * s);
-        let slope = |d: f64| std::f64::consts::FRAC_2_SQRT_PI * (-(d * root).powi(2)).exp() * root;
-        let (g, h) = (Vector2::new(p[6], p[7]), Vector2::new(p[9], p[10]));
-        let mut value = 0.0;
-        let mut derivative = Params::zeros();
-        let step = 1.0 / SUBSAMPLES as f64;
-        for j in 0..SUBSAMPLES {
-            for i in 0..SUBSAMPLES {
-                let sub = Vector2::new((i as f64 + 0.5) * step - 0.5, (j as f64 + 0.5) * step - 0.5);
-                let q = at + sub - Vector2::new(p[0], p[1]);
-                let (d1, d2) = (n1.dot(&q), n2.dot(&q));
-                let (e1, e2) = (libm::erf(d1 * root), libm::erf(d2 * root));
-                let (s1, s2) = (slope(d1), slope(d2));
-                let amplitude = p[8] + h.dot(&q);
-                let e = e1 * e2;
-                value += p[5] + g.dot(&q) + amplitude * e;
-                let dc = -(n1 * (s1 * e2) + n2 * (s2 * e1)) * amplitude - g - h * e;
-                derivative += Params::from_column_slice(&[
-                    dc.x,
-                    dc.y,
-                    amplitude * e2 * s1 * -t1.dot(&q),
-                    amplitude * e1 * s2 * -t2.dot(&q),
-                    -amplitude * (d1 * s1 * e2 + d2 * s2 * e1) / (2.0 * s * s),
-                    1.0,
-                    q.x,
-                    q.y,
-                    e,
-                    e * q.x,
-                    e * q.y,
-                ]);
-            }
-        }
-        let count = (SUBSAMPLES * SUBSAMPLES) as f64;
-        (value / count, derivative / count)
+        Some(())
     }
 
     /// Mean and amplitude by linear least squares for the given edges: the sign of the corner comes out of it.
-    fn solve_light(&self, p: &mut Params) {
+    fn solve_light(&self, erf: &ErfTable, p: &mut Params) {
+        let model = Model::new(erf, p);
         let (mut n, mut e, mut ee, mut l, mut le) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for &(at, light) in &self.samples {
-            let edge = Self::model(p, at).1[8];
+            let edge = model.sample(at).1[8];
             n += 1.0;
             e += edge;
             ee += edge * edge;
@@ -169,74 +157,235 @@ impl Window {
         }
     }
 
-    fn fit(&self, start: Params) -> Option<Fit> {
-        let count = self.samples.len();
-        let freedom = count as f64 - N as f64;
+    /// The least squares of the window at some parameters.
+    fn equations(&self, erf: &ErfTable, p: &Params) -> Equations {
+        let model = Model::new(erf, p);
+        let mut e = Equations { normal: Normal::zeros(), gradient: Params::zeros(), cost: 0.0 };
+        for &(at, light) in &self.samples {
+            let (value, derivative) = model.sample(at);
+            let residual = value - light;
+            e.cost += residual * residual;
+            e.gradient.axpy(residual, &derivative, 1.0);
+            // The lower triangle is all that the factorisation reads.
+            for j in 0..N {
+                let d = derivative[j];
+                for i in j..N {
+                    e.normal[(i, j)] += d * derivative[i];
+                }
+            }
+        }
+        e
+    }
+
+    fn fit(&self, erf: &ErfTable, start: Params) -> Option<Fit> {
+        let freedom = self.samples.len() as f64 - N as f64;
         if freedom <= 0.0 {
             return None;
         }
-        let minimum = minimise(self, start)?;
-        let variance = minimum.cost / freedom;
-        let jacobian = &minimum.at.jacobian;
-        let covariance = covariance(&self.structure(), jacobian, &[])?.fixed_view::<2, 2>(0, 0) * variance;
-        Some(Fit { params: minimum.state, rms: variance.sqrt(), covariance })
+        let mut params = start;
+        let mut at = self.equations(erf, &params);
+        let mut damping = INITIAL_DAMPING;
+        for _ in 0..MAX_STEPS {
+            let step = at.step(damping)?;
+            let mut next = params + step;
+            next[4] = next[4].max(LEAST_VARIANCE);
+            // A corner that leaves its window, or is blurred beyond it, is none.
+            let inside = next.fixed_rows::<2>(0).norm() < self.radius && next[4] < self.radius.powi(2);
+            let small = step.fixed_rows::<2>(0).norm() < LAST_STEP;
+            let tried = inside.then(|| self.equations(erf, &next)).filter(|e| e.cost < at.cost);
+            if let Some(better) = tried {
+                (params, at) = (next, better);
+                damping *= 0.1;
+            } else {
+                damping *= 10.0;
+            }
+            if small && damping <= INITIAL_DAMPING || damping > 1e8 {
+                break;
+            }
+        }
+        let variance = at.cost / freedom;
+        Some(Fit { params, rms: variance.sqrt(), covariance: at.position_covariance()? * variance })
     }
 }
 
-impl Problem for Window {
-    type State = Params;
+/// JᵀJ (lower triangle), Jᵀr and rᵀr. The unknowns are of one order of magnitude in units of samples, so that the normal
+/// equations lose nothing that matters.
+struct Equations {
+    normal: Normal,
+    gradient: Params,
+    cost: f64,
+}
 
-    fn blocks(&self) -> &[Block] {
-        std::slice::from_ref(&self.block)
-    }
-
-    /// Eight are usual. Sharp edges along the pixel grid have a cost that is rough below a thousandth of a pixel: more
-    /// steps would only follow that.
-    fn max_iterations(&self) -> usize {
-        30
-    }
-
-    fn structure(&self) -> Structure<'_> {
-        Structure::dense(N)
-    }
-
-    fn linearise(&self, p: &Params, to: &mut Linearised) -> Option<()> {
-        for (i, (at, light)) in self.samples.iter().enumerate() {
-            let (value, derivative) = Self::model(p, *at);
-            to.residuals[i] = value - light;
-            to.jacobian.row_mut(i).copy_from(&derivative.transpose());
+impl Equations {
+    fn step(&self, damping: f64) -> Option<Params> {
+        let mut a = self.normal;
+        for i in 0..N {
+            a[(i, i)] += damping * a[(i, i)] + f64::MIN_POSITIVE;
         }
-        Some(())
+        let step = -a.cholesky()?.solve(&self.gradient);
+        step.iter().all(|x| x.is_finite()).then_some(step)
     }
 
-    fn step(&self, p: &Params, delta: &DVector<f64>) -> Option<Params> {
-        let mut next = p + Params::from_column_slice(delta.as_slice());
-        next[4] = next[4].max(LEAST_VARIANCE);
-        // A corner that leaves its window, or is blurred beyond it, is none.
-        (next.fixed_rows::<2>(0).norm() < self.radius && next[4] < self.radius.powi(2)).then_some(next)
+    /// The corner's part of (JᵀJ)⁻¹.
+    fn position_covariance(&self) -> Option<Matrix2<f64>> {
+        let factor = self.normal.cholesky()?;
+        let unit = SMatrix::<f64, N, 2>::identity();
+        let columns = factor.solve(&unit);
+        columns.iter().all(|x| x.is_finite()).then(|| columns.fixed_view::<2, 2>(0, 0).into_owned())
+    }
+}
+
+/// A point of a pixel, relative to its centre, and its distances from there across and along the two edges.
+struct Subsample {
+    offset: Vector2<f64>,
+    across: [f64; 2],
+    along: [f64; 2],
+}
+
+/// The light around a corner at some parameters.
+struct Model<'a> {
+    erf: &'a ErfTable,
+    p: &'a Params,
+    /// s.
+    sigma: f64,
+    /// 1/(√2·s).
+    root: f64,
+    along: [Vector2<f64>; 2],
+    normals: [Vector2<f64>; 2],
+    points: [Subsample; POINTS],
+}
+
+/// Means over a pixel.
+#[derive(Default)]
+struct Means {
+    /// E₁E₂ and E₁E₂·(offset from the pixel's centre).
+    edge: f64,
+    edge_offset: Vector2<f64>,
+    /// E₁′E₂ and E₁E₂′.
+    slopes: [f64; 2],
+    /// The same times the distance along the edge from the pixel's centre.
+    turns: [f64; 2],
+    /// d₁E₁′E₂ + d₂E₁E₂′.
+    blur: f64,
+}
+
+impl<'a> Model<'a> {
+    fn new(erf: &'a ErfTable, p: &'a Params) -> Self {
+        let sigma = (p[4] + SUBSAMPLE_VARIANCE).sqrt();
+        let along = [2, 3].map(|i| Vector2::new(p[i].cos(), p[i].sin()));
+        let normals = along.map(|t| Vector2::new(-t.y, t.x));
+        let step = 1.0 / SUBSAMPLES as f64;
+        let points = std::array::from_fn(|k| {
+            let at = |k: usize| (k as f64 + 0.5) * step - 0.5;
+            let offset = Vector2::new(at(k % SUBSAMPLES), at(k / SUBSAMPLES));
+            let of = |v: [Vector2<f64>; 2]| v.map(|v| v.dot(&offset));
+            Subsample { offset, across: of(normals), along: of(along) }
+        });
+        Self { erf, p, sigma, root: 1.0 / (std::f64::consts::SQRT_2 * sigma), along, normals, points }
+    }
+
+    /// The light of the sample centred at `at`, and its derivatives by the parameters. The amplitude is taken
+    /// at the sample's centre in the derivatives, which changes them by less than a pixel's share of its slope.
+    fn sample(&self, at: Vector2<f64>) -> (f64, Params) {
+        let p = self.p;
+        let q = at - Vector2::new(p[0], p[1]);
+        let distances = self.normals.map(|n| n.dot(&q));
+        let means = self.means(distances);
+        let (g, h) = (Vector2::new(p[6], p[7]), Vector2::new(p[9], p[10]));
+        let amplitude = p[8] + h.dot(&q);
+        let value = p[5] + g.dot(&q) + amplitude * means.edge + h.dot(&means.edge_offset);
+        let [s1, s2] = means.slopes;
+        let dc = -(self.normals[0] * s1 + self.normals[1] * s2) * amplitude - g - h * means.edge;
+        let derivative = Params::from_column_slice(&[
+            dc.x,
+            dc.y,
+            -amplitude * (s1 * self.along[0].dot(&q) + means.turns[0]),
+            -amplitude * (s2 * self.along[1].dot(&q) + means.turns[1]),
+            -amplitude * means.blur / (2.0 * self.sigma * self.sigma),
+            1.0,
+            q.x,
+            q.y,
+            means.edge,
+            means.edge * q.x + means.edge_offset.x,
+            means.edge * q.y + means.edge_offset.y,
+        ]);
+        (value, derivative)
+    }
+
+    fn means(&self, distances: [f64; 2]) -> Means {
+        let reach = EDGE_REACH_SIGMAS * self.sigma + HALF_DIAGONAL;
+        let near = distances.map(|d| d.abs() < reach);
+        let mut sum = Means::default();
+        if near == [false, false] {
+            sum.edge = distances[0].signum() * distances[1].signum();
+            return sum;
+        }
+        for point in &self.points {
+            let edge = |k: usize| {
+                let d = distances[k] + point.across[k];
+                if near[k] {
+                    let (e, slope) = self.erf.at(d * self.root);
+                    (d, e, slope * self.root)
+                } else {
+                    (d, distances[k].signum(), 0.0)
+                }
+            };
+            let ((d1, e1, s1), (d2, e2, s2)) = (edge(0), edge(1));
+            let e = e1 * e2;
+            sum.edge += e;
+            sum.edge_offset += point.offset * e;
+            let slopes = [s1 * e2, s2 * e1];
+            for (k, slope) in slopes.into_iter().enumerate() {
+                sum.slopes[k] += slope;
+                sum.turns[k] += slope * point.along[k];
+            }
+            sum.blur += d1 * slopes[0] + d2 * slopes[1];
+        }
+        let scale = 1.0 / POINTS as f64;
+        sum.edge *= scale;
+        sum.edge_offset *= scale;
+        sum.slopes = sum.slopes.map(|s| s * scale);
+        sum.turns = sum.turns.map(|s| s * scale);
+        sum.blur *= scale;
+        sum
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::photo::{Encoding, Layout, PhotoView, Samples};
 
-    /// A corner of two edges, drawn by 16×16 supersampling of the ideal one and a blur by the pixel alone.
-    fn drawn(c: Point2<f64>, angles: [f64; 2], size: usize) -> GreyImage {
-        let [n1, n2] = angles.map(|a| Vector2::new(-a.sin(), a.cos()));
-        GreyImage::from_fn(size, size, |x, y| {
-            let mut sum = 0.0;
-            for j in 0..16 {
-                for i in 0..16 {
-                    let q = Point2::new(
-                        x as f64 + (f64::from(i) + 0.5) / 16.0 - 0.5,
-                        y as f64 + (f64::from(j) + 0.5) / 16.0 - 0.5,
-                    ) - c;
-                    sum += if n1.dot(&q) * n2.dot(&q) > 0.0 { 0.8 } else { 0.1 };
+    struct Image(usize, Vec<u16>);
+
+    impl Image {
+        fn new(size: usize, light: impl Fn(usize, usize) -> f64) -> Self {
+            let code = |i: usize| (light(i % size, i / size) * 65535.0).round() as u16;
+            Self(size, (0..size * size).map(code).collect())
+        }
+
+        /// A corner of two edges, drawn by 16×16 supersampling of the ideal one and a blur by the pixel alone.
+        fn drawn(c: Point2<f64>, angles: [f64; 2], size: usize) -> Self {
+            let [n1, n2] = angles.map(|a| Vector2::new(-a.sin(), a.cos()));
+            Self::new(size, |x, y| {
+                let mut sum = 0.0;
+                for j in 0..16 {
+                    for i in 0..16 {
+                        let q = Point2::new(
+                            x as f64 + (f64::from(i) + 0.5) / 16.0 - 0.5,
+                            y as f64 + (f64::from(j) + 0.5) / 16.0 - 0.5,
+                        ) - c;
+                        sum += if n1.dot(&q) * n2.dot(&q) > 0.0 { 0.8 } else { 0.1 };
+                    }
                 }
-            }
-            (sum / 256.0) as f32
-        })
+                sum / 256.0
+            })
+        }
+
+        fn refine(&self, start: Point2<f64>, steps: [Vector2<f64>; 2]) -> Option<Refined> {
+            let view = PhotoView::new(Samples::U16(&self.1), self.0, self.0, self.0, Layout::Grey).unwrap();
+            Refiner::new(&LinearPhoto::new(view, Encoding::Linear)).refine(start, steps)
+        }
     }
 
     #[test]
@@ -247,9 +396,9 @@ mod tests {
                 let mid = size as f64 / 2.0;
                 let c = Point2::new(mid + phase, mid - 0.7 * phase);
                 let angles = [0.02 + f64::from(k) * 0.05, 1.45];
-                let image = drawn(c, angles, size);
+                let image = Image::drawn(c, angles, size);
                 let steps = angles.map(|a| Vector2::new(a.cos(), a.sin()) * square);
-                let found = refine(&image, c + Vector2::new(0.3, -0.25), steps).unwrap();
+                let found = image.refine(c + Vector2::new(0.3, -0.25), steps).unwrap();
                 let error = (found.position - c).norm();
                 assert!(error < 0.02 * square / 14.0, "{size} {k}: {error}");
             }
@@ -257,13 +406,32 @@ mod tests {
     }
 
     #[test]
+    fn derivatives_are_those_of_finite_differences() {
+        let erf = ErfTable::new();
+        let p = Params::from_column_slice(&[0.2, -0.3, 0.3, 1.7, 0.4, 0.4, 0.01, -0.02, 0.3, 0.004, 0.006]);
+        for at in [(0.0, 1.0), (2.0, -1.0), (-3.0, 0.0), (5.0, 6.0)] {
+            let at = Vector2::new(at.0, at.1);
+            let (_, derivative) = Model::new(&erf, &p).sample(at);
+            for i in 0..N {
+                let light = |h: f64| {
+                    let mut p = p;
+                    p[i] += h;
+                    Model::new(&erf, &p).sample(at).0
+                };
+                let slope = (light(1e-4) - light(-1e-4)) / 2e-4;
+                assert!((slope - derivative[i]).abs() < 4e-3 * (1.0 + slope.abs()), "{at} {i}: {slope}");
+            }
+        }
+    }
+
+    #[test]
     fn what_is_no_corner_is_refused() {
         let steps = [Vector2::new(20.0, 0.0), Vector2::new(0.0, 20.0)];
-        let flat = GreyImage::from_fn(60, 60, |_, _| 0.5);
-        assert!(refine(&flat, Point2::new(30.0, 30.0), steps).is_none());
-        let edge = GreyImage::from_fn(60, 60, |x, _| if x < 30 { 0.1 } else { 0.9 });
-        assert!(refine(&edge, Point2::new(30.0, 30.0), steps).is_none());
-        assert!(refine(&flat, Point2::new(2.0, 30.0), steps).is_none());
-        assert!(refine(&flat, Point2::new(f64::NAN, 30.0), steps).is_none());
+        let flat = Image::new(60, |_, _| 0.5);
+        assert!(flat.refine(Point2::new(30.0, 30.0), steps).is_none());
+        let edge = Image::new(60, |x, _| if x < 30 { 0.1 } else { 0.9 });
+        assert!(edge.refine(Point2::new(30.0, 30.0), steps).is_none());
+        assert!(flat.refine(Point2::new(2.0, 30.0), steps).is_none());
+        assert!(flat.refine(Point2::new(f64::NAN, 30.0), steps).is_none());
     }
 }

@@ -10,7 +10,7 @@ use super::light_field::Light;
 use super::profile::{Profile, locate};
 use super::scan::Scan;
 use crate::observations::EdgePoint;
-use crate::photo::GreyImage;
+use crate::photo::LinearPhoto;
 use crate::solve::Polynomial;
 
 /// Part of a side next to each corner that is left out: there the other side's blur shines in.
@@ -25,16 +25,16 @@ const MIN_HALF_TRANSITION_PX: f64 = 1.5;
 /// Measures the side that runs along `path` (a few points from corner to corner), known to within `uncertainty_px`, with
 /// the sheet on the side of `inward`. `None` when too little of it is seen.
 pub(super) fn measure_side(
-    grey: &GreyImage,
+    photo: &LinearPhoto<'_>,
     path: &[Point2<f64>],
     inward: Vector2<f64>,
     uncertainty_px: f64,
     light: &Light<'_>,
 ) -> Option<Vec<EdgePoint>> {
     let scan = Scan::new(inward);
-    let lines = scan_lines(grey, scan, path, uncertainty_px)?;
-    let coarse = localise(grey, scan, &lines, uncertainty_px, light)?;
-    let transition = half_transition(grey, scan, &lines, &coarse, uncertainty_px, light);
+    let lines = scan_lines(photo, scan, path, uncertainty_px)?;
+    let coarse = localise(photo, scan, &lines, uncertainty_px, light)?;
+    let transition = half_transition(photo, scan, &lines, &coarse, uncertainty_px, light);
     let plateau = (0.5 * transition).ceil() + 2.0;
     let clearance = transition + plateau + 1.0;
     let toward_sheet = inward.normalize();
@@ -49,7 +49,7 @@ pub(super) fn measure_side(
         let profiles: Vec<Profile> = lines
             .iter()
             .filter(|&&(line, expected)| clear(line as f64) && near(line as f64, expected))
-            .filter_map(|l| Profile::take(grey, scan, l.0, curve.value(l.0 as f64), transition, plateau))
+            .filter_map(|l| Profile::take(photo, scan, l.0, curve.value(l.0 as f64), transition, plateau))
             .collect();
         tried = profiles.len();
         crossings = locate(scan, &profiles)?;
@@ -64,7 +64,7 @@ pub(super) fn measure_side(
 
 /// The rows or columns that the side crosses, away from its corners, with the position expected there.
 fn scan_lines(
-    grey: &GreyImage,
+    photo: &LinearPhoto<'_>,
     scan: Scan,
     path: &[Point2<f64>],
     uncertainty_px: f64,
@@ -76,7 +76,7 @@ fn scan_lines(
     let (from, to) = (a.min(b), a.max(b));
     let margin = CORNER_MARGIN * (to - from) + uncertainty_px.min(0.1 * (to - from)) + 2.0;
     let first = (from + margin).ceil().max(0.0);
-    let last = (to - margin).floor().min(scan.lines(grey) as f64 - 1.0);
+    let last = (to - margin).floor().min(scan.lines(photo) as f64 - 1.0);
     if !(first.is_finite() && last.is_finite() && last > first) {
         return None;
     }
@@ -85,7 +85,7 @@ fn scan_lines(
 
 /// The curve along the strongest steps from dark to bright near the expected positions.
 fn localise(
-    grey: &GreyImage,
+    photo: &LinearPhoto<'_>,
     scan: Scan,
     lines: &[(usize, f64)],
     uncertainty_px: f64,
@@ -100,7 +100,7 @@ fn localise(
         let mut best = (0.0, f64::NAN);
         for s in centre - reach..=centre + reach {
             let arm_sum = |from: isize, to: isize| -> Option<f64> {
-                (from..=to).map(|p| scan.pixel(grey, line, p)).sum::<Option<f64>>()
+                (from..=to).map(|p| scan.pixel(photo, line, p)).sum::<Option<f64>>()
             };
             let (Some(low), Some(high)) = (arm_sum(s - arm + 1, s), arm_sum(s + 1, s + arm)) else {
                 continue;
@@ -123,7 +123,7 @@ fn localise(
 
 /// Half the width of the transition, px: where the mean profile across the side has come to rest.
 fn half_transition(
-    grey: &GreyImage,
+    photo: &LinearPhoto<'_>,
     scan: Scan,
     lines: &[(usize, f64)],
     curve: &Polynomial,
@@ -141,7 +141,7 @@ fn half_transition(
         let base = position.floor() as isize;
         for (bin, sum) in gradient.iter_mut().enumerate() {
             let s = base - reach + bin as isize;
-            if let (Some(p), Some(q)) = (scan.pixel(grey, line, s), scan.pixel(grey, line, s + 1)) {
+            if let (Some(p), Some(q)) = (scan.pixel(photo, line, s), scan.pixel(photo, line, s + 1)) {
                 *sum += (q - p) * scan.toward;
             }
         }

@@ -3,11 +3,9 @@
 use nalgebra::{Point2, Vector2};
 
 use super::lens::Lens;
+use super::working::Working;
 use crate::photo::GreyImage;
 
-/// The longer side of the working image lies between this and twice this: enough to see every side of a sheet, few
-/// enough pixels to look at all combinations.
-const WORKING_SIDE_PX: usize = 700;
 /// Edges weaker than this many times the median gradient are not looked at: three standard deviations of noise.
 const NOISE_MULTIPLE: f32 = 2.5;
 /// At most this share of all pixels are edge pixels; in a textured photograph the threshold rises until this holds.
@@ -22,30 +20,44 @@ pub(super) struct Edgel {
     pub(super) strength: f32,
 }
 
-/// The edges of a photograph.
+/// The edges of a photograph as they are seen.
 #[derive(Debug, Clone)]
-pub(super) struct EdgeMap {
+pub(super) struct SeenEdges {
+    edgels: Vec<Edgel>,
+    factor: usize,
+    tone: GreyImage,
+}
+
+/// The edges of a photograph as they would be seen through a straight lens.
+#[derive(Debug, Clone)]
+pub(super) struct EdgeMap<'a> {
     pub(super) width: usize,
     pub(super) height: usize,
     /// One working pixel is this many pixels of the photograph.
     pub(super) factor: usize,
     pub(super) edgels: Vec<Edgel>,
     /// The working image: square roots of light, so that noise is even and dark edges count.
-    pub(super) tone: GreyImage,
+    pub(super) tone: &'a GreyImage,
 }
 
-impl EdgeMap {
-    pub(super) fn new(grey: &GreyImage, lens: &Lens) -> Self {
-        let factor = (grey.width().max(grey.height()) / WORKING_SIDE_PX).max(1);
-        let reduced = grey.reduced(factor);
-        let tone = smoothed(&GreyImage::from_fn(reduced.width(), reduced.height(), |x, y| {
-            reduced.at(x, y).max(0.0).sqrt()
-        }));
-        let mut map = Self { width: tone.width(), height: tone.height(), factor, edgels: Vec::new(), tone };
-        map.edgels = find_edgels(&map.tone).into_iter().map(|e| map.straightened(&e, lens)).collect();
-        map
+impl SeenEdges {
+    pub(super) fn new(working: &Working) -> Self {
+        let image = &working.image;
+        let root = |x: usize, y: usize| image.at(x, y).max(0.0).sqrt();
+        let tone = smoothed(&GreyImage::from_fn(image.width(), image.height(), root));
+        Self { edgels: find_edgels(&tone), factor: working.factor, tone }
     }
 
+    pub(super) fn through(&self, lens: &Lens) -> EdgeMap<'_> {
+        let tone = &self.tone;
+        let (width, height) = (tone.width(), tone.height());
+        let mut map = EdgeMap { width, height, factor: self.factor, edgels: Vec::new(), tone };
+        map.edgels = self.edgels.iter().map(|e| map.straightened(e, lens)).collect();
+        map
+    }
+}
+
+impl EdgeMap<'_> {
     fn straightened(&self, e: &Edgel, lens: &Lens) -> Edgel {
         let straight = |p: Point2<f64>| self.to_working(lens.straighten(self.to_photo(p)));
         let position = straight(e.position);

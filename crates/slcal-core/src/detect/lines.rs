@@ -56,7 +56,7 @@ impl EdgeLine {
 }
 
 /// The most supported straight edges among the edge pixels that `keep` admits, the longest first.
-pub(super) fn find_lines(map: &EdgeMap, keep: impl Fn(&Edgel) -> bool) -> Vec<EdgeLine> {
+pub(super) fn find_lines(map: &EdgeMap<'_>, keep: impl Fn(&Edgel) -> bool) -> Vec<EdgeLine> {
     let mut edgels: Vec<Edgel> = map.edgels.iter().copied().filter(keep).collect();
     let mut votes = Votes::new(map);
     for e in &edgels {
@@ -146,7 +146,7 @@ struct Votes {
 }
 
 impl Votes {
-    fn new(map: &EdgeMap) -> Self {
+    fn new(map: &EdgeMap<'_>) -> Self {
         let offset = map.diagonal();
         let distances = (2.0 * offset / DISTANCE_BIN).ceil() as usize + 1;
         Self { bins: vec![0; ANGLE_BINS * distances], distances, offset }

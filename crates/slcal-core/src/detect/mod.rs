@@ -12,6 +12,7 @@ mod corner;
 mod crossing;
 mod edge;
 mod edge_map;
+mod erf;
 mod lens;
 mod light_field;
 mod lines;
@@ -21,6 +22,7 @@ mod scan;
 mod sheet;
 #[cfg(test)]
 mod tests;
+mod working;
 
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
@@ -29,11 +31,12 @@ use crate::error::{Error, Result};
 use crate::geometry::{Homography, RectangleSize};
 use crate::observations::{CornerPair, SheetObservation, ViewObservation};
 use crate::pattern::CheckerPattern;
-use crate::photo::{Encoding, PhotoView};
+use crate::photo::{Encoding, LinearPhoto, PhotoView};
 
 use board::Board;
 use lens::Lens;
 use light_field::{Light, LightField};
+use working::Working;
 
 /// What is known of a photograph before it is looked at.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -104,8 +107,9 @@ pub fn observe(
             format!("{}x{}", screen.width(), screen.height()),
         ));
     }
-    let grey = photo.linear_grey(config.encoding);
-    let board = pattern.map(|p| Board::find(&grey, p)).transpose()?;
+    let photo = LinearPhoto::new(photo, config.encoding);
+    let working = Working::new(&photo);
+    let board = pattern.map(|p| Board::find(&photo, &working, p)).transpose()?;
     let field = match (&board, pattern) {
         (Some(board), Some(p)) => {
             // The board was fitted in the pattern's own pixels; the light ends where the panel does.
@@ -116,15 +120,16 @@ pub fn observe(
         _ => LightField::none(),
     };
     let lens = board.as_ref().map_or_else(|| Lens::straight(photo.width(), photo.height()), |b| b.lens);
-    let grey = match screen {
+    let (photo, working) = match screen {
         Some(screen) => {
-            drop(grey);
-            screen.linear_grey(config.encoding)
+            let screen = LinearPhoto::new(screen, config.encoding);
+            let working = Working::new(&screen);
+            (screen, working)
         }
-        None => grey,
+        None => (photo, working),
     };
     let light = Light { field: &field, lens: &lens, board: board.as_ref().zip(pattern) };
-    let sheet = sheet::find(&grey, &light, config.corners)?;
+    let sheet = sheet::find(&photo, &working, &light, config.corners)?;
     let mut notes = sheet.notes;
     let pattern_corners = board.as_ref().map_or(0, |b| b.expected);
     let pairs = match board {

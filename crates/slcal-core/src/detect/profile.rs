@@ -6,7 +6,7 @@ use std::f64::consts::SQRT_2;
 
 use super::crossing::{Crossing, median};
 use super::scan::Scan;
-use crate::photo::GreyImage;
+use crate::photo::LinearPhoto;
 
 /// Weakest step, as a part of the side's median step, that is still measured (an unlit part of the sheet).
 const MIN_RELATIVE_STEP: f64 = 0.1;
@@ -25,7 +25,7 @@ pub(super) struct Profile {
 
 impl Profile {
     pub(super) fn take(
-        grey: &GreyImage,
+        photo: &LinearPhoto<'_>,
         scan: Scan,
         line: usize,
         position: f64,
@@ -35,7 +35,7 @@ impl Profile {
         let half = (transition + plateau).ceil() as isize;
         let base = position.round() - 0.5 * scan.toward;
         let light: Option<Vec<f64>> = (-half..half)
-            .map(|k| scan.pixel(grey, line, (base + scan.toward * (k as f64 + 0.5)).round() as isize))
+            .map(|k| scan.pixel(photo, line, (base + scan.toward * (k as f64 + 0.5)).round() as isize))
             .collect();
         Some(Self { line: line as f64, base, light: light?, plateau: plateau as usize })
     }

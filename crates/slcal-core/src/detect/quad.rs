@@ -56,7 +56,7 @@ const SIDE_MARGIN: f64 = 4.0;
 
 /// Finds the sheet. `foreign` tells the edge pixels that are known not to be the sheet's (the light's border, the board's own).
 pub(super) fn find_sheet(
-    map: &EdgeMap,
+    map: &EdgeMap<'_>,
     lines: &[EdgeLine],
     content: &Content,
     foreign: impl Fn(&Edgel) -> bool,
@@ -108,7 +108,7 @@ fn share_inside(lines: &[Line], points: &[Point2<f64>]) -> f64 {
 }
 
 /// The quadrilateral of four lines sorted by the angle of their inward normals, if they make one and are seen.
-fn combine(map: &EdgeMap, sides: [&EdgeLine; 4], content: &Content) -> Option<Quad> {
+fn combine(map: &EdgeMap<'_>, sides: [&EdgeLine; 4], content: &Content) -> Option<Quad> {
     let mut corners = [Point2::origin(); 4];
     for i in 0..4 {
         let (a, b) = (sides[i].line, sides[(i + 1) % 4].line);
@@ -194,7 +194,7 @@ fn clip(a: Point2<f64>, b: Point2<f64>, w: f64, h: f64) -> Option<(Point2<f64>, 
 
 /// How free of other edges the inside is: the sheet is plain but for the board, while a quadrilateral around it has the
 /// sheet's own sides inside.
-fn tidiness(map: &EdgeMap, quad: &Quad, foreign: &impl Fn(&Edgel) -> bool) -> f64 {
+fn tidiness(map: &EdgeMap<'_>, quad: &Quad, foreign: &impl Fn(&Edgel) -> bool) -> f64 {
     let inside = |p: Point2<f64>| quad.lines.iter().all(|l| l.signed_distance_px(p) > SIDE_MARGIN);
     let stray = map.edgels.iter().filter(|e| inside(e.position) && !foreign(e)).count();
     let perimeter: f64 =
@@ -203,7 +203,7 @@ fn tidiness(map: &EdgeMap, quad: &Quad, foreign: &impl Fn(&Edgel) -> bool) -> f6
 }
 
 /// Mean step of tone across the sides, from outside to inside.
-fn step(map: &EdgeMap, quad: &Quad) -> f64 {
+fn step(map: &EdgeMap<'_>, quad: &Quad) -> f64 {
     let (mut sum, mut n) = (0.0, 0.0);
     for i in 0..4 {
         let (a, b) = (quad.corners[i], quad.corners[(i + 1) % 4]);

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-use crate::photo::GreyImage;
+use crate::photo::LinearPhoto;
 
 /// How a side is scanned: one crossing per row (steep sides) or per column (flat ones).
 #[derive(Debug, Clone, Copy)]
@@ -29,12 +29,12 @@ impl Scan {
         if self.along_x { Point2::new(position, line) } else { Point2::new(line, position) }
     }
 
-    pub(super) fn lines(self, image: &GreyImage) -> usize {
+    pub(super) fn lines(self, image: &LinearPhoto<'_>) -> usize {
         if self.along_x { image.height() } else { image.width() }
     }
 
     /// The pixel at an integer position of a line, or `None` outside the frame.
-    pub(super) fn pixel(self, image: &GreyImage, line: usize, position: isize) -> Option<f64> {
+    pub(super) fn pixel(self, image: &LinearPhoto<'_>, line: usize, position: isize) -> Option<f64> {
         let position = usize::try_from(position).ok()?;
         let (x, y) = if self.along_x { (position, line) } else { (line, position) };
         (x < image.width() && y < image.height()).then(|| f64::from(image.at(x, y)))

@@ -3,14 +3,15 @@
 use nalgebra::{Point2, Vector2};
 
 use super::edge::measure_side;
-use super::edge_map::{EdgeMap, Edgel};
+use super::edge_map::{Edgel, SeenEdges};
 use super::lens::Lens;
 use super::light_field::Light;
 use super::lines::find_lines;
 use super::quad::{Content, find_sheet};
+use super::working::Working;
 use crate::error::{Error, Result};
 use crate::observations::SheetObservation;
-use crate::photo::GreyImage;
+use crate::photo::LinearPhoto;
 
 /// The outline and what is worth telling about it.
 #[derive(Debug, Clone)]
@@ -52,11 +53,17 @@ pub(super) fn contains(corners: &[Point2<f64>; 4], p: Point2<f64>) -> bool {
 }
 
 /// Finds the sheet around the board, or the brightest one.
-pub(super) fn find(grey: &GreyImage, light: &Light<'_>, by_hand: Option<[Point2<f64>; 4]>) -> Result<Sheet> {
-    let diagonal = (grey.width() as f64).hypot(grey.height() as f64);
+pub(super) fn find(
+    photo: &LinearPhoto<'_>,
+    working: &Working,
+    light: &Light<'_>,
+    by_hand: Option<[Point2<f64>; 4]>,
+) -> Result<Sheet> {
+    let (width, height) = (photo.width(), photo.height());
+    let diagonal = (width as f64).hypot(height as f64);
     if let Some(corners) = by_hand {
         return Ok(
-            match measure(grey, corners.map(|c| light.lens.straighten(c)), HAND_REACH * diagonal, light) {
+            match measure(photo, corners.map(|c| light.lens.straighten(c)), HAND_REACH * diagonal, light) {
                 Ok(observation) => Sheet { observation, notes: Vec::new() },
                 Err(side) => Sheet {
                     observation: SheetObservation::Corners { corners, sigma_px: HAND_SIGMA * diagonal },
@@ -68,18 +75,19 @@ pub(super) fn find(grey: &GreyImage, light: &Light<'_>, by_hand: Option<[Point2<
             },
         );
     }
+    let edges = SeenEdges::new(working);
     let outcome = match light.board {
-        Some(_) => search(grey, light, light.lens),
+        Some(_) => search(&edges, light, light.lens),
         // Nothing tells the lens but the sheet's own sides: they are straight under the right one.
         None => TRIED_LENSES
             .iter()
-            .map(|&k| search(grey, light, &Lens::radial(grey.width(), grey.height(), k)))
+            .map(|&k| search(&edges, light, &Lens::radial(width, height, k)))
             .reduce(|best, next| if next.score > WORTHWHILE * best.score { next } else { best })
-            .unwrap_or_else(|| search(grey, light, light.lens)),
+            .unwrap_or_else(|| search(&edges, light, light.lens)),
     };
     let Some(corners) = outcome.corners else { return Err(not_found(outcome.seen)) };
     let light = Light { lens: &outcome.lens, ..*light };
-    let observation = measure(grey, corners, outcome.uncertainty_px, &light).map_err(|side| {
+    let observation = measure(photo, corners, outcome.uncertainty_px, &light).map_err(|side| {
         not_found(format!("a quadrilateral was seen, but its {side} side is not a clean edge"))
     })?;
     Ok(Sheet { observation, notes: Vec::new() })
@@ -102,8 +110,8 @@ struct Outcome {
     seen: String,
 }
 
-fn search(grey: &GreyImage, light: &Light<'_>, lens: &Lens) -> Outcome {
-    let map = EdgeMap::new(grey, lens);
+fn search(edges: &SeenEdges, light: &Light<'_>, lens: &Lens) -> Outcome {
+    let map = edges.through(lens);
     let foreign = |e: &Edgel| {
         let p = map.to_photo(e.position);
         light.field.explains(p, e.normal, BORDER_DISTANCE * map.factor as f64)
@@ -152,7 +160,7 @@ fn named(corners: [Point2<f64>; 4]) -> [Point2<f64>; 4] {
 
 /// Measures the four sides between straightened corners; the name of the first that is not seen otherwise.
 fn measure(
-    grey: &GreyImage,
+    photo: &LinearPhoto<'_>,
     corners: [Point2<f64>; 4],
     uncertainty_px: f64,
     light: &Light<'_>,
@@ -166,7 +174,7 @@ fn measure(
         let on = |k: u32| light.lens.bend(a + d * (f64::from(k) / f64::from(PATH_POINTS - 1)));
         let path: Vec<Point2<f64>> = (0..PATH_POINTS).map(on).collect();
         let inward = Vector2::new(-d.y, d.x);
-        sides[i] = measure_side(grey, &path, inward, uncertainty_px, light).ok_or(NAMES[i])?;
+        sides[i] = measure_side(photo, &path, inward, uncertainty_px, light).ok_or(NAMES[i])?;
     }
     Ok(SheetObservation::Edges(sides))
 }

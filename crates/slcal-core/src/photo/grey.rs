@@ -20,6 +20,12 @@ impl GreyImage {
         Self { width, height, data }
     }
 
+    /// An image of `width`·`height` values; what is missing is black.
+    pub(super) fn from_data(width: usize, height: usize, mut data: Vec<f32>) -> Self {
+        data.resize(width * height, 0.0);
+        Self { width, height, data }
+    }
+
     /// Width, px.
     #[must_use]
     pub fn width(&self) -> usize {
@@ -63,19 +69,6 @@ impl GreyImage {
         Some(top + fy * (bottom - top))
     }
 
-    /// The mean over blocks of `factor`×`factor` pixels; the last, incomplete blocks are left out. Pixel (x, y) of the
-    /// result has its centre at (x·factor + (factor−1)/2, …) of this image.
-    #[must_use]
-    pub fn reduced(&self, factor: usize) -> Self {
-        let (w, h) = (self.width / factor, self.height / factor);
-        let scale = 1.0 / (factor * factor) as f32;
-        Self::from_fn(w, h, |x, y| {
-            let block = (0..factor)
-                .map(|j| self.row(y * factor + j)[x * factor..(x + 1) * factor].iter().sum::<f32>());
-            block.sum::<f32>() * scale
-        })
-    }
-
     /// All pixels, row-major.
     #[must_use]
     pub fn data(&self) -> &[f32] {
@@ -94,13 +87,5 @@ mod tests {
         assert_eq!(image.bilinear(4.0, 3.0), Some(34.0));
         assert_eq!(image.bilinear(4.01, 0.0), None);
         assert_eq!(image.bilinear(f64::NAN, 0.0), None);
-    }
-
-    #[test]
-    fn reduction_keeps_the_mean() {
-        let image = GreyImage::from_fn(7, 6, |x, _| x as f32);
-        let small = image.reduced(3);
-        assert_eq!((small.width(), small.height()), (2, 2));
-        assert_eq!(small.at(1, 1), 4.0);
     }
 }

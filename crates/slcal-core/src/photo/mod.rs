@@ -2,8 +2,10 @@
 
 mod encoding;
 mod grey;
+mod linear;
 mod view;
 
 pub use encoding::{Encoding, LinearTable};
 pub use grey::GreyImage;
+pub use linear::LinearPhoto;
 pub use view::{Layout, PhotoView, Samples};

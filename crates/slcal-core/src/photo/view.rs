@@ -2,7 +2,7 @@
 
 use image::DynamicImage;
 
-use super::{Encoding, GreyImage, LinearTable};
+use super::{Encoding, LinearTable};
 use crate::error::{Error, Result};
 
 /// The samples of a photograph, 8 or 16 bit.
@@ -165,20 +165,61 @@ impl<'a> PhotoView<'a> {
         })
     }
 
-    /// Linear light averaged over the three channels with equal weights: the sheet and the projector's light are
-    /// white, so that equal weights carry the least noise.
+    /// The linear light of one pixel, the mean of the three channels.
+    #[inline]
     #[must_use]
-    pub fn linear_grey(&self, encoding: Encoding) -> GreyImage {
-        let table = self.linear_table(encoding);
-        let mut row = vec![[0.0_f32; 3]; self.width];
-        let mut current = usize::MAX;
-        GreyImage::from_fn(self.width, self.height, |x, y| {
-            if y != current {
-                self.linear_rgb_row(y, &table, &mut row);
-                current = y;
+    pub(super) fn linear_grey_pixel(&self, x: usize, y: usize, table: &LinearTable) -> f32 {
+        if self.layout.has_color() {
+            let [r, g, b] = self.linear_rgb(x, y, table);
+            (r + g + b) / 3.0
+        } else {
+            let at = y * self.row_stride + x * self.layout.channels();
+            match self.samples {
+                Samples::U8(s) => table.light(usize::from(s[at])),
+                Samples::U16(s) => table.light(usize::from(s[at])),
             }
-            (row[x][0] + row[x][1] + row[x][2]) / 3.0
-        })
+        }
+    }
+
+    /// Adds the light of `factor` neighbouring pixels of a row to each of `sums`.
+    pub(super) fn add_block_sums(&self, y: usize, factor: usize, table: &LinearTable, sums: &mut [f32]) {
+        match self.samples {
+            Samples::U8(s) => self.add_blocks(&s[y * self.row_stride..], factor, table, sums),
+            Samples::U16(s) => self.add_blocks(&s[y * self.row_stride..], factor, table, sums),
+        }
+    }
+
+    fn add_blocks<T: Copy + Into<usize>>(
+        &self,
+        row: &[T],
+        factor: usize,
+        table: &LinearTable,
+        sums: &mut [f32],
+    ) {
+        let channels = self.layout.channels();
+        let blocks = row.chunks(factor * channels);
+        let light = |c: T| table.light(c.into());
+        if channels == 3 || channels == 1 {
+            // Three running sums keep the additions apart; which channel is which does not matter.
+            for (sum, block) in sums.iter_mut().zip(blocks) {
+                let mut part = [0.0_f32; 3];
+                let (triples, rest) = block.as_chunks::<3>();
+                for t in triples {
+                    part[0] += light(t[0]);
+                    part[1] += light(t[1]);
+                    part[2] += light(t[2]);
+                }
+                let rest: f32 = rest.iter().map(|c| light(*c)).sum();
+                *sum += (part[0] + part[1] + part[2] + rest) / channels as f32;
+            }
+        } else {
+            let used = if channels == 4 { 3 } else { 1 };
+            for (sum, block) in sums.iter_mut().zip(blocks) {
+                let pixels =
+                    block.chunks_exact(channels).map(|p| p[..used].iter().map(|c| light(*c)).sum::<f32>());
+                *sum += pixels.sum::<f32>() / used as f32;
+            }
+        }
     }
 }
 

@@ -1,0 +1,115 @@
+//! A photograph read as linear light where it is looked at: most pixels of a large one are never needed at full size.
+
+use nalgebra::Point2;
+
+use super::{Encoding, GreyImage, LinearTable, PhotoView};
+
+/// A borrowed photograph in linear light, 0–1, averaged over the three channels with equal weights: the sheet and the
+/// projector's light are white, so that equal weights carry the least noise.
+#[derive(Debug, Clone)]
+pub struct LinearPhoto<'a> {
+    view: PhotoView<'a>,
+    table: LinearTable,
+}
+
+impl<'a> LinearPhoto<'a> {
+    /// Reads `view` through the transfer curve `encoding`.
+    #[must_use]
+    pub fn new(view: PhotoView<'a>, encoding: Encoding) -> Self {
+        Self { view, table: view.linear_table(encoding) }
+    }
+
+    /// Width, px.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.view.width()
+    }
+
+    /// Height, px.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.view.height()
+    }
+
+    /// The light of a pixel, which must lie in the photograph.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, x: usize, y: usize) -> f32 {
+        self.view.linear_grey_pixel(x, y, &self.table)
+    }
+
+    /// Bilinear interpolation; `None` outside the centres of the border pixels.
+    #[inline]
+    #[must_use]
+    pub fn bilinear(&self, p: Point2<f64>) -> Option<f64> {
+        let (w, h) = (self.width(), self.height());
+        let inside = p.x >= 0.0 && p.y >= 0.0 && p.x <= w as f64 - 1.0 && p.y <= h as f64 - 1.0;
+        if !inside {
+            return None;
+        }
+        let (x, y) = (p.x as usize, p.y as usize);
+        let (fx, fy) = (p.x - x as f64, p.y - y as f64);
+        let (x1, y1) = ((x + 1).min(w - 1), (y + 1).min(h - 1));
+        let along = |y: usize| {
+            let (a, b) = (f64::from(self.at(x, y)), f64::from(self.at(x1, y)));
+            a + fx * (b - a)
+        };
+        let (top, bottom) = (along(y), along(y1));
+        Some(top + fy * (bottom - top))
+    }
+
+    /// The mean over blocks of `factor`×`factor` pixels; the last, incomplete blocks are left out. Pixel (x, y) of the
+    /// result has its centre at (x·factor + (factor−1)/2, …) of the photograph.
+    #[must_use]
+    pub fn reduced(&self, factor: usize) -> GreyImage {
+        let factor = factor.max(1);
+        let (w, h) = (self.width() / factor, self.height() / factor);
+        let mut data = vec![0.0_f32; w * h];
+        for (y, sums) in data.chunks_exact_mut(w.max(1)).enumerate() {
+            for row in y * factor..(y + 1) * factor {
+                self.view.add_block_sums(row, factor, &self.table, sums);
+            }
+            let scale = 1.0 / (factor * factor) as f32;
+            for s in sums {
+                *s *= scale;
+            }
+        }
+        GreyImage::from_data(w, h, data)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photo::{Layout, Samples};
+
+    #[test]
+    fn bilinear_is_exact_on_a_ramp_up_to_the_border_and_nothing_beyond() {
+        let codes: Vec<u16> = (0..20).map(|i| (i % 5) * 1000 + (i / 5) * 10_000).collect();
+        let view = PhotoView::new(Samples::U16(&codes), 5, 4, 5, Layout::Grey).unwrap();
+        let photo = LinearPhoto::new(view, Encoding::Linear);
+        let at = |x: f64, y: f64| photo.bilinear(Point2::new(x, y)).map(|v| v * 65535.0);
+        assert!((at(2.25, 1.5).unwrap() - 17_250.0).abs() < 0.01);
+        assert!((at(4.0, 3.0).unwrap() - 34_000.0).abs() < 0.01);
+        assert_eq!(at(4.01, 0.0), None);
+        assert_eq!(at(f64::NAN, 0.0), None);
+    }
+
+    #[test]
+    fn blocks_of_any_layout_hold_the_mean_of_light() {
+        let rgba: Vec<u8> =
+            (0..7 * 5).flat_map(|i: usize| [i as u8, (2 * i) as u8, (3 * i) as u8, 255]).collect();
+        let rgb: Vec<u8> = rgba.chunks(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+        let with = |bytes: &[u8], stride: usize, layout| {
+            let view = PhotoView::new(Samples::U8(bytes), 7, 5, stride, layout).unwrap();
+            let photo = LinearPhoto::new(view, Encoding::Srgb);
+            let small = photo.reduced(2);
+            assert_eq!((small.width(), small.height()), (3, 2));
+            let mean = (photo.at(2, 2) + photo.at(3, 2) + photo.at(2, 3) + photo.at(3, 3)) / 4.0;
+            assert!((small.at(1, 1) - mean).abs() < 1e-6);
+            small
+        };
+        let (a, b) = (with(&rgba, 28, Layout::Rgba), with(&rgb, 21, Layout::Rgb));
+        assert!(a.data().iter().zip(b.data()).all(|(a, b)| (a - b).abs() < 1e-6));
+    }
+}
