@@ -50,6 +50,29 @@ fn coefficient_jacobian(x: Vector2<f64>) -> SMatrix<f64, 2, 5> {
     ])
 }
 
+/// Derivatives of m·D(x)·u by x and by (k1, k2, p1, p2, k3), where D is the distortion's Jacobian at x.
+fn slope_jacobian(
+    d: &Distortion,
+    x: Vector2<f64>,
+    m: Vector2<f64>,
+    u: Vector2<f64>,
+) -> (Vector2<f64>, SVector<f64, 5>) {
+    let r2 = x.norm_squared();
+    let (mu, mx, xu) = (m.dot(&u), m.dot(&x), x.dot(&u));
+    // The radial factor's first and second derivative by r².
+    let slope = d.k1 + r2 * (2.0 * d.k2 + 3.0 * r2 * d.k3);
+    let bend = 2.0 * d.k2 + 6.0 * r2 * d.k3;
+    // What p1 and p2 are multiplied by, linear in x.
+    let cross = |x: Vector2<f64>| 2.0 * (x.x * u.y + x.y * u.x);
+    let p1 = |x: Vector2<f64>| m.x * cross(x) + m.y * (2.0 * x.dot(&u) + 4.0 * x.y * u.y);
+    let p2 = |x: Vector2<f64>| m.x * (2.0 * x.dot(&u) + 4.0 * x.x * u.x) + m.y * cross(x);
+    let linear = |f: &dyn Fn(Vector2<f64>) -> f64| Vector2::new(f(Vector2::x()), f(Vector2::y()));
+    let radial = x * (2.0 * slope * mu + 4.0 * bend * mx * xu) + (m * xu + u * mx) * (2.0 * slope);
+    let by_x = radial + linear(&p1) * d.p1 + linear(&p2) * d.p2;
+    let of_power = |n: i32| r2.powi(n) * mu + 2.0 * f64::from(n) * r2.powi(n - 1) * mx * xu;
+    (by_x, SVector::from([of_power(1), of_power(2), p1(x), p2(x), of_power(3)]))
+}
+
 /// The 2×2 part of K.
 fn k2(camera: &Camera) -> Matrix2<f64> {
     let k = &camera.intrinsics;
@@ -93,8 +116,8 @@ fn unproject(camera: &Camera, p: Point2<f64>) -> Option<(Vector2<f64>, Matrix2<f
 /// Distance of an edge point from the image of a side, px: g(p)/|∇g(p)|, where g is the side's line at the undistorted
 /// point. Exact without distortion; with it, of first order in the distance (P. D. Sampson, 1982).
 ///
-/// The derivative leaves out how the distortion's slope changes with the parameters, a term of the size of the residual
-/// times the distortion per focal length.
+/// With n the line's normal at the undistorted x, D the distortion's Jacobian there and ∇g = K⁻ᵀD⁻ᵀn, ∇g changes with the
+/// line, with f (in proportion to 1/f) and with D: ∇g·d(∇g) = −(D⁻ᵀn)·dD·(D⁻¹K⁻¹∇g).
 pub(crate) fn edge(
     camera: &Camera,
     camera_from_sheet: &Pose,
@@ -128,6 +151,11 @@ pub(crate) fn edge(
     view.fixed_rows_mut::<3>(3).copy_from(&(-by_line * cross_matrix(&e)).transpose());
     let mut by_lens = (line.xy().transpose() * lens / norm).transpose();
     by_lens[0] += value;
+    let (by_x, by_coefficients) =
+        slope_jacobian(&camera.distortion, x, k2(camera).transpose() * gradient, by_pixel * gradient);
+    let change = value / (norm * norm);
+    by_lens += lens.transpose() * by_x * change;
+    by_lens.fixed_rows_mut::<5>(3).axpy(change, &by_coefficients, 1.0);
     Some(EdgeResidual { value, camera: by_lens, view })
 }
 
