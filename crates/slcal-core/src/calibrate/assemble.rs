@@ -11,6 +11,8 @@ use crate::rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, View
 
 /// 1σ of a stripe's position in the camera image that the expected point σ assumes, px.
 const STRIPE_NOISE_PX: f64 = 0.1;
+/// Each round gains two digits or more at the strongest distortion that a projector has.
+const ROUNDS_ON_A_CURVED_COLUMN: usize = 30;
 
 fn device(model: Camera, places: &[Option<usize>; super::residual::LENS], fit: &Fit) -> Device {
     let sigma = |i: usize| places[i].map_or(0.0, |p| fit.covariance[(p, p)].sqrt());
@@ -113,7 +115,7 @@ pub(crate) fn rig(joint: &Joint, fit: &Fit, judgement: &Judgement) -> Rig {
             verdict: judgement.verdict,
             focal_sigma_percent_camera: percent(judgement.sigma.camera),
             focal_sigma_percent_projector: judgement.sigma.projector.map(percent),
-            expected_point_sigma_mm: expected_point_sigma(layout, fit, joint.sizes.first().copied()),
+            expected_point_sigma_mm: expected_point_sigma(layout, fit, &joint.sizes),
             warnings: judgement.warnings.clone(),
         }),
         covariance: Some(Covariance {
@@ -127,19 +129,43 @@ pub(crate) fn rig(joint: &Joint, fit: &Fit, judgement: &Judgement) -> Rig {
 /// `column` crosses it (paper, eq. 17 to 19).
 pub(crate) fn depth_on_column(model: &Model, p: Point2<f64>, column: f64, row: f64) -> Option<f64> {
     let projector = model.projector.as_ref()?;
-    // The column as the plane through the projector's centre and the light at (column, row) along the panel's y axis.
-    let light = projector.bearing(Point2::new(column, row))?;
     let ray = model.projector_from_camera.rotation * model.camera.bearing(p)?;
     let t = model.projector_from_camera.translation;
-    let s = -(t.x - light.x * t.z) / (ray.x - light.x * ray.z);
-    (s.is_finite() && s > 0.0).then_some(s)
+    // The column as the plane through the projector's centre and the light at (column, row) along the panel's y axis. A
+    // distorted column is no plane: its part at the row that the point is lit from.
+    let mut row = row;
+    for _ in 0..ROUNDS_ON_A_CURVED_COLUMN {
+        let light = projector.bearing(Point2::new(column, row))?;
+        let s = -(t.x - light.x * t.z) / (ray.x - light.x * ray.z);
+        if !(s.is_finite() && s > 0.0) {
+            return None;
+        }
+        if projector.distortion.is_none() {
+            return Some(s);
+        }
+        let next = projector.project(&Point3::from(ray * s + t))?.y;
+        if (next - row).abs() < 1e-9 * f64::from(projector.height) {
+            return Some(s);
+        }
+        row = next;
+    }
+    None
 }
 
-/// 1σ along the camera's ray of a point at the middle of the first view's sheet, from stripe noise and the rig's
-/// covariance, to first order.
-fn expected_point_sigma(layout: &Layout, fit: &Fit, size: Option<RectangleSize>) -> Option<f64> {
+/// 1σ along the camera's ray of a point at the middle of the sheet, the root mean square over the views.
+fn expected_point_sigma(layout: &Layout, fit: &Fit, sizes: &[RectangleSize]) -> Option<f64> {
+    rms(fit
+        .model
+        .views
+        .iter()
+        .zip(sizes)
+        .filter_map(|(pose, size)| sigma_at_middle(layout, fit, pose, *size)))
+}
+
+/// 1σ along the camera's ray of a point at the middle of a sheet, from stripe noise and the rig's covariance, to first
+/// order.
+fn sigma_at_middle(layout: &Layout, fit: &Fit, pose: &Pose, size: RectangleSize) -> Option<f64> {
     let model = &fit.model;
-    let (pose, size) = (model.views.first()?, size?);
     let middle = pose.transform(&Point3::new(size.width_mm / 2.0, size.height_mm / 2.0, 0.0));
     let pixel = model.camera.project(&middle)?;
     let lit = model.projector.as_ref()?.project(&model.projector_from_camera.transform(&middle))?;
@@ -148,18 +174,21 @@ fn expected_point_sigma(layout: &Layout, fit: &Fit, size: Option<RectangleSize>)
         depth_on_column(m, Point2::new(pixel.x + shift, pixel.y), lit.x, lit.y).map(|s| s * length)
     };
     let slope = (depth(model, 0.5)? - depth(model, -0.5)?) * STRIPE_NOISE_PX;
-    let mut gradient = DVector::zeros(layout.len);
-    for i in 0..layout.len {
+    // The poses of the sheet play no part.
+    let devices = Model { views: Vec::new(), ..model.clone() };
+    let mut gradient = DVector::zeros(layout.views);
+    for i in 0..layout.views {
         // A small part of the parameter's own σ: far above rounding, far below curvature.
         let h = 1e-3 * fit.covariance[(i, i)].sqrt();
         if h > 0.0 {
-            let mut delta = DVector::zeros(layout.len);
+            let mut delta = DVector::zeros(layout.views);
             delta[i] = h;
-            let (up, down) = (model.moved(layout, &delta)?, model.moved(layout, &-delta)?);
+            let (up, down) = (devices.moved(layout, &delta)?, devices.moved(layout, &-delta)?);
             gradient[i] = (depth(&up, 0.0)? - depth(&down, 0.0)?) / (2.0 * h);
         }
     }
-    let of_rig = gradient.dot(&(&fit.covariance * &gradient)).max(0.0);
+    let of_rig =
+        gradient.dot(&(fit.covariance.view((0, 0), (layout.views, layout.views)) * &gradient)).max(0.0);
     let sigma = (of_rig + slope * slope).sqrt();
     sigma.is_finite().then_some(sigma)
 }

@@ -1,60 +1,99 @@
-//! Whether the photographs show the camera's distortion: the data decide.
+//! Whether the photographs show that the camera or the projector distorts: the data decide.
 
+use super::check::VIEWS_FOR_PROJECTOR_DISTORTION;
 use super::config::{CalibrateConfig, DistortionModel};
 use super::joint::Kind;
-use super::ml::{Solved, solve};
-use crate::error::Result;
+use super::ml::{Solved, add_projector, solve_camera};
+use crate::error::{Error, Result};
 use crate::observations::Observations;
 
-/// Distortion is estimated when it lowers χ², in units of what remains, by more than this. For two coefficients and
+/// A lens's distortion is estimated when it lowers χ², in units of what remains, by more than this. For two coefficients and
 /// independent noise chance reaches 14 once in a thousand; twice that leaves room for what neighbours have in common.
 const LEAST_GAIN: f64 = 30.0;
 /// Residuals count up to this many times the typical one, so that outliers of either fit do not decide.
 const CAP: f64 = 5.0;
 
-/// The fit under `config`, with [`DistortionModel::Auto`] resolved to `None` or `K1K2`.
+/// Claimed σ are trusted down to a quarter of themselves: correlated points scatter less than their σ.
+const MIN_UNIT: f64 = 1.0 / 16.0;
+
+/// What `Auto` stands for: none, or k1 with k2.
 ///
 /// k2 goes with k1: on real lenses k1 alone is misspecified, and its prior keeps k2 small where nothing shows it.
+const CHOICE: [DistortionModel; 2] = [DistortionModel::None, DistortionModel::K1K2];
+
+fn choices(asked: DistortionModel, open: bool) -> Vec<DistortionModel> {
+    match asked {
+        DistortionModel::Auto if open => CHOICE.to_vec(),
+        DistortionModel::Auto => vec![DistortionModel::None],
+        given => vec![given],
+    }
+}
+
+/// The fit under `config`, with [`DistortionModel::Auto`] of either device resolved to `None` or `K1K2`.
+///
+/// Every combination is fitted, since either lens can take up part of what the other one does.
 pub(crate) fn solve_choosing(
     observations: &Observations,
     config: &CalibrateConfig,
 ) -> Result<(Solved, CalibrateConfig)> {
-    let with = |distortion| CalibrateConfig { distortion, ..config.clone() };
-    if config.distortion != DistortionModel::Auto {
-        return Ok((solve(observations, config)?, config.clone()));
+    let enough =
+        observations.projector.is_some() && observations.views.len() >= VIEWS_FOR_PROJECTOR_DISTORTION;
+    let mut fits = Vec::new();
+    let mut complaint = None;
+    for distortion in choices(config.distortion, config.known_camera.is_none()) {
+        let camera = solve_camera(observations, &CalibrateConfig { distortion, ..config.clone() });
+        for projector_distortion in choices(config.projector_distortion, enough) {
+            let config = CalibrateConfig { distortion, projector_distortion, ..config.clone() };
+            let solved =
+                camera.as_ref().map_err(Clone::clone).and_then(|c| add_projector(observations, &config, c));
+            match solved {
+                Ok(solved) => fits.push((solved, config)),
+                Err(e) => complaint = complaint.or(Some(e)),
+            }
+        }
     }
-    let (straight_config, bent_config) = (with(DistortionModel::None), with(DistortionModel::K1K2));
-    let straight = solve(observations, &straight_config);
-    if config.known_camera.is_some() {
-        return Ok((straight?, straight_config));
-    }
-    match (straight, solve(observations, &bent_config)) {
-        (Ok(straight), Ok(bent)) if gain(&straight, &bent) <= LEAST_GAIN => Ok((straight, straight_config)),
-        (Err(_) | Ok(_), Ok(bent)) => Ok((bent, bent_config)),
-        (straight, Err(_)) => Ok((straight?, straight_config)),
-    }
+    choose(fits).ok_or_else(|| complaint.unwrap_or_else(nothing_fitted))
 }
 
-/// The fall of χ² from the straight to the bent fit, in units of the bent fit's mean square, summed over edges and pairs.
-fn gain(straight: &Solved, bent: &Solved) -> f64 {
-    [Kind::Edge, Kind::SheetCorner, Kind::Pair]
-        .into_iter()
-        .map(|kind| {
-            let squares = |s: &Solved| -> Vec<f64> {
-                let of_kind =
-                    s.joint.measurements.iter().zip(&s.fit.norms_px).filter(|(m, _)| m.kind() == kind);
-                of_kind.map(|(m, norm)| (norm / m.sigma_px).powi(2)).collect()
-            };
-            let (before, after) = (squares(straight), squares(bent));
-            let mut sorted = after.clone();
-            sorted.sort_by(f64::total_cmp);
-            // The median of χ²₁ is 0.455 of its mean. Below a scale of one the claimed σ stands.
-            let unit = sorted.get(sorted.len() / 2).map_or(1.0, |m| (m / 0.455).max(MIN_UNIT));
-            let capped = |v: &[f64]| v.iter().map(|x| (x / unit).min(CAP * CAP)).sum::<f64>();
-            capped(&before) - capped(&after)
-        })
-        .sum()
+/// Only where no model was tried at all, which the configuration does not allow.
+fn nothing_fitted() -> Error {
+    Error::invalid("distortion", "a model of the lens", "none")
 }
 
-/// Claimed σ are trusted down to a quarter of themselves: correlated points scatter less than their σ.
-const MIN_UNIT: f64 = 1.0 / 16.0;
+/// The fit of the smallest χ², in units of what remains under the freest model, where every lens that is let distort has
+/// to earn [`LEAST_GAIN`].
+fn choose(fits: Vec<(Solved, CalibrateConfig)>) -> Option<(Solved, CalibrateConfig)> {
+    let units = units(&fits.last()?.0);
+    let price = |config: &CalibrateConfig| {
+        let bent = [config.distortion, config.projector_distortion];
+        bent.iter().filter(|d| **d != DistortionModel::None).count() as f64 * LEAST_GAIN
+    };
+    let scored =
+        fits.into_iter().map(|(solved, config)| (remains(&solved, units) + price(&config), solved, config));
+    // Of those that tie, the first one, which is the simplest.
+    let (_, solved, config) = scored.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some((solved, config))
+}
+
+const KINDS: [Kind; 3] = [Kind::Edge, Kind::SheetCorner, Kind::Pair];
+
+fn squares(s: &Solved, kind: Kind) -> impl Iterator<Item = f64> {
+    let of_kind = s.joint.measurements.iter().zip(&s.fit.norms_px).filter(move |(m, _)| m.kind() == kind);
+    of_kind.map(|(m, norm)| (norm / m.sigma_px).powi(2))
+}
+
+/// The typical square of a measurement of each kind.
+fn units(s: &Solved) -> [f64; 3] {
+    KINDS.map(|kind| {
+        let mut sorted: Vec<f64> = squares(s, kind).collect();
+        sorted.sort_by(f64::total_cmp);
+        // The median of χ²₁ is 0.455 of its mean. Below a scale of one the claimed σ stands.
+        sorted.get(sorted.len() / 2).map_or(1.0, |m| (m / 0.455).max(MIN_UNIT))
+    })
+}
+
+/// χ² in units of the typical square, outliers counted as far as [`CAP`].
+fn remains(s: &Solved, units: [f64; 3]) -> f64 {
+    let of_kinds = KINDS.iter().zip(units);
+    of_kinds.map(|(&kind, unit)| squares(s, kind).map(|x| (x / unit).min(CAP * CAP)).sum::<f64>()).sum()
+}

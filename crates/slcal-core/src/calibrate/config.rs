@@ -44,7 +44,7 @@ pub enum Method {
     TwoVp,
 }
 
-/// Which distortion coefficients of the camera are estimated.
+/// Which distortion coefficients of a device are estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DistortionModel {
@@ -75,6 +75,10 @@ pub struct CalibrateConfig {
     /// Distortion of the camera; default [`DistortionModel::Auto`]. Ignored when the camera is known;
     /// [`Method::TwoVp`], which knows none, refuses anything but `Auto` and `None`.
     pub distortion: DistortionModel,
+    /// Distortion of the projector; default [`DistortionModel::None`]. It bends the same residuals as a wrong principal
+    /// point and the camera's own distortion, so that coefficients ask for three photographs or more; `Auto` estimates
+    /// none with fewer. Ignored without a projector; [`Method::TwoVp`] refuses it as for the camera.
+    pub projector_distortion: DistortionModel,
     /// The camera's focal length as it is expected, uncertain; default none. Ignored when the camera is known;
     /// [`Method::TwoVp`], which knows no priors, refuses one.
     pub focal_prior: Option<FocalPrior>,
@@ -97,6 +101,7 @@ impl Default for CalibrateConfig {
             projector_pp: PrincipalPointRule::Shift,
             method: Method::Ml,
             distortion: DistortionModel::Auto,
+            projector_distortion: DistortionModel::None,
             focal_prior: None,
             known_camera: None,
             allow_degenerate: false,
@@ -163,7 +168,8 @@ impl CalibrateConfig {
                 "a free one",
             ));
         }
-        if unknown && !matches!(self.distortion, DistortionModel::Auto | DistortionModel::None) {
+        let asked = |model| !matches!(model, DistortionModel::Auto | DistortionModel::None);
+        if unknown && asked(self.distortion) || asked(self.projector_distortion) {
             return Err(Error::invalid(
                 "distortion for the two-vp method",
                 "auto or none, as the method takes lenses for undistorted (or a known camera)",

@@ -83,6 +83,7 @@ pub(crate) fn measurements(observations: &Observations) -> Vec<Measurement> {
 }
 
 /// The joint problem.
+#[derive(Clone)]
 pub(crate) struct Joint {
     pub(crate) sizes: Vec<RectangleSize>,
     pub(crate) measurements: Vec<Measurement>,

@@ -60,6 +60,7 @@ fn in_full(joint: &Joint, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
 fn jacobian_agrees_with_finite_differences() {
     let config = CalibrateConfig {
         distortion: DistortionModel::Full,
+        projector_distortion: DistortionModel::Full,
         camera_pp: PrincipalPointRule::Free,
         ..CalibrateConfig::default()
     };
@@ -72,6 +73,11 @@ fn jacobian_agrees_with_finite_differences() {
         for strength in [0.0, 0.3, 1.0] {
             let lens = Distortion { k1: -0.4, k2: 0.3, p1: 8e-3, p2: -6e-3, k3: 0.2 };
             model.camera.distortion = Distortion::from_array(lens.to_array().map(|k| k * strength));
+            let mut projector = model.projector.unwrap();
+            let lens = Distortion { k1: 0.2, k2: -0.1, p1: -5e-3, p2: 4e-3, k3: 0.1 };
+            projector.distortion = Distortion::from_array(lens.to_array().map(|k| k * strength));
+            projector.intrinsics.skew = -2.0;
+            model.projector = Some(projector);
             let problem = joint(&model, &config, edges, 3.0);
             let worst = largest_error(&problem, &model);
             assert!(worst < 1e-6, "edges {edges}, strength {strength}: {worst}");

@@ -10,6 +10,7 @@ use crate::geometry::RectangleSize;
 use crate::observations::Observations;
 
 /// A fit and the problem that it solves.
+#[derive(Clone)]
 pub(crate) struct Solved {
     pub(crate) joint: Joint,
     pub(crate) fit: Fit,
@@ -56,12 +57,25 @@ fn failed(complaint: Option<Error>, device: &'static str) -> Error {
     })
 }
 
-/// Camera, poses and, when the observations have one, the projector.
-pub(crate) fn solve(observations: &Observations, config: &CalibrateConfig) -> Result<Solved> {
+/// Camera and poses, from the sheet alone.
+pub(crate) fn solve_camera(observations: &Observations, config: &CalibrateConfig) -> Result<Solved> {
     let (starts, complaint) = camera_starts(observations, config)?;
-    let camera = best(observations, config, starts).ok_or_else(|| failed(complaint, "camera"))?;
-    let Some(panel) = observations.projector else { return Ok(camera) };
+    best(observations, config, starts).ok_or_else(|| failed(complaint, "camera"))
+}
+
+/// Everything together from a solved camera, when the observations have a projector.
+pub(crate) fn add_projector(
+    observations: &Observations,
+    config: &CalibrateConfig,
+    camera: &Solved,
+) -> Result<Solved> {
+    let Some(panel) = observations.projector else { return Ok(camera.clone()) };
     let (starts, complaint) = projector_starts(observations, config, panel, &camera.fit.model)?;
     let both = best(observations, config, starts).ok_or_else(|| failed(complaint, "projector"))?;
     Ok(Solved { fit: Fit { iterations: both.fit.iterations + camera.fit.iterations, ..both.fit }, ..both })
+}
+
+/// Camera, poses and, when the observations have one, the projector.
+pub(crate) fn solve(observations: &Observations, config: &CalibrateConfig) -> Result<Solved> {
+    add_projector(observations, config, &solve_camera(observations, config)?)
 }

@@ -110,6 +110,8 @@ mod extremes_tests;
 #[cfg(test)]
 mod focal_prior_tests;
 #[cfg(test)]
+mod many_views_tests;
+#[cfg(test)]
 mod monte_carlo;
 #[cfg(test)]
 mod scene;

@@ -114,18 +114,21 @@ impl Layout {
             })
         };
         let pp = |rule| !matches!(rule, PrincipalPointRule::Centre | PrincipalPointRule::Exact(..));
-        let coefficients = match config.distortion {
+        let coefficients = |model| match model {
             DistortionModel::Auto | DistortionModel::None => 0,
             DistortionModel::K1 => 1,
             DistortionModel::K1K2 => 2,
-            DistortionModel::Full => 5,
+            DistortionModel::Full => LENS - 3,
+        };
+        let active = |i: usize, rule, distortion| {
+            i == 0 || i < 3 && pp(rule) || i >= 3 && i - 3 < coefficients(distortion)
         };
         let unknown = config.known_camera.is_none();
-        let camera = std::array::from_fn(|i| {
-            place(unknown && (i == 0 || i < 3 && pp(config.camera_pp) || i >= 3 && i - 3 < coefficients))
+        let camera =
+            std::array::from_fn(|i| place(unknown && active(i, config.camera_pp, config.distortion)));
+        let projector = std::array::from_fn(|i| {
+            place(with_projector && active(i, config.projector_pp, config.projector_distortion))
         });
-        let projector =
-            std::array::from_fn(|i| place(with_projector && (i == 0 || i < 3 && pp(config.projector_pp))));
         let stereo = with_projector.then_some(len);
         let first_view = len + if with_projector { POSE } else { 0 };
         Self { camera, projector, stereo, views: first_view, len: first_view + POSE * views }

@@ -139,7 +139,8 @@ pub(crate) fn covariance_at(
 /// The natural unit of each unknown: 1 for ln f, angles and coefficients, the width for pixels, the distance for lengths.
 fn units(joint: &Joint, model: &Model) -> Vec<f64> {
     let layout = &joint.layout;
-    let distance = model.views.first().map_or(1.0, |v| v.translation.norm());
+    // The furthest sheet's, whatever the order of the views.
+    let distance = model.views.iter().map(|v| v.translation.norm()).fold(f64::MIN_POSITIVE, f64::max);
     let mut units = vec![1.0; layout.len];
     let lenses = [Some((&layout.camera, model.camera)), model.projector.map(|p| (&layout.projector, p))];
     for (places, lens) in lenses.into_iter().flatten() {
