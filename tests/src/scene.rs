@@ -92,13 +92,20 @@ impl Scene {
         self.rotation() * Vector3::new(x - w / 2.0, y - h / 2.0, 0.0) + Vector3::from(self.centre_mm)
     }
 
-    fn camera_from_sheet(&self) -> Homography {
+    /// From millimetres on the sheet to pixels of the photograph.
+    #[must_use]
+    pub fn camera_from_sheet(&self) -> Homography {
         let r = self.rotation();
         let columns = [r * Vector3::x(), r * Vector3::y(), self.on_sheet(0.0, 0.0)];
         Homography(intrinsics(self.camera_focal_px, self.camera) * Matrix3::from_columns(&columns))
     }
 
-    fn projector_from_sheet(&self, panel: [u32; 2]) -> Homography {
+    /// From millimetres on the sheet to pixels of a projector's panel.
+    ///
+    /// # Panics
+    /// When the sheet is seen edge-on by the projector.
+    #[must_use]
+    pub fn projector_from_sheet(&self, panel: [u32; 2]) -> Homography {
         let centre = Vector3::from(self.projector_mm);
         let [w, h] = self.size_mm;
         let target = self.on_sheet(w / 2.0 + self.aim_mm[0], h / 2.0 + self.aim_mm[1]);

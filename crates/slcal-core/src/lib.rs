@@ -28,8 +28,9 @@ mod photographs;
 mod rig;
 
 pub use calibrate::{
-    CalibrateConfig, Calibration, CalibrationReport, DistortionModel, FocalPrior, Method, PrincipalPointRule,
-    Rectification, calibrate_observations, rectify, rectify_checker,
+    CalibrateConfig, Calibration, CalibrationReport, DistortionModel, ExternalCalibration, FocalPrior,
+    Method, NoiseFound, NoiseOf, PrincipalPointRule, Rectification, calibrate_external,
+    calibrate_observations, rectify, rectify_checker,
 };
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Error, ErrorClass, Result};

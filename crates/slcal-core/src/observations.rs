@@ -94,7 +94,8 @@ pub struct Unstated {
     pub pairs: bool,
 }
 
-/// Observations from a detector of one's own, which may not know its noise.
+/// Observations from a detector of one's own, which may not know its noise: see
+/// [`calibrate_external`](crate::calibrate_external).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExternalObservations {
     /// What was seen. A σ that is unstated stands as any positive number, which nothing depends on.

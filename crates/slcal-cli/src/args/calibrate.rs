@@ -12,11 +12,12 @@ use crate::size::{Corners, parse_corners, parse_point, parse_size};
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateArgs {
     /// Photographs of the sheet, one per pose; `-` for stdin.
-    #[arg(required = true, value_name = "PHOTO")]
+    #[arg(required_unless_present = "observations", value_name = "PHOTO")]
     pub(crate) photos: Vec<PathBuf>,
     /// Size of the sheet: 594x420mm, 59.4x42cm, 11x8.5in, A4, A4-landscape, letter, legal …
-    #[arg(long, value_name = "SIZE", value_parser = parse_size, allow_hyphen_values = true)]
-    pub(crate) size: RectangleSize,
+    #[arg(long, value_name = "SIZE", value_parser = parse_size, allow_hyphen_values = true,
+          required_unless_present = "observations")]
+    pub(crate) size: Option<RectangleSize>,
     /// The checkerboard that was projected.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) pattern: Option<PathBuf>,
@@ -27,8 +28,13 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_name = "CORNERS", value_parser = parse_corners, allow_hyphen_values = true,
           action = ArgAction::Append)]
     pub(crate) corners: Vec<Corners>,
-    /// Camera intrinsics that are known already, as a rig JSON: the rest is solved.
-    #[arg(long, value_name = "RIG.json")]
+    /// Corners and pairs from a detector of your own instead of photographs; `-` for stdin.
+    #[arg(long, value_name = "FILE.json",
+          conflicts_with_all = ["photos", "size", "pattern", "screen", "corners", "gamma", "overlay"])]
+    pub(crate) observations: Option<PathBuf>,
+    /// Camera intrinsics that are known already: OpenCV YAML or XML, ROS `camera_info` YAML, or a rig JSON. They are held
+    /// fixed, and the rest is solved.
+    #[arg(long, value_name = "FILE")]
     pub(crate) camera: Option<PathBuf>,
     /// The camera's principal point: prior (the centre, uncertain), centre, free, or X,Y exactly.
     #[arg(long, value_name = "prior|centre|free|X,Y", value_parser = parse_camera_pp, default_value = "prior",
@@ -55,6 +61,9 @@ pub(crate) struct CalibrateArgs {
     /// Draw what was found on the (first) photograph, also when something was not found.
     #[arg(long, value_name = "FILE.png")]
     pub(crate) overlay: Option<PathBuf>,
+    /// Write what was found in the photographs, to look at, to edit and to calibrate from with --observations.
+    #[arg(long, value_name = "FILE.json", conflicts_with = "observations")]
+    pub(crate) save_observations: Option<PathBuf>,
     /// Print the rig as JSON instead of a summary.
     #[arg(long)]
     pub(crate) json: bool,

@@ -11,13 +11,13 @@ use std::path::Path;
 
 pub(crate) use cloud::CloudFormat;
 pub(crate) use photo::{decode_photo, load_photo};
-pub(crate) use text::{check_panel, load_checker, load_rig, load_stripes};
+pub(crate) use text::{check_panel, load_checker, load_observations, load_rig, load_stripes};
 pub(crate) use write::{Destination, check_distinct, check_spares, png_bytes, write_all};
 
 use crate::exit::{Exit, Failure, Outcome};
 
 /// Inputs above this are refused unread: the largest photographs that are accepted stay below it even uncompressed.
-const MAX_INPUT_BYTES: u64 = 2 << 30;
+const MAX_INPUT_MIB: u64 = 2048;
 
 /// Whether a path stands for stdin or stdout.
 pub(crate) fn is_dash(path: &Path) -> bool {
@@ -31,6 +31,11 @@ pub(crate) fn input_name(path: &Path) -> String {
 
 /// The bytes of an input file, or of stdin for `-`. `kind` says what was expected ("a photograph").
 pub(crate) fn read_bytes(path: &Path, kind: &str) -> Outcome<Vec<u8>> {
+    read_at_most(path, kind, MAX_INPUT_MIB)
+}
+
+/// The same with a limit of its own, MiB.
+pub(crate) fn read_at_most(path: &Path, kind: &str, limit_mib: u64) -> Outcome<Vec<u8>> {
     let unreadable = |e: &std::io::Error| {
         let advice = match e.kind() {
             std::io::ErrorKind::NotFound => "no such file; check the name",
@@ -41,17 +46,20 @@ pub(crate) fn read_bytes(path: &Path, kind: &str) -> Outcome<Vec<u8>> {
         Failure::new(Exit::Input, format!("{}: expected {kind}: {advice}", input_name(path)))
     };
     let mut bytes = Vec::new();
-    let limit = MAX_INPUT_BYTES + 1;
+    let limit = (limit_mib << 20) + 1;
     if is_dash(path) {
         std::io::stdin().lock().take(limit).read_to_end(&mut bytes).map_err(|e| unreadable(&e))?;
     } else {
         let file = fs::File::open(path).map_err(|e| unreadable(&e))?;
         file.take(limit).read_to_end(&mut bytes).map_err(|e| unreadable(&e))?;
     }
-    if bytes.len() as u64 > MAX_INPUT_BYTES {
+    if bytes.len() as u64 >= limit {
         return Err(Failure::new(
             Exit::Input,
-            format!("{}: expected {kind} of at most 2 GiB, found more; reduce it", input_name(path)),
+            format!(
+                "{}: expected {kind} of at most {limit_mib} MiB, found more; is it the right file?",
+                input_name(path)
+            ),
         ));
     }
     if bytes.is_empty() {

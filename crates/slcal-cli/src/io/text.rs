@@ -2,16 +2,25 @@
 
 use std::path::Path;
 
-use slcal_core::Rig;
-use slcal_core::format::{read_pattern, read_rig};
+use slcal_core::format::{read_observations, read_pattern, read_rig};
 use slcal_core::pattern::{CheckerPattern, Pattern, StripePattern};
+use slcal_core::{ExternalObservations, Rig};
 
-use super::{input_name, read_bytes};
+use super::{input_name, read_at_most, read_bytes};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 
 /// Reads a rig JSON.
 pub(crate) fn load_rig(path: &Path) -> Outcome<Rig> {
     read_rig(read_bytes(path, "a rig JSON")?.as_slice()).in_file(path)
+}
+
+/// Observations above this are refused unread: a million points take half of it.
+const MAX_OBSERVATIONS_MIB: u64 = 128;
+
+/// Reads an observations JSON.
+pub(crate) fn load_observations(path: &Path) -> Outcome<ExternalObservations> {
+    read_observations(read_at_most(path, "an observations JSON", MAX_OBSERVATIONS_MIB)?.as_slice())
+        .in_file(Path::new(&input_name(path)))
 }
 
 /// Reads a pattern JSON that must be of a checkerboard.

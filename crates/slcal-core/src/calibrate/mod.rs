@@ -16,6 +16,8 @@ mod lens_shift;
 mod metric;
 mod ml;
 mod model;
+mod neighbours;
+mod noise;
 mod predict;
 mod rectify;
 mod refine;
@@ -28,6 +30,7 @@ mod two_vp_sigma;
 mod verdict;
 
 pub use config::{CalibrateConfig, DistortionModel, FocalPrior, Method, PrincipalPointRule};
+pub use noise::{ExternalCalibration, NoiseFound, NoiseOf, calibrate_external};
 pub use rectify::{Rectification, rectify, rectify_checker};
 
 use crate::error::Result;

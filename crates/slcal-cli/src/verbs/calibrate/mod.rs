@@ -1,0 +1,159 @@
+//! `slcal calibrate`: photographs of the sheet, or the observations of any detector, in; rig out.
+
+mod photographs;
+
+use std::path::{Path, PathBuf};
+
+use slcal_core::format::{write_observations, write_rig};
+use slcal_core::{
+    CalibrateConfig, Calibration, DistortionModel, ExternalObservations, Method, NoiseFound, Observations,
+    PrincipalPointRule, Rig, calibrate_external,
+};
+
+use self::photographs::observe_all;
+use crate::args::{CalibrateArgs, DistortionArg, MethodArg, PrincipalPointArg};
+use crate::exit::{Exit, Failure, InFile as _, Outcome};
+use crate::io::{
+    Destination, check_distinct, check_spares, input_name, is_dash, load_observations, load_rig, write_all,
+};
+use crate::output::{Printer, print_json, print_result};
+use crate::summary;
+
+pub(super) fn run(args: &CalibrateArgs, printer: Printer) -> Outcome {
+    let places = Places::prepare(args)?;
+    let config = config(args)?;
+    let external = match &args.observations {
+        Some(path) => load_observations(path)?,
+        None => observe_all(args, &config, &places, printer)?,
+    };
+    if let Some(place) = &places.observations {
+        // Before the calibration: what was found is wanted most where it cannot be calibrated from.
+        write_all(&[(place.clone(), observations_bytes(&external)?)])?;
+    }
+    let inputs = args.observations.iter().chain(&args.photos).map(|p| input_name(p)).collect::<Vec<_>>();
+    let done = calibrate_external(&external, &config).in_file(Path::new(&inputs.join(", ")))?;
+    for noise in &done.noise {
+        printer.note(noise_in_words(noise));
+    }
+    let count = |o: &Observations| o.views.iter().map(|v| v.pairs.len()).sum::<usize>();
+    let (used, all) = (count(&done.observations), count(&external.observations));
+    if used < all {
+        printer.note(format!("{used} of {all} pairs are used, spread evenly: more would add time only"));
+    }
+    let mut calibration = done.calibration;
+    for (view, photo) in calibration.rig.views.iter_mut().zip(external.photos) {
+        view.photo = photo;
+    }
+    finish(args, &calibration, places, printer)
+}
+
+fn noise_in_words(noise: &NoiseFound) -> String {
+    let name = noise.of.name();
+    match noise.redundancy {
+        Some(_) => format!("noise of {name}: not stated, {:.3} px (1σ) by the residuals", noise.sigma_px),
+        None => format!("noise of {name}: not stated, {:.2} px (1σ) assumed", noise.sigma_px),
+    }
+}
+
+fn observations_bytes(external: &ExternalObservations) -> Outcome<Vec<u8>> {
+    let mut bytes = Vec::new();
+    write_observations(external, &mut bytes)?;
+    Ok(bytes)
+}
+
+/// Where the results go.
+struct Places {
+    rig: Option<Destination>,
+    overlay: Option<Destination>,
+    observations: Option<Destination>,
+}
+
+impl Places {
+    fn prepare(args: &CalibrateArgs) -> Outcome<Self> {
+        let prepare = |p: &PathBuf| Destination::prepare(p, args.force);
+        let rig = args.output.as_ref().map(prepare).transpose()?;
+        let overlay = args.overlay.as_ref().map(prepare).transpose()?;
+        let observations = args.save_observations.as_ref().map(prepare).transpose()?;
+        let all = || rig.iter().chain(&overlay).chain(&observations);
+        check_distinct(all())?;
+        let inputs = args.photos.iter().chain(&args.screen).chain(&args.pattern).chain(&args.camera);
+        check_spares(all(), inputs.chain(&args.observations).map(PathBuf::as_path))?;
+        let inputs = args.photos.iter().chain(&args.screen).chain(&args.observations).chain(&args.camera);
+        let stdin = inputs.filter(|p| is_dash(p)).count();
+        if stdin > 1 {
+            return Err(Failure::usage("stdin (-) can be one input only; give the others as files"));
+        }
+        let printed = all().filter(|d| **d == Destination::Stdout).count() + usize::from(args.json);
+        if printed > 1 && rig != Some(Destination::Stdout) {
+            return Err(Failure::usage("stdout can take one result only; give the others files"));
+        }
+        if args.json && rig == Some(Destination::Stdout) {
+            return Err(Failure::usage("--json and -o - both print the rig; give one of them"));
+        }
+        for (option, count) in [("--screen", args.screen.len()), ("--corners", args.corners.len())] {
+            if count != 0 && count != args.photos.len() {
+                return Err(Failure::usage(format!(
+                    "{option}: expected one for each of the {} photographs, in their order, or none; found {count}",
+                    args.photos.len()
+                )));
+            }
+        }
+        Ok(Self { rig, overlay, observations })
+    }
+}
+
+fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
+    let rule = |pp| match pp {
+        PrincipalPointArg::Shift => PrincipalPointRule::Shift,
+        PrincipalPointArg::Prior => PrincipalPointRule::Prior,
+        PrincipalPointArg::Centre => PrincipalPointRule::Centre,
+        PrincipalPointArg::Free => PrincipalPointRule::Free,
+        PrincipalPointArg::At(p) => PrincipalPointRule::Exact(p.x, p.y),
+    };
+    let config = CalibrateConfig {
+        camera_pp: rule(args.camera_pp),
+        projector_pp: rule(args.projector_pp),
+        method: match args.method {
+            MethodArg::Ml => Method::Ml,
+            MethodArg::TwoVp => Method::TwoVp,
+        },
+        distortion: match args.distortion {
+            DistortionArg::Auto => DistortionModel::Auto,
+            DistortionArg::None => DistortionModel::None,
+            DistortionArg::K1 => DistortionModel::K1,
+            DistortionArg::K1k2 => DistortionModel::K1K2,
+            DistortionArg::Full => DistortionModel::Full,
+        },
+        known_camera: args.camera.as_deref().map(|p| load_rig(p).map(|rig| rig.camera.model)).transpose()?,
+        allow_degenerate: args.allow_degenerate,
+        ..CalibrateConfig::default()
+    };
+    config.validate()?;
+    Ok(config)
+}
+
+fn finish(args: &CalibrateArgs, calibration: &Calibration, places: Places, printer: Printer) -> Outcome {
+    let bytes = rig_bytes(&calibration.rig)?;
+    let to_stdout = places.rig == Some(Destination::Stdout);
+    if let Some(place) = places.rig {
+        write_all(&[(place, bytes.clone())])?;
+    }
+    if args.json {
+        let rig: serde_json::Value = serde_json::from_slice(&bytes)
+            .map_err(|e| Failure::new(Exit::Other, format!("the rig is not valid JSON: {e}")))?;
+        return print_json(&rig);
+    }
+    let text = summary::calibration(&calibration.rig, &calibration.report);
+    if to_stdout {
+        printer.note(text.trim_end());
+        return Ok(());
+    }
+    print_result(&text)
+}
+
+/// The rig file.
+pub(super) fn rig_bytes(rig: &Rig) -> Outcome<Vec<u8>> {
+    let mut bytes = Vec::new();
+    write_rig(rig, &mut bytes)?;
+    Ok(bytes)
+}
