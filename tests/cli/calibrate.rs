@@ -260,3 +260,12 @@ fn a_rectified_picture_is_drawn_for_the_panel() {
     bench.run("rectify --rig rig.json --image photo.png -o poster.png").fails(1, &["poster.png", "--force"]);
     bench.run("rectify --rig rig.json --image none.png -o other.png").fails(3, &["none.png"]);
 }
+
+#[test]
+fn distortion_of_the_projector_asks_for_three_photographs() {
+    let bench = with_photo(&Scene::default());
+    bench.run(&format!("{LINE} --projector-distortion k1")).fails(2, &["three photographs", "found 1"]);
+    assert!(!bench.names().contains(&"rig.json".to_owned()));
+    // Where nothing was asked, fewer do.
+    let _ = bench.run(&format!("{LINE} --projector-distortion auto")).ok();
+}

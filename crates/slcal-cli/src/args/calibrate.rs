@@ -47,6 +47,9 @@ pub(crate) struct CalibrateArgs {
     /// Lens distortion of the camera.
     #[arg(long, value_enum, default_value = "auto", conflicts_with = "camera")]
     pub(crate) distortion: DistortionArg,
+    /// Lens distortion of the projector; coefficients need three photographs or more.
+    #[arg(long, value_enum, default_value = "auto")]
+    pub(crate) projector_distortion: DistortionArg,
     /// Which estimator.
     #[arg(long, value_enum, default_value = "ml")]
     pub(crate) method: MethodArg,
@@ -89,7 +92,7 @@ pub(crate) enum PrincipalPointArg {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum DistortionArg {
-    /// Estimated when the photograph shows it.
+    /// Estimated when the photographs show it.
     Auto,
     /// A lens without distortion.
     None,

@@ -1,7 +1,6 @@
 //! Whether the photographs show that the camera or the projector distorts: the data decide.
 
-use super::check::VIEWS_FOR_PROJECTOR_DISTORTION;
-use super::config::{CalibrateConfig, DistortionModel};
+use super::config::{CalibrateConfig, DistortionModel, VIEWS_FOR_PROJECTOR_DISTORTION};
 use super::joint::Kind;
 use super::ml::{Solved, add_projector, solve_camera};
 use crate::error::{Error, Result};

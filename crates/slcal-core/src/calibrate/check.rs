@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::config::{CalibrateConfig, DistortionModel};
+use super::config::CalibrateConfig;
 use crate::error::{Error, Result};
 use crate::geometry::RectangleSize;
 use crate::observations::{Observations, SheetObservation, ViewObservation};
@@ -16,15 +16,13 @@ const FLATTEST_SINE: f64 = 1e-3;
 const MOST_FORESHORTENED: f64 = 20.0;
 /// Fewest projected corners from which a homography follows.
 const FEWEST_PAIRS: usize = 4;
-/// Fewest views in which the projector's distortion can be told from its principal point and from the camera's lens.
-pub(crate) const VIEWS_FOR_PROJECTOR_DISTORTION: usize = 3;
 
 /// Checks sizes, numbers, counts and the order of corners.
 ///
 /// # Errors
 /// [`Error::Invalid`] naming the view and what is wrong with it.
 pub(crate) fn check(observations: &Observations, config: &CalibrateConfig) -> Result<()> {
-    config.validate()?;
+    config.validate_for(observations.views.len(), observations.projector.is_some())?;
     if observations.views.is_empty() {
         return Err(Error::invalid("observations", "at least one view of the sheet", "none"));
     }
@@ -46,22 +44,6 @@ pub(crate) fn check(observations: &Observations, config: &CalibrateConfig) -> Re
     }
     for (i, view) in observations.views.iter().enumerate() {
         check_view(view, i, observations)?;
-    }
-    check_projector_distortion(observations, config)
-}
-
-/// Distortion of the projector asks for photographs enough to tell it from everything else that is unknown.
-fn check_projector_distortion(observations: &Observations, config: &CalibrateConfig) -> Result<()> {
-    let asked = !matches!(config.projector_distortion, DistortionModel::Auto | DistortionModel::None);
-    let views = observations.views.len();
-    if asked && observations.projector.is_some() && views < VIEWS_FOR_PROJECTOR_DISTORTION {
-        return Err(Error::invalid(
-            "projector distortion",
-            format!(
-                "at least {VIEWS_FOR_PROJECTOR_DISTORTION} photographs of the sheet in different poses (or auto or none)"
-            ),
-            views,
-        ));
     }
     Ok(())
 }

@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 use crate::geometry::Camera;
 
+/// Fewest views in which the projector's distortion can be told from its principal point and from the camera's lens.
+pub(crate) const VIEWS_FOR_PROJECTOR_DISTORTION: usize = 3;
+
 /// What is known about a principal point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -157,6 +160,24 @@ impl CalibrateConfig {
 }
 
 impl CalibrateConfig {
+    /// Checks the values for this many photographs, with a projected pattern or without.
+    ///
+    /// # Errors
+    /// As [`validate`](Self::validate), and [`Error::Invalid`] for coefficients of the projector's distortion with fewer than
+    /// three photographs.
+    pub fn validate_for(&self, photographs: usize, with_projector: bool) -> Result<()> {
+        self.validate()?;
+        let asked = !matches!(self.projector_distortion, DistortionModel::Auto | DistortionModel::None);
+        if asked && with_projector && photographs < VIEWS_FOR_PROJECTOR_DISTORTION {
+            return Err(Error::invalid(
+                "projector distortion",
+                "at least three photographs of the sheet in different poses (or auto, or none)",
+                photographs,
+            ));
+        }
+        Ok(())
+    }
+
     /// Refuses what that method cannot do, rather than leaving it out silently.
     fn validate_two_vp(&self) -> Result<()> {
         let unknown = self.known_camera.is_none();

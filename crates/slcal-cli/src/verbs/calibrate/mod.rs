@@ -117,19 +117,27 @@ fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
             MethodArg::Ml => Method::Ml,
             MethodArg::TwoVp => Method::TwoVp,
         },
-        distortion: match args.distortion {
-            DistortionArg::Auto => DistortionModel::Auto,
-            DistortionArg::None => DistortionModel::None,
-            DistortionArg::K1 => DistortionModel::K1,
-            DistortionArg::K1k2 => DistortionModel::K1K2,
-            DistortionArg::Full => DistortionModel::Full,
-        },
+        distortion: distortion(args.distortion),
+        projector_distortion: distortion(args.projector_distortion),
         known_camera: args.camera.as_deref().map(|p| load_rig(p).map(|rig| rig.camera.model)).transpose()?,
         allow_degenerate: args.allow_degenerate,
         ..CalibrateConfig::default()
     };
+    if args.observations.is_none() {
+        config.validate_for(args.photos.len(), args.pattern.is_some())?;
+    }
     config.validate()?;
     Ok(config)
+}
+
+fn distortion(asked: DistortionArg) -> DistortionModel {
+    match asked {
+        DistortionArg::Auto => DistortionModel::Auto,
+        DistortionArg::None => DistortionModel::None,
+        DistortionArg::K1 => DistortionModel::K1,
+        DistortionArg::K1k2 => DistortionModel::K1K2,
+        DistortionArg::Full => DistortionModel::Full,
+    }
 }
 
 fn finish(args: &CalibrateArgs, calibration: &Calibration, places: Places, printer: Printer) -> Outcome {
