@@ -6,6 +6,7 @@ mod general;
 mod observations;
 mod pattern;
 mod rendered;
+mod verify;
 
 use slcal_tests::Bench;
 

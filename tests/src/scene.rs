@@ -53,19 +53,41 @@ impl Scene {
     /// When the scene is so odd that sheet and image are not related by a homography.
     #[must_use]
     pub fn photograph(&self, pattern: Option<&CheckerPattern>) -> RgbImage {
+        let projector_from_sheet = pattern.map(|p| self.projector_from_sheet(p.projector));
+        self.render(|p| {
+            let lit = projector_from_sheet.and_then(|h| h.map(p)).zip(pattern);
+            lit.map_or(0.0, |(q, pattern)| shown(pattern, q))
+        })
+    }
+
+    /// The photograph of this sheet with a picture on the panel, pixel by pixel, of a projector that was aimed at another
+    /// scene's sheet and then turned by an angle about its vertical axis.
+    ///
+    /// # Panics
+    /// As [`Scene::photograph`].
+    #[must_use]
+    pub fn photograph_of(&self, picture: &RgbImage, aimed_at: &Self, turn_deg: f64) -> RgbImage {
+        let panel = [picture.width(), picture.height()];
+        let projector_from_sheet = self.projector_aimed_at(aimed_at, panel, turn_deg);
+        self.render(|p| {
+            let Some(q) = projector_from_sheet.map(p) else { return 0.0 };
+            let [x, y] = [q.x, q.y].map(f64::round);
+            if !(x >= 0.0 && y >= 0.0 && x < f64::from(panel[0]) && y < f64::from(panel[1])) {
+                return 0.0;
+            }
+            Encoding::Srgb.to_linear(f64::from(picture.get_pixel(x as u32, y as u32)[0]) / 255.0)
+        })
+    }
+
+    /// A photograph of the sheet with what `projected` says of a point on it, 0–1.
+    fn render(&self, projected: impl Fn(Point2<f64>) -> f64) -> RgbImage {
         let sheet_from_camera =
             self.camera_from_sheet().inverse().expect("a sheet that is seen as a surface");
-        let projector_from_sheet = pattern.map(|p| self.projector_from_sheet(p.projector));
         let light = |x: f64, y: f64| {
             let on_sheet = sheet_from_camera
                 .map(Point2::new(x, y))
                 .filter(|p| (0.0..=self.size_mm[0]).contains(&p.x) && (0.0..=self.size_mm[1]).contains(&p.y));
-            let Some(p) = on_sheet else { return 0.012 };
-            let projected = projector_from_sheet
-                .and_then(|h| h.map(p))
-                .zip(pattern)
-                .map_or(0.0, |(q, pattern)| shown(pattern, q));
-            0.09 + 0.55 * projected
+            on_sheet.map_or(0.012, |p| 0.09 + 0.55 * projected(p))
         };
         let step = f64::from(SAMPLES).recip();
         RgbImage::from_fn(self.camera[0], self.camera[1], |x, y| {
@@ -106,19 +128,25 @@ impl Scene {
     /// When the sheet is seen edge-on by the projector.
     #[must_use]
     pub fn projector_from_sheet(&self, panel: [u32; 2]) -> Homography {
-        let centre = Vector3::from(self.projector_mm);
-        let [w, h] = self.size_mm;
-        let target = self.on_sheet(w / 2.0 + self.aim_mm[0], h / 2.0 + self.aim_mm[1]);
+        self.projector_aimed_at(self, panel, 0.0)
+    }
+
+    /// The same for a projector that was aimed at another scene's sheet and then turned about its vertical axis.
+    fn projector_aimed_at(&self, aimed_at: &Self, panel: [u32; 2], turn_deg: f64) -> Homography {
+        let centre = Vector3::from(aimed_at.projector_mm);
+        let [w, h] = aimed_at.size_mm;
+        let target = aimed_at.on_sheet(w / 2.0 + aimed_at.aim_mm[0], h / 2.0 + aimed_at.aim_mm[1]);
         let z = (target - centre).normalize();
         let x = Vector3::y().cross(&z).normalize();
-        let projector_from_camera = Matrix3::from_columns(&[x, z.cross(&x), z]).transpose();
+        let turn = Rotation3::from_axis_angle(&Vector3::y_axis(), turn_deg.to_radians());
+        let projector_from_camera = turn.matrix() * Matrix3::from_columns(&[x, z.cross(&x), z]).transpose();
         let r = self.rotation();
         let columns = [
             projector_from_camera * (r * Vector3::x()),
             projector_from_camera * (r * Vector3::y()),
             projector_from_camera * (self.on_sheet(0.0, 0.0) - centre),
         ];
-        Homography(intrinsics(self.projector_focal_px, panel) * Matrix3::from_columns(&columns))
+        Homography(intrinsics(aimed_at.projector_focal_px, panel) * Matrix3::from_columns(&columns))
     }
 }
 

@@ -14,6 +14,7 @@ const STRIPE_SPACING: f64 = 3.0;
 const SHEET: Rgb<u8> = Rgb([255, 60, 200]);
 const EDGE_POINT: Rgb<u8> = Rgb([255, 220, 0]);
 const CORNER: Rgb<u8> = Rgb([0, 220, 255]);
+const EXPECTED: Rgb<u8> = Rgb([80, 255, 80]);
 const FIRST_CORNER: Rgb<u8> = Rgb([255, 120, 0]);
 
 /// A photograph that is drawn upon.
@@ -53,6 +54,17 @@ impl Overlay {
         }
         for (i, pair) in view.pairs.iter().enumerate() {
             self.circle(pair.camera, 4.0 * self.line, if i == 0 { FIRST_CORNER } else { CORNER });
+        }
+    }
+
+    /// Where points are expected: a line from each that was seen, and a dot at its end.
+    pub(crate) fn draw_expected(
+        &mut self,
+        seen_and_expected: impl Iterator<Item = (Point2<f64>, Point2<f64>)>,
+    ) {
+        for (seen, expected) in seen_and_expected {
+            self.segment(seen, expected, self.line, EXPECTED);
+            self.disc(expected, 1.5 * self.line, EXPECTED);
         }
     }
 

@@ -19,6 +19,7 @@ pub mod pattern;
 pub mod photo;
 pub mod reconstruct;
 pub mod solve;
+pub mod verify;
 
 mod cloud;
 mod error;

@@ -4,13 +4,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Which folders each folder may use. What is not listed here meets in the plain types at the top of the crate.
-const MAY_USE: [(&str, &[&str]); 10] = [
+const MAY_USE: [(&str, &[&str]); 11] = [
     ("geometry", &[]),
     ("solve", &["geometry"]),
     ("photo", &[]),
     ("pattern", &["geometry", "photo"]),
     ("detect", &["geometry", "solve", "photo", "pattern"]),
     ("calibrate", &["geometry", "solve", "pattern"]),
+    // Asks of one photograph more what the calibration asked of all, with its residuals.
+    ("verify", &["geometry", "solve", "pattern", "calibrate"]),
     ("decode", &["geometry", "solve", "photo", "pattern"]),
     // The reusable object that goes from photograph to cloud runs the decoder.
     ("reconstruct", &["geometry", "solve", "photo", "pattern", "decode"]),

@@ -10,6 +10,7 @@ mod photo;
 mod reconstruct;
 mod rectify;
 mod triangulate;
+mod verify;
 
 use clap::{Parser, Subcommand};
 
@@ -22,6 +23,7 @@ pub(crate) use pattern::{CheckerArgs, PatternOutput, PatternVerb, StripesArgs};
 pub(crate) use reconstruct::ReconstructArgs;
 pub(crate) use rectify::RectifyArgs;
 pub(crate) use triangulate::TriangulateArgs;
+pub(crate) use verify::VerifyArgs;
 
 /// Calibrate a projector and a camera from one photograph; reconstruct what they see from one more.
 ///
@@ -70,6 +72,13 @@ pub(crate) enum Verb {
                             slcal rectify --rig rig.json --image poster.jpg -o straight.png"
     )]
     Rectify(RectifyArgs),
+    /// Measure how square a rectified projection is now, and whether the rig has moved.
+    #[command(
+        after_help = "Examples:\n  slcal rectify --rig rig.json --pattern checker.json -o straight.png    (project it, photograph it)\n  \
+                            slcal verify --rig rig.json --pattern checker.json photo.jpg\n  \
+                            slcal verify --rig rig.json --pattern checker.json --as-drawn photo.jpg --fail-if-moved"
+    )]
+    Verify(VerifyArgs),
     /// Find the projected stripes in a photograph.
     #[command(
         after_help = "Example:\n  slcal decode --pattern stripes.json object.jpg -o matches.csv --overlay seen.png\n\n\

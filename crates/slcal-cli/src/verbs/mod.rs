@@ -8,6 +8,7 @@ mod pattern;
 mod reconstruct;
 mod rectify;
 mod triangulate;
+mod verify;
 
 use crate::args::Verb;
 use crate::exit::Outcome;
@@ -19,6 +20,7 @@ pub(crate) fn run(verb: Verb, printer: Printer) -> Outcome {
         Verb::Pattern(verb) => pattern::run(verb, printer),
         Verb::Calibrate(args) => calibrate::run(&args, printer),
         Verb::Rectify(args) => rectify::run(&args, printer),
+        Verb::Verify(args) => verify::run(&args, printer),
         Verb::Decode(args) => decode::run(&args, printer),
         Verb::Triangulate(args) => triangulate::run(&args, printer),
         Verb::Reconstruct(args) => reconstruct::run(&args, printer),

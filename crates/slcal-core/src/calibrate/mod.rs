@@ -22,6 +22,7 @@ mod predict;
 mod rectify;
 mod refine;
 mod residual;
+pub(crate) mod shared;
 mod start;
 mod transposed;
 mod two_vp;
@@ -32,6 +33,14 @@ mod verdict;
 pub use config::{CalibrateConfig, DistortionModel, FocalPrior, Method, PrincipalPointRule};
 pub use noise::{ExternalCalibration, NoiseFound, NoiseOf, calibrate_external};
 pub use rectify::{Rectification, rectify, rectify_checker};
+
+// What `verify` shares with the calibration: its measurements, its model and its residuals.
+pub(crate) use check::check;
+pub(crate) use joint::{Kind, Measurement, Target, measurements};
+pub(crate) use metric::pose_from_homography;
+pub(crate) use model::Model;
+pub(crate) use residual::lit_point;
+pub(crate) use start::camera_from_sheet;
 
 use crate::error::Result;
 use crate::observations::Observations;
@@ -71,7 +80,7 @@ pub struct Calibration {
 /// [`Error::Degenerate`](crate::Error::Degenerate) when the predicted σ of a focal length is 25 % or more and
 /// `config.allow_degenerate` is not set.
 pub fn calibrate_observations(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
-    check::check(observations, config)?;
+    check(observations, config)?;
     match config.method {
         Method::Ml => maximum_likelihood(observations, config),
         Method::TwoVp => two_vp_rig::calibrate(observations, config),
@@ -117,6 +126,6 @@ mod many_views_tests;
 #[cfg(test)]
 mod monte_carlo;
 #[cfg(test)]
-mod scene;
+pub(crate) mod scene;
 #[cfg(test)]
 mod tests;

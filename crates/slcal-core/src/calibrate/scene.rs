@@ -10,12 +10,12 @@ use super::residual::lit_point;
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
 use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 
-pub(super) fn rng(seed: u64) -> ChaCha8Rng {
+pub(crate) fn rng(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
 }
 
 /// An A2 sheet about 1 m away, tilted about the camera's X, then Y axis (degrees).
-pub(super) fn pose(tilt_x: f64, tilt_y: f64) -> Pose {
+pub(crate) fn pose(tilt_x: f64, tilt_y: f64) -> Pose {
     let [x, y] = [tilt_x, tilt_y].map(f64::to_radians);
     let rotation =
         Rotation3::from_axis_angle(&Vector3::x_axis(), x) * Rotation3::from_axis_angle(&Vector3::y_axis(), y);
@@ -23,7 +23,7 @@ pub(super) fn pose(tilt_x: f64, tilt_y: f64) -> Pose {
     Pose { rotation, translation: Vector3::new(0.0, 0.0, 1000.0) - rotation * centre }
 }
 
-pub(super) fn size() -> RectangleSize {
+pub(crate) fn size() -> RectangleSize {
     RectangleSize { width_mm: 594.0, height_mm: 420.0 }
 }
 
@@ -32,7 +32,7 @@ fn camera([width, height]: [u32; 2], f: f64, pp: Point2<f64>) -> Camera {
 }
 
 /// 1280×960, f = 1500; 1024×768, f = 1700, cy as given; the projector 250 mm to the right, turned towards the sheet.
-pub(super) fn rig(cy: f64, views: Vec<Pose>) -> Model {
+pub(crate) fn rig(cy: f64, views: Vec<Pose>) -> Model {
     let aim = Rotation3::from_axis_angle(&Vector3::y_axis(), 0.2);
     // A shifted projector throws upwards: it stands lower and keeps its axis level.
     let drop = (cy - 383.5) / 1700.0 * 1050.0;
@@ -52,7 +52,7 @@ fn jitter(rng: &mut ChaCha8Rng, sigma: f64) -> Vector2<f64> {
 }
 
 /// What a model shows: sheet corners with noise `sheet_px`, 9×6 projected corners with noise `pair_px`.
-pub(super) fn observe(model: &Model, sheet_px: f64, pair_px: f64, rng: &mut ChaCha8Rng) -> Observations {
+pub(crate) fn observe(model: &Model, sheet_px: f64, pair_px: f64, rng: &mut ChaCha8Rng) -> Observations {
     let views = model
         .views
         .iter()
@@ -79,7 +79,7 @@ pub(super) fn observe(model: &Model, sheet_px: f64, pair_px: f64, rng: &mut ChaC
 }
 
 /// The same with `n` edge points per side instead of corners.
-pub(super) fn with_edges(
+pub(crate) fn with_edges(
     mut observations: Observations,
     model: &Model,
     n: usize,

@@ -1,0 +1,320 @@
+//! `slcal verify`: how square a projection is, and whether the rig has moved.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use image::DynamicImage;
+use serde_json::{Value, json};
+use slcal_core::detect::{DetectConfig, Detection, observe};
+use slcal_core::geometry::{Homography, RectangleSize};
+use slcal_core::pattern::CheckerPattern;
+use slcal_core::photo::PhotoView;
+use slcal_core::verify::{Change, Measured, Verification, VerifyConfig, expected_corner, outline, verify};
+use slcal_core::{Rig, rectify_checker};
+
+use crate::args::VerifyArgs;
+use crate::exit::{Exit, Failure, InFile as _, Outcome};
+use crate::io::{
+    Destination, check_panel, check_spares, input_name, load_checker, load_photo, load_rig, png_bytes,
+    write_all,
+};
+use crate::output::{Printer, print_json, print_result};
+use crate::overlay::Overlay;
+
+/// A keystone below this is not seen by the eye, degrees: 1 mm over 0.6 m.
+const UNSEEN_DEG: f64 = 0.1;
+
+pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
+    let overlay = args.overlay.as_ref().map(|p| Destination::prepare(p, args.force)).transpose()?;
+    let inputs = [&args.photo, &args.rig, &args.pattern];
+    check_spares(&overlay, inputs.into_iter().map(PathBuf::as_path))?;
+    if overlay == Some(Destination::Stdout) {
+        return Err(Failure::usage("--overlay: expected a file, found -; the result itself goes to stdout"));
+    }
+    let config = VerifyConfig { significance: args.significance };
+    config.validate()?;
+    let rig = load_rig(&args.rig)?;
+    let pattern = load_checker(&args.pattern)?;
+    check_panel(&args.pattern, pattern.projector, &args.rig, &rig)?;
+    let size = sheet_size(args, &rig)?;
+    let drawn = if args.as_drawn {
+        None
+    } else {
+        Some(rectify_checker(&rig, 0, &pattern).in_file(&args.rig)?.panel_from_source)
+    };
+    let photo = load_photo(&args.photo, printer)?;
+    check_camera(args, &photo, &rig)?;
+    let found = detect(args, &photo, &pattern, size, drawn)?;
+    for note in &found.notes {
+        printer.note(format!("{}: {note}", input_name(&args.photo)));
+    }
+    let (corners, aspect) = outline(&pattern, drawn.as_ref()).ok_or_else(|| {
+        Failure::new(
+            Exit::Input,
+            format!("{}: the pattern cannot be drawn on the panel", args.pattern.display()),
+        )
+    })?;
+    let result = verify(&rig, &found.observation, &corners, aspect, &config).in_file(&args.photo)?;
+    if let Some(place) = overlay {
+        let picture = draw(&photo, &found, &rig, &result);
+        write_all(&[(place, png_bytes(&picture)?)])?;
+    }
+    if args.json {
+        print_json(&in_json(args, &result, found.pattern_corners))?;
+    } else {
+        print_result(&in_words(args, &result))?;
+    }
+    let sheet_moved = !args.as_drawn && result.sheet.is_some_and(|s| s.moved);
+    if args.fail_if_moved && (result.rig.moved || sheet_moved) {
+        let what = if result.rig.moved { "the rig has moved" } else { "the sheet has moved" };
+        return Err(Failure::new(Exit::Other, format!("{}: {what}", input_name(&args.photo))));
+    }
+    Ok(())
+}
+
+fn sheet_size(args: &VerifyArgs, rig: &Rig) -> Outcome<RectangleSize> {
+    args.size.or_else(|| rig.views.first().map(|v| v.size)).ok_or_else(|| {
+        Failure::usage(format!(
+            "--size: expected the sheet's size, since {} holds no view of a sheet",
+            args.rig.display()
+        ))
+    })
+}
+
+fn check_camera(args: &VerifyArgs, photo: &DynamicImage, rig: &Rig) -> Outcome {
+    let (camera, found) = (rig.camera.model, [photo.width(), photo.height()]);
+    if [camera.width, camera.height] == found {
+        return Ok(());
+    }
+    Err(Failure::new(
+        Exit::Input,
+        format!(
+            "{}: expected a photograph of {}x{} pixels, by the camera of {}, found {}x{}; a rig holds for one camera at one \
+             resolution, uncropped",
+            input_name(&args.photo),
+            camera.width,
+            camera.height,
+            args.rig.display(),
+            found[0],
+            found[1]
+        ),
+    ))
+}
+
+fn detect(
+    args: &VerifyArgs,
+    photo: &DynamicImage,
+    pattern: &CheckerPattern,
+    size: RectangleSize,
+    panel_from_pattern: Option<Homography>,
+) -> Outcome<Detection> {
+    let config = DetectConfig { encoding: args.gamma.gamma, corners: args.corners, panel_from_pattern };
+    config.validate()?;
+    let view = PhotoView::try_from(photo).in_file(&args.photo)?;
+    observe(view, None, size, Some(pattern), &config).in_file(&args.photo)
+}
+
+fn draw(photo: &DynamicImage, found: &Detection, rig: &Rig, result: &Verification) -> DynamicImage {
+    let mut overlay = Overlay::new(photo);
+    overlay.draw_observation(&found.observation);
+    let expected = found
+        .observation
+        .pairs
+        .iter()
+        .filter_map(|p| Some((p.camera, expected_corner(rig, &result.camera_from_sheet, p.projector)?)));
+    overlay.draw_expected(expected);
+    overlay.into_picture()
+}
+
+/// An angle in degrees with two digits of its σ.
+fn degrees(m: Measured) -> String {
+    let (value, sigma) = (m.value.to_degrees(), m.sigma.to_degrees());
+    format!("{:.d$}° ± {sigma:.d$}°", unsigned(value, digits(sigma)), d = digits(sigma))
+}
+
+/// Decimals that show two digits of a σ, and no more than anybody needs.
+fn digits(sigma: f64) -> usize {
+    if sigma > 0.0 { (1.0 - sigma.log10().floor()).clamp(1.0, 4.0) as usize } else { 4 }
+}
+
+/// A number that prints without the sign of a zero.
+fn unsigned(x: f64, digits: usize) -> f64 {
+    let unit = 10f64.powi(digits as i32);
+    (x * unit).round() / unit + 0.0
+}
+
+fn probability(p: f64) -> String {
+    if p < 1e-6 { "p < 0.000001".into() } else { format!("p = {p:.*}", if p < 0.01 { 6 } else { 2 }) }
+}
+
+fn in_words(args: &VerifyArgs, v: &Verification) -> String {
+    let mut text = String::new();
+    let mut line = |label: &str, content: String| {
+        // Writing into a string cannot fail.
+        let _ = writeln!(text, "{label:<10} {content}");
+    };
+    let k = &v.keystone;
+    let side = |i: usize| k.sides_rad[i].value.to_degrees();
+    line(
+        "keystone",
+        format!(
+            "{} at worst (top {:.3}°, right {:.3}°, bottom {:.3}°, left {:.3}° against the sheet's sides; clockwise counts \
+             up)",
+            degrees(k.worst_rad),
+            side(0),
+            side(1),
+            side(2),
+            side(3)
+        ),
+    );
+    line(
+        "",
+        format!(
+            "turned by {}; width to height off by {:.3} % ± {:.3} %",
+            degrees(k.rotation_rad),
+            100.0 * k.aspect.value,
+            100.0 * k.aspect.sigma
+        ),
+    );
+    line("rig", rig_in_words(v));
+    match &v.sheet {
+        Some(s) if s.moved && args.as_drawn => line(
+            "sheet",
+            format!(
+                "stands {:.1} mm from its place in the rig's first view, which does no harm here",
+                s.shift_mm
+            ),
+        ),
+        Some(s) if s.moved => line(
+            "sheet",
+            format!(
+                "has moved by {:.1} mm and turned by {:.2}° ({}): {}",
+                s.shift_mm,
+                s.turn_rad.to_degrees(),
+                probability(s.p_value),
+                if k.worst_rad.value.to_degrees().abs() < UNSEEN_DEG {
+                    "the picture is still square to the eye"
+                } else {
+                    "calibrate with the sheet where it is now, and rectify again"
+                }
+            ),
+        ),
+        Some(s) => line("sheet", format!("has not moved ({})", probability(s.p_value))),
+        None => {}
+    }
+    line("test", test_in_words(v));
+    text
+}
+
+fn rig_in_words(v: &Verification) -> String {
+    let r = &v.rig;
+    if !r.moved {
+        return format!(
+            "has not moved ({}); the pattern lies within {:.2} mm (rms) of where the rig puts it",
+            probability(r.p_value),
+            r.pattern_off_mm
+        );
+    }
+    let percent = |m: Measured| format!("{:+.2} % ± {:.2} %", 100.0 * m.value, 100.0 * m.sigma);
+    let what = match r.change {
+        Some(Change::Moved { turn_rad, shift_mm }) => format!(
+            "projector moved against the camera: turned by {}, shifted by {:.1} ± {:.1} mm",
+            degrees(turn_rad),
+            shift_mm.value,
+            shift_mm.sigma
+        ),
+        Some(Change::ProjectorFocal(m)) => {
+            format!(
+                "the projector's focal length has changed by {}: its zoom or focus was turned",
+                percent(m)
+            )
+        }
+        Some(Change::CameraFocal(m)) => {
+            format!("the camera's focal length has changed by {}: its zoom or focus was turned", percent(m))
+        }
+        Some(Change::Several) | None => {
+            "more than one thing has changed, or the photograph is not by this rig".into()
+        }
+    };
+    format!(
+        "{what} ({}); the pattern lies {:.1} mm (rms) from where the rig puts it; calibrate again",
+        probability(r.p_value),
+        r.pattern_off_mm
+    )
+}
+
+fn test_in_words(v: &Verification) -> String {
+    let mut text = format!(
+        "at a significance of {} %: so often would an unmoved rig be called moved",
+        100.0 * v.significance
+    );
+    if !v.with_covariance {
+        text.push_str(
+            "; the rig has no covariance, so that only the noise of the photograph counts: an uncertain rig \
+                       looks moved",
+        );
+    }
+    let worst = v.widened[0].max(v.widened[1]);
+    if worst > 3.0 {
+        let _ = write!(
+            text,
+            "; what was seen scatters {worst:.1} times more than its noise explains, which weakens the test"
+        );
+    }
+    text
+}
+
+fn in_json(args: &VerifyArgs, v: &Verification, pattern_corners: usize) -> Value {
+    let angle = |m: Measured| json!({ "value": m.value.to_degrees(), "sigma": m.sigma.to_degrees() });
+    let plain = |m: Measured| json!({ "value": m.value, "sigma": m.sigma });
+    let percent = |m: Measured| json!({ "value": 100.0 * m.value, "sigma": 100.0 * m.sigma });
+    let k = &v.keystone;
+    let change = v.rig.change.map(|c| match c {
+        Change::Moved { turn_rad, shift_mm } => {
+            json!({ "what": "projector-moved", "turn_deg": angle(turn_rad), "shift_mm": plain(shift_mm) })
+        }
+        Change::ProjectorFocal(m) => json!({ "what": "projector-focal", "focal_percent": percent(m) }),
+        Change::CameraFocal(m) => json!({ "what": "camera-focal", "focal_percent": percent(m) }),
+        Change::Several => json!({ "what": "several" }),
+    });
+    json!({
+        "schema": "slcal-verify/1",
+        "photo": input_name(&args.photo),
+        "pattern": if args.as_drawn { "as-drawn" } else { "rectified" },
+        "significance": v.significance,
+        "with_covariance": v.with_covariance,
+        "keystone": {
+            "worst_deg": angle(k.worst_rad),
+            "top_deg": angle(k.sides_rad[0]),
+            "right_deg": angle(k.sides_rad[1]),
+            "bottom_deg": angle(k.sides_rad[2]),
+            "left_deg": angle(k.sides_rad[3]),
+            "bottom_against_top_deg": angle(k.top_bottom_rad),
+            "right_against_left_deg": angle(k.left_right_rad),
+            "rotation_deg": angle(k.rotation_rad),
+            "aspect_percent": percent(k.aspect),
+            "corners_mm": k.corners_mm.map(|c| [c.x, c.y]),
+        },
+        "rig": {
+            "moved": v.rig.moved,
+            "p_value": v.rig.p_value,
+            "chi_squared": v.rig.chi_squared,
+            "degrees_of_freedom": v.rig.freedom,
+            "pattern_off_mm": v.rig.pattern_off_mm,
+            "corner_rms_px": { "under_rig": v.rig.corner_rms_px[0], "projector_free": v.rig.corner_rms_px[1] },
+            "change": change,
+        },
+        "sheet": v.sheet.map(|s| json!({
+            "moved": s.moved,
+            "p_value": s.p_value,
+            "chi_squared": s.chi_squared,
+            "turn_deg": s.turn_rad.to_degrees(),
+            "shift_mm": s.shift_mm,
+            "largest_mm": s.largest_mm,
+        })),
+        "corners": v.corners,
+        "pattern_corners": pattern_corners,
+        "left_out": v.left_out,
+        "noise_factor": { "sheet": v.widened[0], "pattern": v.widened[1] },
+    })
+}
