@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Which folders each folder may use. What is not listed here meets in the plain types at the top of the crate.
-const MAY_USE: [(&str, &[&str]); 11] = [
+const MAY_USE: [(&str, &[&str]); 12] = [
     ("geometry", &[]),
     ("solve", &["geometry"]),
     ("photo", &[]),
@@ -18,6 +18,8 @@ const MAY_USE: [(&str, &[&str]); 11] = [
     ("reconstruct", &["geometry", "solve", "photo", "pattern", "decode"]),
     ("evaluate", &["geometry", "solve"]),
     ("format", &["geometry", "pattern"]),
+    // Runs the estimators and compares with the truth; nothing depends on it.
+    ("simulate", &["geometry", "pattern", "calibrate", "reconstruct"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

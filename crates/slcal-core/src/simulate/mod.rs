@@ -1,0 +1,33 @@
+//! Synthetic rigs with known truth: what they show under noise, and how near the estimators come to them.
+//!
+//! [`RigConfig`] describes a camera, a projector and a sheet; [`Scene`] is that rig in given poses and makes
+//! [`Observations`](crate::Observations) with seeded noise; [`NoiseExperiment`] is the synthetic experiment of
+//! R. Orghidan, J. Salvi, M. Gordan, C. Florea, J. Batlle, "Structured light self-calibration with vanishing points",
+//! Machine Vision and Applications 25:489-500 (2014), Fig. 7–11, with the Cramér–Rao bound beside. Compiled with the
+//! feature `simulate`.
+
+mod bound;
+mod csv;
+mod cube;
+mod draws;
+mod experiment;
+mod poses;
+mod rig_config;
+mod scene;
+mod statistics;
+mod trial;
+
+pub use bound::{Bound, PrincipalPointSigma, bound};
+pub use cube::{Cube, CubeError};
+pub use draws::Draws;
+pub use experiment::{
+    LevelReport, MethodName, MethodReport, NoiseConfig, NoiseExperiment, NoiseReport, PrincipalPoints,
+    TrueValues,
+};
+pub use poses::{PoseConfig, SpreadConfig, spread_poses};
+pub use rig_config::RigConfig;
+pub use scene::{NoiseModel, Scene};
+pub use statistics::{ErrorStatistics, Statistics};
+
+#[cfg(test)]
+mod tests;

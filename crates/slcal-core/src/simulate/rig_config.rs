@@ -1,0 +1,158 @@
+//! A camera, a projector that throws its pattern onto the middle of a sheet, and that sheet, by a few numbers.
+
+use nalgebra::{Point2, Rotation3, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
+use crate::pattern::{CheckerConfig, CheckerPattern};
+
+/// Sides of images and panels, px: from a thumbnail to more than any sensor has.
+const SIDES_PX: [u32; 2] = [64, 100_000];
+/// Focal lengths in units of the longer side: what the estimators take for a lens (170° to 0.5° of view).
+const FOCAL_SIDES: [f64; 2] = [0.05, 100.0];
+/// Lens shift in heights of the panel; the largest that is built is about 1.3.
+const MOST_SHIFT: f64 = 3.0;
+/// Lengths, mm: no rig is smaller than a millimetre or larger than a kilometre.
+const LENGTHS_MM: [f64; 2] = [1.0, 1e6];
+/// Distortion coefficients beyond this are no lens.
+const MOST_DISTORTION: f64 = 2.0;
+
+/// A rig. The camera stands at the origin, the projector to its right at [`baseline_mm`](Self::baseline_mm), turned about
+/// its vertical axis only, so that the middle of its pattern falls on the middle of the sheet; a projector with lens
+/// shift stands lower and throws upwards.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RigConfig {
+    /// Width and height of the camera image, px; default 1280×960.
+    pub camera: [u32; 2],
+    /// Focal length of the camera, px; default 1500.
+    pub camera_focal_px: f64,
+    /// The camera's principal point off the image's centre, px; default none.
+    pub camera_offset_px: [f64; 2],
+    /// The camera's k1, k2, p1, p2, k3; default none.
+    pub distortion: [f64; 5],
+    /// Width and height of the projector's panel, px; default 1024×768.
+    pub projector: [u32; 2],
+    /// Focal length of the projector, px; default 1700.
+    pub projector_focal_px: f64,
+    /// The projector's principal point off the panel's middle column, px; default 0.
+    pub projector_offset_px: f64,
+    /// The projector's principal point below the panel's middle row, in heights of the panel; default 0, usual are 0.5 to 1.
+    pub lens_shift: f64,
+    /// Horizontal distance of the projector from the camera, mm; default 250.
+    pub baseline_mm: f64,
+    /// The sheet; default 594×420 mm.
+    pub size: RectangleSize,
+    /// Distance of the sheet's middle along the camera's axis, mm; default 1000.
+    pub distance_mm: f64,
+    /// The checkerboard that is projected; default as `slcal pattern checker` draws it (its 70 inner corners are seen).
+    pub checker: CheckerConfig,
+}
+
+impl Default for RigConfig {
+    fn default() -> Self {
+        Self {
+            camera: [1280, 960],
+            camera_focal_px: 1500.0,
+            camera_offset_px: [0.0; 2],
+            distortion: [0.0; 5],
+            projector: [1024, 768],
+            projector_focal_px: 1700.0,
+            projector_offset_px: 0.0,
+            lens_shift: 0.0,
+            baseline_mm: 250.0,
+            size: RectangleSize { width_mm: 594.0, height_mm: 420.0 },
+            distance_mm: 1000.0,
+            checker: CheckerConfig::default(),
+        }
+    }
+}
+
+fn within(what: &str, value: f64, [least, most]: [f64; 2], unit: &str) -> Result<()> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::invalid(what, format!("{least} to {most}{unit}"), format!("{value}{unit}")))
+}
+
+impl RigConfig {
+    /// Checks the values.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the value, its range and what was given.
+    pub fn validate(&self) -> Result<()> {
+        for (name, [w, h], focal) in [
+            ("camera", self.camera, self.camera_focal_px),
+            ("projector", self.projector, self.projector_focal_px),
+        ] {
+            let [least, most] = SIDES_PX;
+            if ![w, h].iter().all(|s| (least..=most).contains(s)) {
+                let expected = format!("{least} to {most} px on each side");
+                return Err(Error::invalid(format!("size of the {name}"), expected, format!("{w}x{h}")));
+            }
+            let side = f64::from(w.max(h));
+            within(&format!("focal length of the {name}"), focal, FOCAL_SIDES.map(|s| s * side), " px")?;
+        }
+        let [w, h] = self.camera.map(f64::from);
+        within("the camera's principal point off the centre", self.camera_offset_px[0], [-w, w], " px")?;
+        within("the camera's principal point off the centre", self.camera_offset_px[1], [-h, h], " px")?;
+        let w = f64::from(self.projector[0]);
+        within("the projector's principal point off the centre", self.projector_offset_px, [-w, w], " px")?;
+        within("lens shift", self.lens_shift, [-MOST_SHIFT, MOST_SHIFT], " heights of the panel")?;
+        within("baseline", self.baseline_mm, LENGTHS_MM, " mm")?;
+        within("distance", self.distance_mm, LENGTHS_MM, " mm")?;
+        within("width of the sheet", self.size.width_mm, LENGTHS_MM, " mm")?;
+        within("height of the sheet", self.size.height_mm, LENGTHS_MM, " mm")?;
+        for k in self.distortion {
+            within("distortion", k, [-MOST_DISTORTION, MOST_DISTORTION], "")?;
+        }
+        self.checker.validate()
+    }
+
+    /// The camera.
+    #[must_use]
+    pub fn camera(&self) -> Camera {
+        let [width, height] = self.camera;
+        let [x, y] = self.camera_offset_px;
+        let pp = Camera::image_centre(width, height) + nalgebra::Vector2::new(x, y);
+        let intrinsics = Intrinsics::square(self.camera_focal_px, pp);
+        Camera { width, height, intrinsics, distortion: Distortion::from_array(self.distortion) }
+    }
+
+    /// The projector.
+    #[must_use]
+    pub fn projector(&self) -> Camera {
+        let [width, height] = self.projector;
+        let down = self.lens_shift * f64::from(height);
+        let pp = Camera::image_centre(width, height) + nalgebra::Vector2::new(self.projector_offset_px, down);
+        let intrinsics = Intrinsics::square(self.projector_focal_px, pp);
+        Camera { width, height, intrinsics, distortion: Distortion::NONE }
+    }
+
+    /// The checkerboard.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when it does not fit on the panel.
+    pub fn pattern(&self) -> Result<CheckerPattern> {
+        CheckerPattern::new(self.projector, &self.checker)
+    }
+
+    /// camera → projector, such that the middle of the pattern falls on the middle of the sheet.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the pattern does not fit on the panel.
+    pub fn projector_from_camera(&self) -> Result<Pose> {
+        let k = self.projector().intrinsics;
+        let outline = self.pattern()?.outline();
+        let middle = k.normalized(Point2::from((outline[0].coords + outline[2].coords) / 2.0));
+        // Horizontally the ray of the pattern's middle stands at atan(x) from the axis, the sheet at the angle below.
+        let towards = -libm::atan2(self.baseline_mm, self.distance_mm);
+        let turn = towards - libm::atan(middle.x);
+        let rotation = Rotation3::from_axis_angle(&Vector3::y_axis(), -turn);
+        let away = Vector3::new(-self.baseline_mm, 0.0, self.distance_mm);
+        let depth = (rotation * away).z;
+        let centre = Vector3::new(self.baseline_mm, -middle.y * depth, 0.0);
+        Ok(Pose { rotation, translation: -(rotation * centre) })
+    }
+}

@@ -1,0 +1,255 @@
+//! A rig in given poses of its sheet: what its camera sees.
+
+use nalgebra::{Point2, Point3, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::draws::Draws;
+use super::poses::PoseConfig;
+use super::rig_config::RigConfig;
+use crate::error::{Error, Result};
+use crate::geometry::{Camera, Pose, RectangleSize};
+use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
+use crate::rig::{Device, Rig, StereoPose, View};
+
+/// Observations without noise still need a σ: so small that nothing else matters, so large that rounding does not.
+const SMALLEST_SIGMA_PX: f64 = 1e-6;
+/// Noise beyond this is no measurement of anything, px.
+const MOST_NOISE_PX: f64 = 1000.0;
+/// Most edge points per side that are drawn.
+const MOST_EDGE_POINTS: usize = 10_000;
+
+/// Gaussian noise of what the camera sees; the projector's pixels are exact.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct NoiseModel {
+    /// 1σ of the sheet's corners (each coordinate) or edge points, camera px; default 0.2.
+    pub sheet_px: f64,
+    /// 1σ of each coordinate of the projected corners, camera px; default 0.1.
+    pub pattern_px: f64,
+    /// Edge points per side instead of the four corners; default `None`.
+    pub edge_points: Option<usize>,
+}
+
+impl Default for NoiseModel {
+    fn default() -> Self {
+        Self { sheet_px: 0.2, pattern_px: 0.1, edge_points: None }
+    }
+}
+
+impl NoiseModel {
+    /// The same noise on the sheet's corners and on the projected ones.
+    #[must_use]
+    pub fn uniform(sigma_px: f64) -> Self {
+        Self { sheet_px: sigma_px, pattern_px: sigma_px, edge_points: None }
+    }
+
+    /// Checks the values.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for negative or absurd numbers.
+    pub fn validate(&self) -> Result<()> {
+        for (name, sigma) in
+            [("noise of the sheet", self.sheet_px), ("noise of the pattern", self.pattern_px)]
+        {
+            if !(0.0..=MOST_NOISE_PX).contains(&sigma) {
+                return Err(Error::invalid(name, format!("0 to {MOST_NOISE_PX} px"), format!("{sigma} px")));
+            }
+        }
+        match self.edge_points {
+            Some(n) if !(2..=MOST_EDGE_POINTS).contains(&n) => {
+                Err(Error::invalid("edge points per side", format!("2 to {MOST_EDGE_POINTS}"), n))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn stated(sigma_px: f64) -> f64 {
+        sigma_px.max(SMALLEST_SIGMA_PX)
+    }
+}
+
+/// The truth: a rig, its sheet, and the poses in which that is seen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// The camera.
+    pub camera: Camera,
+    /// The projector; its distortion counts.
+    pub projector: Camera,
+    /// Between them.
+    pub projector_from_camera: Pose,
+    /// The sheet.
+    pub size: RectangleSize,
+    /// The projected points, projector px.
+    pub pattern: Vec<Point2<f64>>,
+    /// camera ← sheet, one per view.
+    pub views: Vec<Pose>,
+}
+
+/// Where the light of projector pixel `q` falls on the sheet, in the camera frame; `None` when it misses its plane.
+pub(super) fn lit_point(
+    projector: &Camera,
+    projector_from_camera: &Pose,
+    camera_from_sheet: &Pose,
+    q: Point2<f64>,
+) -> Option<Point3<f64>> {
+    let centre = projector_from_camera.centre();
+    let ray = projector_from_camera.rotation.inverse() * projector.bearing(q)?;
+    let normal = camera_from_sheet.rotation * Vector3::z();
+    let s = normal.dot(&(camera_from_sheet.translation - centre.coords)) / normal.dot(&ray);
+    (s > 0.0 && s.is_finite()).then(|| centre + ray * s)
+}
+
+impl Scene {
+    /// The rig with its sheet in these poses.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for values out of range, and where a view does not show the sheet and the pattern on it.
+    pub fn new(rig: &RigConfig, poses: &[PoseConfig]) -> Result<Self> {
+        rig.validate()?;
+        let mut scene = Self {
+            camera: rig.camera(),
+            projector: rig.projector(),
+            projector_from_camera: rig.projector_from_camera()?,
+            size: rig.size,
+            pattern: rig.pattern()?.inner_corners(),
+            views: Vec::with_capacity(poses.len()),
+        };
+        for pose in poses {
+            pose.validate()?;
+            let view = pose.camera_from_sheet(rig);
+            scene.check_visible(&view)?;
+            scene.views.push(view);
+        }
+        Ok(scene)
+    }
+
+    /// The pixel of a point of the sheet in a pose.
+    fn sheet_pixel(&self, view: &Pose, p: Point2<f64>) -> Option<Point2<f64>> {
+        self.camera.project(&view.transform(&Point3::new(p.x, p.y, 0.0)))
+    }
+
+    /// Whether the picture shows the whole sheet, and the sheet the whole pattern.
+    pub(super) fn check_visible(&self, view: &Pose) -> Result<()> {
+        let [w, h] = [self.camera.width, self.camera.height].map(f64::from);
+        for corner in self.size.corners() {
+            let seen = self.sheet_pixel(view, corner);
+            let inside = |p: Point2<f64>| (-0.5..=w - 0.5).contains(&p.x) && (-0.5..=h - 0.5).contains(&p.y);
+            if !seen.is_some_and(inside) {
+                let at = seen.map_or("behind the camera".to_owned(), |p| format!("at {:.0},{:.0}", p.x, p.y));
+                return Err(Error::invalid(
+                    "the sheet in the camera's picture",
+                    format!(
+                        "all corners inside its {w}x{h} px (a smaller or more distant sheet, a shorter lens)"
+                    ),
+                    format!("a corner {at}"),
+                ));
+            }
+        }
+        let missed = self
+            .pattern
+            .iter()
+            .filter(|q| {
+                let lit = lit_point(&self.projector, &self.projector_from_camera, view, **q)
+                    .map(|p| view.inverse().transform(&p));
+                let on = |p: Point3<f64>| {
+                    (0.0..=self.size.width_mm).contains(&p.x) && (0.0..=self.size.height_mm).contains(&p.y)
+                };
+                !lit.is_some_and(on)
+            })
+            .count();
+        if missed > 0 {
+            return Err(Error::invalid(
+                "the projected pattern",
+                "all corners on the sheet (a larger or nearer sheet, a longer focal length of the projector)",
+                format!("{missed} of {} beside it", self.pattern.len()),
+            ));
+        }
+        Ok(())
+    }
+
+    /// What the camera sees, with noise from `draws`. The noise is stated with every point; where it is zero, 1e-6 px is
+    /// stated.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for noise out of range, or poses of one's own that put something behind a device.
+    pub fn observe(&self, noise: &NoiseModel, draws: &mut Draws) -> Result<Observations> {
+        noise.validate()?;
+        let behind =
+            || Error::invalid("pose", "sheet and pattern in front of both devices", "a point behind one");
+        let mut views = Vec::with_capacity(self.views.len());
+        for view in &self.views {
+            let sheet = self.observe_sheet(view, noise, draws).ok_or_else(behind)?;
+            let mut pairs = Vec::with_capacity(self.pattern.len());
+            for &q in &self.pattern {
+                let p = lit_point(&self.projector, &self.projector_from_camera, view, q);
+                let seen = p.and_then(|p| self.camera.project(&p)).ok_or_else(behind)?;
+                pairs.push(CornerPair {
+                    camera: seen + draws.jitter(noise.pattern_px),
+                    projector: q,
+                    sigma_px: NoiseModel::stated(noise.pattern_px),
+                });
+            }
+            views.push(ViewObservation { size: self.size, sheet, pairs });
+        }
+        Ok(Observations {
+            camera: [self.camera.width, self.camera.height],
+            projector: Some([self.projector.width, self.projector.height]),
+            views,
+        })
+    }
+
+    fn observe_sheet(&self, view: &Pose, noise: &NoiseModel, draws: &mut Draws) -> Option<SheetObservation> {
+        let corners = self.size.corners();
+        let sigma_px = NoiseModel::stated(noise.sheet_px);
+        let Some(n) = noise.edge_points else {
+            let mut seen = corners;
+            for c in &mut seen {
+                *c = self.sheet_pixel(view, *c)? + draws.jitter(noise.sheet_px);
+            }
+            return Some(SheetObservation::Corners { corners: seen, sigma_px });
+        };
+        let mut sides: [Vec<EdgePoint>; 4] = Default::default();
+        for (i, side) in sides.iter_mut().enumerate() {
+            let (a, b) = (corners[i], corners[(i + 1) % 4]);
+            for k in 0..n {
+                let p = a + (b - a) * ((k as f64 + 0.5) / n as f64);
+                let position = self.sheet_pixel(view, p)? + draws.jitter(noise.sheet_px);
+                side.push(EdgePoint { position, sigma_px });
+            }
+        }
+        Some(SheetObservation::Edges(sides))
+    }
+
+    /// The true rig, with the poses as its views.
+    #[must_use]
+    pub fn rig(&self) -> Rig {
+        let device = |model| Device { model, sigma: None };
+        let views = self.views.iter().map(|view| {
+            let projector_from_sheet = self.projector_from_camera.compose(view);
+            let corners = self.size.corners();
+            View {
+                photo: None,
+                size: self.size,
+                camera_from_sheet: *view,
+                projector_from_sheet: Some(projector_from_sheet),
+                camera_vanishing_points: self.camera.vanishing_points(view),
+                projector_vanishing_points: Some(self.projector.vanishing_points(&projector_from_sheet)),
+                corners_px: corners.map(|c| self.sheet_pixel(view, c).unwrap_or(Point2::origin())),
+                rms_px: None,
+            }
+        });
+        Rig {
+            camera: device(self.camera),
+            projector: Some(device(self.projector)),
+            stereo: Some(StereoPose {
+                projector_from_camera: self.projector_from_camera,
+                sigma_t_mm: None,
+                sigma_r_rad: None,
+            }),
+            views: views.collect(),
+            method: "truth".into(),
+            quality: None,
+            covariance: None,
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Means, deviations and what else a table shows.
+
+use serde::Serialize;
+
+/// Of values that are errors themselves (distances, rms). All `None` without a value.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Statistics {
+    /// Mean.
+    pub mean: Option<f64>,
+    /// Standard deviation, with n − 1; `None` for fewer than two values.
+    pub std: Option<f64>,
+    /// Median: what outliers do not move.
+    pub median: Option<f64>,
+}
+
+/// Of signed errors of a quantity that is known.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct ErrorStatistics {
+    /// Mean error (of a vector: the length of the mean).
+    pub bias: Option<f64>,
+    /// Standard deviation about the mean, with n − 1 (of a vector: over all components together).
+    pub std: Option<f64>,
+    /// Root mean square error.
+    pub rms: Option<f64>,
+    /// Median of the absolute error: what outliers do not move.
+    pub median: Option<f64>,
+}
+
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len();
+    let upper = sorted.get(n / 2)?;
+    Some(if n.is_multiple_of(2) { (upper + sorted.get(n / 2 - 1)?) / 2.0 } else { *upper })
+}
+
+impl Statistics {
+    /// Of `values`; those that are not finite are left out.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Self {
+        let finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
+        let n = finite.len() as f64;
+        if finite.is_empty() {
+            return Self::default();
+        }
+        let mean = finite.iter().sum::<f64>() / n;
+        let squares: f64 = finite.iter().map(|x| (x - mean).powi(2)).sum();
+        Self {
+            mean: Some(mean),
+            std: (finite.len() > 1).then(|| (squares / (n - 1.0)).sqrt()),
+            median: median(finite.into_iter()),
+        }
+    }
+}
+
+impl ErrorStatistics {
+    /// Of errors with `N` components each.
+    #[must_use]
+    pub fn of<const N: usize>(errors: &[[f64; N]]) -> Self {
+        let finite: Vec<&[f64; N]> = errors.iter().filter(|e| e.iter().all(|x| x.is_finite())).collect();
+        let n = finite.len() as f64;
+        if finite.is_empty() {
+            return Self::default();
+        }
+        let mean: [f64; N] = std::array::from_fn(|i| finite.iter().map(|e| e[i]).sum::<f64>() / n);
+        let length = |e: &[f64; N]| e.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let squares: f64 =
+            finite.iter().map(|e| e.iter().zip(&mean).map(|(x, m)| (x - m).powi(2)).sum::<f64>()).sum();
+        let bias = if N == 1 { mean.iter().sum() } else { length(&mean) };
+        Self {
+            bias: Some(bias),
+            std: (finite.len() > 1).then(|| (squares / (n - 1.0)).sqrt()),
+            rms: Some((finite.iter().map(|e| length(e).powi(2)).sum::<f64>() / n).sqrt()),
+            median: median(finite.into_iter().map(length)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_values() {
+        let s = Statistics::of(&[1.0, 2.0, 6.0, f64::NAN]);
+        assert_eq!((s.mean, s.median), (Some(3.0), Some(2.0)));
+        assert!((s.std.unwrap() - 7.0_f64.sqrt()).abs() < 1e-15);
+        let e = ErrorStatistics::of(&[[3.0, 4.0], [-3.0, 4.0]]);
+        assert_eq!((e.bias, e.rms, e.median), (Some(4.0), Some(5.0), Some(5.0)));
+        assert_eq!(e.std, Some(18.0_f64.sqrt()));
+        assert_eq!(ErrorStatistics::of(&[[-2.0]]).bias, Some(-2.0));
+    }
+
+    #[test]
+    fn nothing_is_not_zero() {
+        assert_eq!(Statistics::of(&[f64::INFINITY]), Statistics::default());
+        assert_eq!(ErrorStatistics::of::<1>(&[]), ErrorStatistics::default());
+        assert_eq!(Statistics::of(&[1.0]).std, None);
+    }
+}

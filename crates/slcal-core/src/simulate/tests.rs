@@ -1,0 +1,172 @@
+//! Scenes, poses and the cube against closed forms.
+
+use nalgebra::{Point2, Point3};
+
+use super::{Cube, Draws, NoiseModel, PoseConfig, RigConfig, Scene, SpreadConfig, bound, spread_poses};
+use crate::calibrate::{CalibrateConfig, PrincipalPointRule, calibrate_observations};
+use crate::error::Error;
+use crate::geometry::RectangleSize;
+use crate::observations::SheetObservation;
+
+fn shifted() -> RigConfig {
+    RigConfig {
+        lens_shift: 0.5,
+        camera_offset_px: [9.0, -7.0],
+        projector_offset_px: -8.0,
+        ..RigConfig::default()
+    }
+}
+
+fn invalid<T: std::fmt::Debug>(result: crate::Result<T>, words: &str) {
+    match result {
+        Err(error @ Error::Invalid { .. }) => {
+            assert!(error.to_string().contains(words), "no \"{words}\" in: {error}");
+        }
+        other => panic!("{words}: {other:?}"),
+    }
+}
+
+#[test]
+fn the_middle_of_the_pattern_falls_on_the_middle_of_the_sheet() {
+    for rig in [RigConfig::default(), shifted()] {
+        let scene = Scene::new(&rig, &[PoseConfig::tilted(20.0, -15.0)]).unwrap();
+        let outline = rig.pattern().unwrap().outline();
+        let middle = Point2::from((outline[0].coords + outline[2].coords) / 2.0);
+        let at = scene.projector_from_camera.transform(&Point3::new(0.0, 0.0, rig.distance_mm));
+        assert!((scene.projector.project(&at).unwrap() - middle).norm() < 1e-9);
+        let centre = scene.projector_from_camera.centre();
+        assert!((centre.x - rig.baseline_mm).abs() < 1e-9 && centre.z.abs() < 1e-9);
+        assert!(rig.lens_shift == 0.0 || centre.y > 200.0, "a shifted projector stands lower: {centre}");
+    }
+}
+
+/// The pairs of a plane obey one homography, whose equations know nothing of poses and rays.
+#[test]
+fn without_noise_the_pairs_obey_a_homography_and_the_edges_are_straight() {
+    let scene = Scene::new(&shifted(), &[PoseConfig::tilted(25.0, 28.0)]).unwrap();
+    let quiet = NoiseModel { edge_points: Some(7), ..NoiseModel::uniform(0.0) };
+    let seen = scene.observe(&quiet, &mut Draws::new(1, 0)).unwrap();
+    let pairs: Vec<_> = seen.views[0].pairs.iter().map(|p| (p.projector, p.camera)).collect();
+    assert_eq!(pairs.len(), 70);
+    let h = crate::solve::homography_from_points(&pairs).unwrap();
+    assert!(pairs.iter().all(|(a, b)| (h.map(*a).unwrap() - b).norm() < 1e-8));
+    let of_corners = scene.observe(&NoiseModel::uniform(0.0), &mut Draws::new(1, 0)).unwrap();
+    let corners = of_corners.views[0].sheet.corners().unwrap();
+    for (a, b) in seen.views[0].sheet.corners().unwrap().iter().zip(corners) {
+        assert!((a - b).norm() < 1e-8);
+    }
+}
+
+#[test]
+fn noise_has_the_sigma_that_is_asked_for() {
+    let scene = Scene::new(&RigConfig::default(), &vec![PoseConfig::tilted(25.0, 28.0); 100]).unwrap();
+    let clean = scene.observe(&NoiseModel::uniform(0.0), &mut Draws::new(1, 0)).unwrap();
+    let noise = NoiseModel { sheet_px: 0.3, pattern_px: 0.07, edge_points: None };
+    let seen = scene.observe(&noise, &mut Draws::new(1, 0)).unwrap();
+    let (mut sheet, mut pattern, mut n) = (0.0, 0.0, [0.0_f64; 2]);
+    for (a, b) in seen.views.iter().zip(&clean.views) {
+        for (p, q) in a.sheet.corners().unwrap().iter().zip(b.sheet.corners().unwrap()) {
+            sheet += (p - q).norm_squared();
+            n[0] += 2.0;
+        }
+        for (p, q) in a.pairs.iter().zip(&b.pairs) {
+            assert_eq!(p.sigma_px, 0.07);
+            pattern += (p.camera - q.camera).norm_squared();
+            n[1] += 2.0;
+        }
+    }
+    // Five standard errors of a σ from n values: 1/√(2n).
+    for (sum, n, sigma) in [(sheet, n[0], 0.3), (pattern, n[1], 0.07)] {
+        assert!(((sum / n).sqrt() / sigma - 1.0).abs() < 5.0 / (2.0 * n).sqrt());
+    }
+}
+
+#[test]
+fn spread_poses_tilt_all_round_and_show_everything() {
+    let rig = shifted();
+    let poses = spread_poses(&rig, 8, &SpreadConfig::default(), 3).unwrap();
+    assert_eq!(poses, spread_poses(&rig, 8, &SpreadConfig::default(), 3).unwrap());
+    assert_ne!(poses, spread_poses(&rig, 8, &SpreadConfig::default(), 4).unwrap());
+    assert_eq!(Scene::new(&rig, &poses).unwrap().views.len(), 8);
+    for sign in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+        let here = |p: &&PoseConfig| p.tilt_x_rad * sign[0] > 0.0 && p.tilt_y_rad * sign[1] > 0.0;
+        assert_eq!(poses.iter().filter(here).count(), 2);
+    }
+    for p in &poses {
+        let tilt = p.tilt_x_rad.hypot(p.tilt_y_rad).to_degrees();
+        assert!((15.0..=35.0).contains(&tilt), "{tilt}");
+    }
+}
+
+/// The truth triangulates the cube exactly, and a rig that is too large triangulates it too large.
+#[test]
+fn the_true_rig_sees_the_true_cube() {
+    let scene = Scene::new(&shifted(), &[PoseConfig::tilted(25.0, 28.0)]).unwrap();
+    let cube = Cube::new(&scene, 100.0).unwrap();
+    assert!((4..=7).contains(&cube.visible()), "{}", cube.visible());
+    let error = cube.error(&scene.rig(), 0.0, &mut Draws::new(1, 0)).unwrap().unwrap();
+    assert!(error.position_percent < 1e-9 && error.length_percent < 1e-9, "{error:?}");
+    // A rig in which every length is one per cent too long makes a cube one per cent too large.
+    let mut longer = scene.rig();
+    if let Some(stereo) = &mut longer.stereo {
+        stereo.projector_from_camera.translation *= 1.01;
+    }
+    let error = cube.error(&longer, 0.0, &mut Draws::new(1, 0)).unwrap().unwrap();
+    assert!((error.length_percent - 1.0).abs() < 1e-9, "{error:?}");
+}
+
+/// For σ → 2σ every bound doubles; and it is what the estimator says of itself, by Jacobians of another origin.
+#[test]
+fn the_bound_is_proportional_to_noise_and_equals_the_estimators_covariance() {
+    let scene = Scene::new(&RigConfig::default(), &[PoseConfig::tilted(25.0, 28.0)]).unwrap();
+    let of = |level| bound(&scene, &NoiseModel::uniform(level), [0.0; 4]).unwrap();
+    let (one, two) = (of(0.1), of(0.2));
+    assert!((two.camera_focal_px / one.camera_focal_px - 2.0).abs() < 1e-6);
+    assert!((two.translation_mm / one.translation_mm - 2.0).abs() < 1e-6);
+    let mut seen = scene.observe(&NoiseModel::uniform(0.0), &mut Draws::new(1, 0)).unwrap();
+    for view in &mut seen.views {
+        if let SheetObservation::Corners { sigma_px, .. } = &mut view.sheet {
+            *sigma_px = 0.1;
+        }
+        view.pairs.iter_mut().for_each(|p| p.sigma_px = 0.1);
+    }
+    let centre = PrincipalPointRule::Centre;
+    let config = CalibrateConfig { camera_pp: centre, projector_pp: centre, ..CalibrateConfig::default() };
+    let rig = calibrate_observations(&seen, &config).unwrap().rig;
+    // The robust loss may cost 5 % of the variance.
+    let near = |a: f64, b: f64| assert!((0.999..1.027).contains(&(a / b)), "{a} {b}");
+    near(rig.camera.sigma.unwrap().focal_px, one.camera_focal_px);
+    near(rig.projector.unwrap().sigma.unwrap().focal_px, one.projector_focal_px);
+    let t = rig.stereo.unwrap().sigma_t_mm.unwrap().map(|s| s * s).iter().sum::<f64>().sqrt();
+    near(t, one.translation_mm);
+}
+
+#[test]
+fn what_cannot_be_seen_is_refused_in_words() {
+    let tilted = [PoseConfig::tilted(25.0, 28.0)];
+    let rig = |change: &dyn Fn(&mut RigConfig)| {
+        let mut rig = RigConfig::default();
+        change(&mut rig);
+        Scene::new(&rig, &tilted)
+    };
+    invalid(rig(&|r| r.camera_focal_px = f64::NAN), "focal length of the camera");
+    invalid(rig(&|r| r.projector_focal_px = -1.0), "focal length of the projector");
+    invalid(rig(&|r| r.camera = [0, 960]), "size of the camera");
+    invalid(rig(&|r| r.projector = [u32::MAX, 768]), "size of the projector");
+    invalid(rig(&|r| r.lens_shift = 1e9), "lens shift");
+    invalid(rig(&|r| r.baseline_mm = f64::INFINITY), "baseline");
+    invalid(rig(&|r| r.distance_mm = 0.0), "distance");
+    invalid(rig(&|r| r.distance_mm = 300.0), "a corner at");
+    invalid(rig(&|r| r.size = RectangleSize { width_mm: 60.0, height_mm: 42.0 }), "beside it");
+    invalid(rig(&|r| r.distortion[0] = f64::NAN), "distortion");
+    for tilt in [90.0, -90.0, f64::NAN, f64::INFINITY] {
+        invalid(Scene::new(&RigConfig::default(), &[PoseConfig::tilted(tilt, 0.0)]), "tilt");
+    }
+    invalid(spread_poses(&RigConfig::default(), 0, &SpreadConfig::default(), 1), "number of poses");
+    let scene = Scene::new(&RigConfig::default(), &tilted).unwrap();
+    for edge in [0.0, -5.0, f64::NAN, 1e9] {
+        invalid(Cube::new(&scene, edge), "reference cube");
+    }
+    invalid(scene.observe(&NoiseModel::uniform(-1.0), &mut Draws::new(1, 0)), "noise");
+    invalid(scene.observe(&NoiseModel::uniform(f64::NAN), &mut Draws::new(1, 0)), "noise");
+}

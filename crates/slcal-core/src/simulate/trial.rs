@@ -1,0 +1,127 @@
+//! One draw: calibrate from it by one method and compare with the truth.
+
+use nalgebra::{Point2, Point3, Vector3};
+
+use super::cube::Cube;
+use super::draws::Draws;
+use super::experiment::{MethodName, MethodReport};
+use super::scene::{Scene, lit_point};
+use super::statistics::{ErrorStatistics, Statistics};
+use crate::calibrate::{CalibrateConfig, calibrate_observations};
+use crate::error::Error;
+use crate::geometry::{Camera, Plane, Pose, Ray};
+use crate::observations::{Observations, SheetObservation};
+use crate::rig::{Rig, Verdict};
+
+/// What is collected over the draws of one method at one level.
+#[derive(Debug, Default)]
+pub(super) struct Tally {
+    draws: usize,
+    imaginary: usize,
+    refused: usize,
+    failed: usize,
+    camera_px: Vec<f64>,
+    projector_px: Vec<f64>,
+    position: Vec<f64>,
+    length: Vec<f64>,
+    camera_focal: Vec<[f64; 1]>,
+    projector_focal: Vec<[f64; 1]>,
+    translation: Vec<[f64; 3]>,
+}
+
+impl Tally {
+    /// Calibrates from one draw and adds what comes of it.
+    pub(super) fn add(
+        &mut self,
+        (scene, cube, sigma_px): (&Scene, &Cube, f64),
+        observations: &Observations,
+        config: &CalibrateConfig,
+        draws: &mut Draws,
+    ) {
+        self.draws += 1;
+        let rig = match calibrate_observations(observations, config) {
+            Ok(calibration) => calibration.rig,
+            Err(Error::ImaginaryFocal { .. }) => {
+                self.imaginary += 1;
+                return;
+            }
+            Err(_) => {
+                self.failed += 1;
+                return;
+            }
+        };
+        let (Some(projector), Some(stereo)) = (rig.projector, rig.stereo) else {
+            self.failed += 1;
+            return;
+        };
+        let verdict = rig.quality.as_ref().map(|q| q.verdict);
+        self.refused += usize::from(verdict == Some(Verdict::Degenerate));
+        let pose = stereo.projector_from_camera;
+        let off = pose.translation - scene.projector_from_camera.translation;
+        self.camera_focal.push([rig.camera.model.intrinsics.fx - scene.camera.intrinsics.fx]);
+        self.projector_focal.push([projector.model.intrinsics.fx - scene.projector.intrinsics.fx]);
+        self.translation.push(off.into());
+        let (camera, panel) = reprojection(&rig, &projector.model, &pose, observations);
+        self.camera_px.push(camera);
+        self.projector_px.push(panel);
+        if let Ok(Some(error)) = cube.error(&rig, sigma_px, draws) {
+            self.position.push(error.position_percent);
+            self.length.push(error.length_percent);
+        }
+    }
+
+    /// The statistics.
+    pub(super) fn report(&self, method: MethodName) -> MethodReport {
+        MethodReport {
+            method,
+            draws: self.draws,
+            imaginary: self.imaginary,
+            refused: self.refused,
+            failed: self.failed,
+            camera_reprojection_px: Statistics::of(&self.camera_px),
+            projector_reprojection_px: Statistics::of(&self.projector_px),
+            cube_position_percent: Statistics::of(&self.position),
+            cube_length_percent: Statistics::of(&self.length),
+            cube_missed: self.camera_focal.len() - self.position.len(),
+            camera_focal_px: ErrorStatistics::of(&self.camera_focal),
+            projector_focal_px: ErrorStatistics::of(&self.projector_focal),
+            translation_mm: ErrorStatistics::of(&self.translation),
+        }
+    }
+}
+
+/// Root mean square distance of what was observed from what the rig predicts: of the sheet's and the projected corners in
+/// the camera's picture, and of the projected corners carried over the sheet into the projector's; NaN where the rig puts
+/// a point behind a device.
+fn reprojection(rig: &Rig, projector: &Camera, stereo: &Pose, observations: &Observations) -> (f64, f64) {
+    let camera = &rig.camera.model;
+    let mut in_camera = Vec::new();
+    let mut in_projector = Vec::new();
+    let apart = |a: Option<Point2<f64>>, b: Point2<f64>| a.map_or(f64::NAN, |a| (a - b).norm());
+    for (view, seen) in rig.views.iter().zip(&observations.views) {
+        let pose = &view.camera_from_sheet;
+        if let SheetObservation::Corners { corners, .. } = &seen.sheet {
+            for (mm, px) in seen.size.corners().iter().zip(corners) {
+                let p = camera.project(&pose.transform(&Point3::new(mm.x, mm.y, 0.0)));
+                in_camera.push(apart(p, *px));
+            }
+        }
+        for pair in &seen.pairs {
+            let lit = lit_point(projector, stereo, pose, pair.projector);
+            in_camera.push(apart(lit.and_then(|p| camera.project(&p)), pair.camera));
+            let onto = on_sheet(camera, pose, pair.camera).map(|p| stereo.transform(&p));
+            in_projector.push(apart(onto.and_then(|p| projector.project(&p)), pair.projector));
+        }
+    }
+    (rms(&in_camera), rms(&in_projector))
+}
+
+/// The point of the sheet that a camera pixel sees, in the camera frame.
+fn on_sheet(camera: &Camera, pose: &Pose, pixel: Point2<f64>) -> Option<Point3<f64>> {
+    let plane = Plane::from_point_normal(&pose.translation.into(), pose.rotation * Vector3::z())?;
+    Ray { origin: Point3::origin(), direction: camera.bearing(pixel)? }.meet(&plane)
+}
+
+fn rms(distances: &[f64]) -> f64 {
+    (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt()
+}
