@@ -6,6 +6,7 @@ mod general;
 mod observations;
 mod pattern;
 mod rendered;
+mod simulate;
 mod verify;
 
 use slcal_tests::Bench;

@@ -7,6 +7,7 @@
 mod args;
 mod exit;
 mod io;
+mod noise_table;
 mod output;
 mod overlay;
 mod size;

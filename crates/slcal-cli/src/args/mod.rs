@@ -9,6 +9,7 @@ mod pattern;
 mod photo;
 mod reconstruct;
 mod rectify;
+mod simulate;
 mod triangulate;
 mod verify;
 
@@ -22,6 +23,7 @@ pub(crate) use evaluate::{EvaluateArgs, ShapeArg};
 pub(crate) use pattern::{CheckerArgs, PatternOutput, PatternVerb, StripesArgs};
 pub(crate) use reconstruct::ReconstructArgs;
 pub(crate) use rectify::RectifyArgs;
+pub(crate) use simulate::{NoiseArgs, PrincipalPointsArg, RigArgs, SimulateVerb, ViewsArgs};
 pub(crate) use triangulate::TriangulateArgs;
 pub(crate) use verify::VerifyArgs;
 
@@ -98,6 +100,9 @@ pub(crate) enum Verb {
     /// Fit a plane or a sphere to a cloud and say how far the points lie from it.
     #[command(after_help = "Example:\n  slcal evaluate plane cloud.ply")]
     Evaluate(EvaluateArgs),
+    /// Experiments on rigs whose truth is known.
+    #[command(subcommand)]
+    Simulate(SimulateVerb),
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ mod evaluate;
 mod pattern;
 mod reconstruct;
 mod rectify;
+mod simulate;
 mod triangulate;
 mod verify;
 
@@ -25,5 +26,6 @@ pub(crate) fn run(verb: Verb, printer: Printer) -> Outcome {
         Verb::Triangulate(args) => triangulate::run(&args, printer),
         Verb::Reconstruct(args) => reconstruct::run(&args, printer),
         Verb::Evaluate(args) => evaluate::run(&args, printer),
+        Verb::Simulate(verb) => simulate::run(&verb, printer),
     }
 }

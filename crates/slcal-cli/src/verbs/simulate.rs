@@ -1,0 +1,153 @@
+//! `slcal simulate`: experiments on rigs whose truth is known.
+
+use std::fmt::Write as _;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use slcal_core::ExternalObservations;
+use slcal_core::format::write_observations;
+use slcal_core::simulate::{
+    Draws, NoiseConfig, NoiseExperiment, NoiseModel, NoiseReport, PoseConfig, PrincipalPoints, RigConfig,
+    Scene, SpreadConfig, spread_poses,
+};
+
+use super::calibrate::rig_bytes;
+use crate::args::{NoiseArgs, PrincipalPointsArg, RigArgs, SimulateVerb, ViewsArgs};
+use crate::exit::{Failure, Outcome};
+use crate::io::{Destination, check_distinct, write_all};
+use crate::noise_table;
+use crate::output::{Printer, print_json, print_result};
+
+/// Progress is told after this long, and then as often.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// The noise of `views` is a stream of its own, beyond those of its poses.
+const NOISE_STREAM: u64 = 1 << 32;
+
+pub(super) fn run(verb: &SimulateVerb, printer: Printer) -> Outcome {
+    match verb {
+        SimulateVerb::Noise(args) => noise(args, printer),
+        SimulateVerb::Views(args) => views(args, printer),
+    }
+}
+
+fn rig(args: &RigArgs) -> RigConfig {
+    RigConfig {
+        camera: args.camera,
+        camera_focal_px: args.focal,
+        projector: args.projector,
+        projector_focal_px: args.projector_focal,
+        lens_shift: args.lens_shift,
+        baseline_mm: args.baseline,
+        size: args.size,
+        distance_mm: args.distance,
+        ..RigConfig::default()
+    }
+}
+
+/// What the experiment reports as JSON.
+#[derive(Serialize)]
+struct NoiseResult<'a> {
+    schema: &'static str,
+    config: &'a NoiseConfig,
+    #[serde(flatten)]
+    report: &'a NoiseReport,
+}
+
+fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
+    let csv = args.csv.as_deref().map(|p| Destination::prepare(p, args.force)).transpose()?;
+    let csv_to_stdout = csv == Some(Destination::Stdout);
+    if args.json && csv_to_stdout {
+        return Err(Failure::usage("--json and --csv - would both go to stdout; give one of them a file"));
+    }
+    let config = NoiseConfig {
+        rig: rig(&args.rig),
+        pose: PoseConfig::tilted(args.tilt.x, args.tilt.y),
+        levels_px: args.levels.0.clone(),
+        draws: args.draws,
+        seed: args.seed,
+        principal_points: match args.principal_points {
+            PrincipalPointsArg::Exact => PrincipalPoints::Exact,
+            PrincipalPointsArg::Prior => PrincipalPoints::Prior,
+        },
+        cube_mm: args.cube,
+    };
+    let experiment = NoiseExperiment::new(config.clone())?;
+    let total = experiment.total_draws();
+    let mut told = Instant::now();
+    let report = experiment.run(|done| {
+        if told.elapsed() >= PATIENCE {
+            told = Instant::now();
+            printer.note(format!("{done} of {total} draws"));
+        }
+    })?;
+    if let Some(place) = csv {
+        write_all(&[(place, report.csv().into_bytes())])?;
+    }
+    if args.json {
+        return print_json(&NoiseResult {
+            schema: "slcal-simulate-noise/1",
+            config: &config,
+            report: &report,
+        });
+    }
+    let text = noise_table::text(&config, &report);
+    if csv_to_stdout {
+        printer.note(text.trim_end());
+        return Ok(());
+    }
+    print_result(&text)
+}
+
+fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
+    let output = Destination::prepare(&args.output, args.force)?;
+    let truth = args.truth.as_deref().map(|p| Destination::prepare(p, args.force)).transpose()?;
+    check_distinct([&output].into_iter().chain(&truth))?;
+    let rig = RigConfig {
+        camera_offset_px: [args.camera_offset.x, args.camera_offset.y],
+        projector_offset_px: args.projector_offset,
+        distortion: args.distortion.0,
+        ..rig(&args.rig)
+    };
+    let poses = if args.pose.is_empty() {
+        spread_poses(&rig, args.poses, &SpreadConfig::default(), args.seed)?
+    } else {
+        let pose =
+            |[x, y, roll]: [f64; 3]| PoseConfig { roll_rad: roll.to_radians(), ..PoseConfig::tilted(x, y) };
+        args.pose.iter().map(|p| pose(p.0)).collect()
+    };
+    let scene = Scene::new(&rig, &poses)?;
+    let noise = NoiseModel { edge_points: args.edges, ..NoiseModel::uniform(args.noise) };
+    let mut seen =
+        ExternalObservations::from(scene.observe(&noise, &mut Draws::new(args.seed, NOISE_STREAM))?);
+    seen.photos = (1..=poses.len()).map(|i| Some(format!("simulated {i}"))).collect();
+    let mut bytes = Vec::new();
+    write_observations(&seen, &mut bytes)?;
+    let to_stdout = [Some(&output), truth.as_ref()].contains(&Some(&Destination::Stdout));
+    let mut files = vec![(output, bytes)];
+    if let Some(place) = truth {
+        files.push((place, rig_bytes(&scene.rig())?));
+    }
+    write_all(&files)?;
+    let text = poses_in_words(&poses, &scene);
+    if to_stdout {
+        printer.note(text.trim_end());
+        return Ok(());
+    }
+    print_result(&text)
+}
+
+fn poses_in_words(poses: &[PoseConfig], scene: &Scene) -> String {
+    let mut text = format!(
+        "{} views of a sheet of {} x {} mm with {} projected corners\n",
+        poses.len(),
+        scene.size.width_mm,
+        scene.size.height_mm,
+        scene.pattern.len()
+    );
+    for (i, p) in poses.iter().enumerate() {
+        let [x, y, roll] = [p.tilt_x_rad, p.tilt_y_rad, p.roll_rad].map(f64::to_degrees);
+        // Writing into a string cannot fail.
+        let _ = writeln!(text, "view {:<4} tilt {x:6.1}°, {y:6.1}°, roll {roll:5.1}°", i + 1);
+    }
+    text
+}

@@ -1,0 +1,141 @@
+//! `slcal simulate`.
+
+use serde_json::Value;
+
+use crate::bench;
+
+const QUICK: &str = "simulate noise --levels 0,0.2 --draws 3";
+
+#[test]
+fn the_table_shows_both_methods_and_the_bound_at_every_level() {
+    let text = bench().run(QUICK).ok().text();
+    for word in ["two-vp", "ml", "bound", "3D error", "1500", "1700"] {
+        assert!(text.contains(word), "no {word} in {text}");
+    }
+    assert_eq!(text.lines().filter(|l| l.trim_start().starts_with("bound ")).count(), 2, "{text}");
+}
+
+#[test]
+fn json_and_csv_say_the_same() {
+    let bench = bench();
+    let run = bench.run(&format!("{QUICK} --json --csv noise.csv")).ok();
+    assert_eq!(bench.names(), ["noise.csv"]);
+    let json: Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(json["schema"], "slcal-simulate-noise/1");
+    assert_eq!(json["config"]["seed"], 1);
+    assert_eq!(json["truth"]["camera_focal_px"], 1500.0);
+    let text = bench.text("noise.csv");
+    let mut lines = text.lines().map(|l| l.split(',').collect::<Vec<_>>());
+    let header = lines.next().unwrap();
+    let rows: Vec<_> = lines.collect();
+    assert_eq!(rows.len(), 4);
+    let column = |name: &str| header.iter().position(|h| *h == name).unwrap();
+    for (i, row) in rows.iter().enumerate() {
+        assert_eq!(row.len(), header.len());
+        let level = &json["levels"][i / 2];
+        let method = &level["methods"][i % 2];
+        assert_eq!(row[column("method")], method["method"].as_str().unwrap());
+        let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        assert_eq!(number("level_px"), level["level_px"].as_f64().unwrap());
+        assert_eq!(number("camera_focal_px_rms"), method["camera_focal_px"]["rms"].as_f64().unwrap());
+        assert_eq!(
+            number("cube_position_percent_mean"),
+            method["cube_position_percent"]["mean"].as_f64().unwrap()
+        );
+        assert_eq!(number("translation_mm_bound"), level["bound"]["translation_mm"].as_f64().unwrap());
+    }
+    // Without noise both are exact; with it, neither is.
+    assert!(rows[0][column("camera_focal_px_rms")].parse::<f64>().unwrap() < 1e-6);
+    assert!(rows[3][column("camera_focal_px_rms")].parse::<f64>().unwrap() > 1e-2);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes() {
+    let bench = bench();
+    let run = |seed: u32| bench.run(&format!("{QUICK} --json --seed {seed}")).ok().stdout;
+    assert_eq!(run(7), run(7));
+    assert_ne!(run(7), run(8));
+    let csv = bench.run(&format!("{QUICK} --csv -")).ok();
+    assert!(csv.text().starts_with("level_px,method,"), "{}", csv.text());
+    assert!(csv.stderr.contains("two-vp"), "the table goes to stderr then: {}", csv.stderr);
+}
+
+#[test]
+fn a_tilt_about_one_axis_and_a_lens_shift_are_explained() {
+    let one = bench().run("simulate noise --levels 0.3 --draws 20 --tilt 30,0").ok().text();
+    assert!(one.contains("without a real focal length") && one.contains("one axis alone"), "{one}");
+    let line = "simulate noise --levels 0.1 --draws 5 --lens-shift 0.5 --principal-points prior";
+    let shifted = bench().run(line).ok().text();
+    assert!(shifted.contains("lens shift"), "{shifted}");
+}
+
+#[test]
+fn nonsense_is_told_what_is_expected() {
+    let cases: [(&str, &[&str]); 18] = [
+        ("--levels -0.1", &["noise level", "-0.1"]),
+        ("--levels nan", &["MAX/STEPS"]),
+        ("--levels 1/0", &["MAX/STEPS"]),
+        ("--levels 1e9", &["noise level", "100"]),
+        ("--draws 0", &["draws per level"]),
+        ("--draws -1", &["--draws"]),
+        ("--draws 99999999999", &["draws per level"]),
+        ("--tilt 90,0", &["tilt", "90"]),
+        ("--tilt nan,0", &["--tilt"]),
+        ("--tilt 10,20,30", &["--tilt"]),
+        ("--focal nan", &["focal length of the camera"]),
+        ("--focal 0", &["focal length of the camera"]),
+        ("--projector-focal -5", &["focal length of the projector"]),
+        ("--lens-shift 1e300", &["lens shift"]),
+        ("--distance 1", &["corner"]),
+        ("--size 1e9x1e9mm", &["594x420mm"]),
+        ("--cube 0", &["reference cube"]),
+        ("--camera 1x1", &["size of the camera"]),
+    ];
+    for (options, words) in cases {
+        let bench = bench();
+        bench.run(&format!("simulate noise {options} --csv out.csv")).fails(2, words);
+        assert!(bench.names().is_empty(), "{options}: {:?}", bench.names());
+    }
+    bench().run("simulate noise --json --csv -").fails(2, &["--json", "--csv"]);
+    bench().run("simulate views --poses 0 -o a.json").fails(2, &["number of poses"]);
+    bench().run("simulate views --poses 100000000 -o a.json").fails(2, &["number of poses"]);
+    bench().run("simulate views --pose 25 -o a.json").fails(2, &["--pose"]);
+    bench().run("simulate views --noise -1 -o a.json").fails(2, &["noise"]);
+    bench().run("simulate views --edges 1 -o a.json").fails(2, &["edge points"]);
+    bench().run("simulate views --size 60x42mm -o a.json").fails(2, &["beside it"]);
+}
+
+#[test]
+fn views_come_with_their_truth() {
+    let bench = bench();
+    let line = "simulate views --poses 3 --noise 0 --lens-shift 0.5 --camera-offset 9,-7 -o seen.json --truth rig.json";
+    let run = bench.run(line).ok();
+    assert!(run.text().contains("3 views"), "{}", run.text());
+    assert_eq!(bench.names(), ["rig.json", "seen.json"]);
+    let seen: Value = serde_json::from_str(&bench.text("seen.json")).unwrap();
+    assert_eq!(seen["schema"], "slcal-observations/1");
+    assert_eq!(seen["views"].as_array().unwrap().len(), 3);
+    assert_eq!(seen["views"][2]["pairs"].as_array().unwrap().len(), 70);
+    let rig: Value = serde_json::from_str(&bench.text("rig.json")).unwrap();
+    assert_eq!(rig["method"], "truth");
+    assert_eq!(rig["camera"]["K"][0][2], 648.5);
+    assert_eq!(rig["projector"]["K"][1][2], 767.5);
+    assert_eq!(rig["views"].as_array().unwrap().len(), 3);
+    // Nothing is overwritten, and the same seed gives the same bytes.
+    bench.run(line).fails(1, &["--force"]);
+    let again = bench.run(&line.replace("seen.json", "again.json").replace("rig.json", "truth.json")).ok();
+    assert_eq!(again.stdout, run.stdout);
+    assert_eq!(bench.text("again.json"), bench.text("seen.json"));
+}
+
+#[test]
+fn poses_of_ones_own_and_edges() {
+    let bench = bench();
+    let run = bench.run("simulate views --pose 25,28 --pose -20,15,5 --edges 9 -o -").ok();
+    let seen: Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(seen["views"].as_array().unwrap().len(), 2);
+    assert_eq!(seen["views"][1]["sheet_edges_px"]["left"].as_array().unwrap().len(), 9);
+    assert!(bench.names().is_empty());
+    bench.run("simulate views --pose 95,0 -o a.json").fails(2, &["tilt"]);
+    bench.run("simulate views --pose 1,2 --poses 3 -o a.json").fails(2, &["--pose"]);
+}
