@@ -1,5 +1,6 @@
 //! Rigs, observations, patterns, matches and clouds as text and binary files, on any `Read` and `Write`.
 
+mod camera;
 mod matches_csv;
 mod obj;
 mod observations_json;
@@ -8,6 +9,7 @@ mod ply;
 mod rig_json;
 mod xyz;
 
+pub use camera::{KnownCamera, read_camera};
 pub use matches_csv::{read_matches, write_matches};
 pub use obj::write_obj;
 pub use observations_json::{read_observations, write_observations};

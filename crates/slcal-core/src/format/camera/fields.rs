@@ -1,0 +1,193 @@
+//! From named values to a camera: the names that OpenCV's samples, ROS and programs built on them use.
+
+use nalgebra::Matrix3;
+
+use super::tree::Node;
+use super::{KnownCamera, malformed};
+use crate::error::Result;
+use crate::geometry::{Distortion, Intrinsics};
+
+/// Names of K. The last ones are of the first camera of a pair.
+const MATRIX: [&str; 11] = [
+    "camera_matrix",
+    "cameraMatrix",
+    "Camera_Matrix",
+    "CameraMatrix",
+    "K",
+    "k",
+    "intrinsic_matrix",
+    "M1",
+    "K1",
+    "cameraMatrix1",
+    "camera_matrix_1",
+];
+/// The second camera of a pair.
+const SECOND: [&str; 4] = ["M2", "K2", "cameraMatrix2", "camera_matrix_2"];
+const COEFFICIENTS: [&str; 16] = [
+    "distortion_coefficients",
+    "Distortion_Coefficients",
+    "distCoeffs",
+    "dist_coeffs",
+    "dist_coeff",
+    "distortion",
+    "distortionCoefficients",
+    "distCoeff",
+    "distorsion_coefficients",
+    "D",
+    "d",
+    "D1",
+    "distCoeffs1",
+    "dist_coeffs_1",
+    "distortion_coeffs",
+    "dist",
+];
+const SIZE: [&str; 5] = ["image_size", "imageSize", "img_size", "imgSize", "resolution"];
+const WIDTH: [&str; 5] = ["image_width", "image_Width", "imageWidth", "width", "img_width"];
+const HEIGHT: [&str; 5] = ["image_height", "image_Height", "imageHeight", "height", "img_height"];
+/// How many coefficients OpenCV's models have, in its order: k1 k2 p1 p2, k3, k4 k5 k6, s1 s2 s3 s4, τx τy.
+const COUNTS: [usize; 6] = [0, 4, 5, 8, 12, 14];
+/// Names of lens models whose first five coefficients are those of `plumb_bob` while the rest is zero.
+const MODELS: [&str; 6] = ["plumb_bob", "rational_polynomial", "radtan", "opencv", "none", ""];
+
+fn first<'a>(root: &'a Node, names: &[&'static str]) -> Option<(&'static str, &'a Node)> {
+    names.iter().find_map(|name| root.get(name).map(|node| (*name, node)))
+}
+
+fn number(text: &str, place: &str) -> Result<f64> {
+    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| {
+        let text: String = text.chars().take(40).collect();
+        malformed(format!("{place}: expected finite numbers, found {text}"))
+    })
+}
+
+/// The numbers of a matrix: {rows, cols, data}, rows in a list, or a plain list.
+fn numbers(node: &Node, place: &str) -> Result<Vec<f64>> {
+    let data = match node {
+        Node::Map(_) => node
+            .get("data")
+            .ok_or_else(|| malformed(format!("{place}: expected rows, cols and data, found no data")))?,
+        other => other,
+    };
+    let values = data.words().into_iter().map(|w| number(w, place)).collect::<Result<Vec<_>>>()?;
+    if let (Some(rows), Some(cols)) = (count(node, "rows", place)?, count(node, "cols", place)?)
+        && rows.checked_mul(cols) != Some(values.len() as u64)
+    {
+        return Err(malformed(format!(
+            "{place}: expected {rows}x{cols} numbers as its rows and cols say, found {}",
+            values.len()
+        )));
+    }
+    Ok(values)
+}
+
+fn count(node: &Node, name: &str, place: &str) -> Result<Option<u64>> {
+    let Some(value) = node.get(name) else { return Ok(None) };
+    let words = value.words();
+    let parsed = words.first().and_then(|w| w.parse().ok());
+    parsed.map(Some).ok_or_else(|| malformed(format!("{place}: expected a whole number as {name}")))
+}
+
+pub(super) fn camera(root: &Node) -> Result<KnownCamera> {
+    let Some((name, matrix)) = first(root, &MATRIX) else {
+        let Node::Map(fields) = root else {
+            return Err(malformed(
+                "expected named values (camera_matrix, distortion_coefficients, …), found none",
+            ));
+        };
+        let names: Vec<&str> = fields.iter().take(8).map(|(n, _)| n.as_str()).collect();
+        return Err(malformed(format!(
+            "expected a camera matrix (camera_matrix, cameraMatrix, K or M1), found {}",
+            if names.is_empty() {
+                "nothing".to_owned()
+            } else {
+                names.join(", ").chars().take(200).collect()
+            }
+        )));
+    };
+    let values = numbers(matrix, name)?;
+    if values.len() != 9 {
+        return Err(malformed(format!("{name}: expected 3x3 numbers, found {}", values.len())));
+    }
+    let intrinsics = Intrinsics::from_matrix(&Matrix3::from_row_slice(&values))
+        .map_err(|e| malformed(format!("{name}: {e}")))?;
+    let mut notes = Vec::new();
+    if let Some((second, _)) = first(root, &SECOND) {
+        notes.push(format!("the file holds two cameras; {name} is taken, {second} is not"));
+    }
+    let distortion = match first(root, &COEFFICIENTS) {
+        Some((name, node)) => distortion(&numbers(node, name)?, name)?,
+        None => {
+            notes.push("the file has no distortion coefficients; the lens is taken for undistorted".into());
+            Distortion::NONE
+        }
+    };
+    check_model(root, distortion)?;
+    Ok(KnownCamera { intrinsics, distortion, size: size(root)?, notes })
+}
+
+fn distortion(values: &[f64], place: &str) -> Result<Distortion> {
+    if !COUNTS.contains(&values.len()) {
+        return Err(malformed(format!(
+            "{place}: expected 4, 5, 8, 12 or 14 coefficients, found {}",
+            values.len()
+        )));
+    }
+    if let Some((i, value)) = values.iter().enumerate().skip(5).find(|(_, v)| **v != 0.0) {
+        return Err(malformed(format!(
+            "{place}: expected k1, k2, p1, p2, k3 and zeros, found {value} as coefficient {} (a rational, thin prism or tilted \
+             lens model); calibrate that camera again with five coefficients",
+            i + 1
+        )));
+    }
+    let mut five = [0.0; 5];
+    five.iter_mut().zip(values).for_each(|(to, from)| *to = *from);
+    Ok(Distortion::from_array(five))
+}
+
+/// Refuses lens models whose coefficients mean something else.
+fn check_model(root: &Node, distortion: Distortion) -> Result<()> {
+    let fisheye = root.get("fisheye_model").is_some_and(|n| n.words().first().is_some_and(|w| *w != "0"));
+    let named = first(root, &["distortion_model", "distortionModel"]);
+    let name = match named {
+        Some((_, Node::Scalar(name))) => name.trim(),
+        _ => "",
+    };
+    let known = MODELS.iter().any(|m| m.eq_ignore_ascii_case(name));
+    if (fisheye || !known) && !distortion.is_none() {
+        let found = if fisheye { "a fisheye model" } else { name };
+        let found: String = found.chars().take(40).collect();
+        return Err(malformed(format!(
+            "distortion_model: expected plumb_bob, found {found}, whose coefficients mean something else; calibrate that camera \
+             again with plumb_bob, or give undistorted images and zero coefficients"
+        )));
+    }
+    Ok(())
+}
+
+fn size(root: &Node) -> Result<Option<[u32; 2]>> {
+    let side = |text: &str, place: &str| {
+        let number = number(text, place)?;
+        if (1.0..=1e6).contains(&number) && number.fract() == 0.0 {
+            return Ok(number as u32);
+        }
+        Err(malformed(format!("{place}: expected a whole number of pixels above zero, found {number}")))
+    };
+    if let (Some((w, width)), Some((h, height))) = (first(root, &WIDTH), first(root, &HEIGHT)) {
+        return match (width.words().as_slice(), height.words().as_slice()) {
+            ([width], [height]) => Ok(Some([side(width, w)?, side(height, h)?])),
+            _ => Err(malformed(format!("{w}, {h}: expected one number each"))),
+        };
+    }
+    let Some((name, node)) = first(root, &SIZE) else { return Ok(None) };
+    let values = match (node.get("width"), node.get("height")) {
+        (Some(width), Some(height)) => [width.words(), height.words()].concat(),
+        _ => match node.get("data") {
+            Some(data) => data.words(),
+            None => node.words(),
+        },
+    };
+    match values[..] {
+        [width, height] => Ok(Some([side(width, name)?, side(height, name)?])),
+        _ => Err(malformed(format!("{name}: expected width and height, found {} values", values.len()))),
+    }
+}

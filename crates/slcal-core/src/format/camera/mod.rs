@@ -1,0 +1,131 @@
+//! Known camera intrinsics from other programs' files: OpenCV's `FileStorage` as YAML, XML or JSON, ROS `camera_info` YAML,
+//! and rig JSON. Which of them it is follows from the content.
+//!
+//! OpenCV and ROS put integers at pixel centres, as this library does.
+
+mod fields;
+mod tree;
+mod xml;
+mod yaml;
+
+use std::io::Read;
+
+use crate::error::{Error, Result};
+use crate::geometry::{Camera, Distortion, Intrinsics};
+
+const WHAT: &str = "camera file";
+
+fn malformed(detail: impl Into<String>) -> Error {
+    Error::Malformed { what: WHAT, detail: detail.into() }
+}
+
+/// A focal length outside of these multiples of the image's longer side is not in pixels, or not of this image.
+const FOCAL_RANGE: std::ops::RangeInclusive<f64> = 0.1..=100.0;
+/// A principal point further outside the image than this many times its size is a mistake.
+const FARTHEST: f64 = 1.0;
+
+/// A camera as a file describes it; not every file says for which resolution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownCamera {
+    /// K, px.
+    pub intrinsics: Intrinsics,
+    /// `plumb_bob` distortion; zeros where the file has none.
+    pub distortion: Distortion,
+    /// Width and height of the image, px; `None` when the file does not say.
+    pub size: Option<[u32; 2]>,
+    /// What else is worth knowing about how the file was read.
+    pub notes: Vec<String>,
+}
+
+impl KnownCamera {
+    /// The camera for an image of this size.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the file is for another size (with what the intrinsics would be here, where the
+    /// proportions agree), or when focal length and principal point cannot be those of such an image.
+    pub fn for_image(&self, [width, height]: [u32; 2]) -> Result<Camera> {
+        if let Some([w, h]) = self.size.filter(|s| *s != [width, height]) {
+            let same_shape = u64::from(w) * u64::from(height) == u64::from(h) * u64::from(width);
+            let advice = if same_shape {
+                let s = f64::from(width) / f64::from(w);
+                let k = &self.intrinsics;
+                format!(
+                    "; intrinsics hold for one resolution only. If these images are the same ones resized, f becomes {:.2}, \
+                     cx {:.2} and cy {:.2}",
+                    k.fx * s,
+                    (k.cx + 0.5) * s - 0.5,
+                    (k.cy + 0.5) * s - 0.5
+                )
+            } else {
+                "; intrinsics hold for one resolution only, and these images differ in shape as well"
+                    .to_owned()
+            };
+            return Err(Error::invalid(
+                "the known camera's image size",
+                format!("{width}x{height} pixels"),
+                format!("{w}x{h}{advice}"),
+            ));
+        }
+        let k = &self.intrinsics;
+        let longer = f64::from(width.max(height));
+        if ![k.fx, k.fy].iter().all(|f| FOCAL_RANGE.contains(&(f / longer))) {
+            return Err(Error::invalid(
+                "the known camera's focal lengths",
+                format!("pixels, for an image of {width}x{height}"),
+                format!("{}, {}", k.fx, k.fy),
+            ));
+        }
+        let near = |c: f64, side: u32| {
+            let side = f64::from(side);
+            (-FARTHEST * side..=(1.0 + FARTHEST) * side).contains(&c)
+        };
+        if !(near(k.cx, width) && near(k.cy, height)) {
+            return Err(Error::invalid(
+                "the known camera's principal point",
+                format!("pixels in or near an image of {width}x{height}"),
+                format!("{}, {}", k.cx, k.cy),
+            ));
+        }
+        Ok(Camera { width, height, intrinsics: *k, distortion: self.distortion })
+    }
+}
+
+/// Reads a camera file. Of a rig the camera is taken, its σ left aside: a known camera is held fixed.
+///
+/// # Errors
+/// [`Error::Malformed`] when the text is of none of the kinds, when what it needs is missing, of another size than
+/// stated or not finite, when K is no camera matrix, or when the lens model has terms beyond k1, k2, p1, p2, k3 that
+/// are not zero; [`Error::Io`] when the stream fails.
+pub fn read_camera(mut input: impl Read) -> Result<KnownCamera> {
+    let mut bytes = Vec::new();
+    input
+        .read_to_end(&mut bytes)
+        .map_err(|e| Error::Io { what: "reading a camera file", detail: e.to_string() })?;
+    let text = std::str::from_utf8(&bytes)
+        .map_err(|_| malformed("expected YAML, XML or JSON as UTF-8 text, found other bytes"))?;
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let root = match text.as_bytes().first() {
+        None => return Err(malformed("expected YAML, XML or JSON, found nothing")),
+        Some(b'<') => xml::parse(text)?,
+        Some(b'{') => {
+            let json: serde_json::Value =
+                serde_json::from_str(text).map_err(|e| malformed(format!("this is not JSON: {e}")))?;
+            if json.get("schema").is_some() {
+                let rig = super::read_rig(bytes.as_slice())?;
+                let Camera { width, height, intrinsics, distortion } = rig.camera.model;
+                return Ok(KnownCamera {
+                    intrinsics,
+                    distortion,
+                    size: Some([width, height]),
+                    notes: Vec::new(),
+                });
+            }
+            tree::from_json(&json)
+        }
+        Some(_) => yaml::parse(text)?,
+    };
+    fields::camera(&root)
+}
+
+#[cfg(test)]
+mod tests;
