@@ -3,6 +3,7 @@
 mod bad_input;
 mod calibrate;
 mod general;
+mod known_lens;
 mod observations;
 mod pattern;
 mod rendered;

@@ -36,6 +36,10 @@ pub(crate) struct CalibrateArgs {
     /// fixed, and the rest is solved.
     #[arg(long, value_name = "FILE")]
     pub(crate) camera: Option<PathBuf>,
+    /// Expect the focal length that the photographs' EXIF tags state (the 35 mm equivalent, with σ of 5 %): for views that
+    /// hardly determine it.
+    #[arg(long, conflicts_with_all = ["camera", "observations"])]
+    pub(crate) exif: bool,
     /// The camera's principal point: prior (the centre, uncertain), centre, free, or X,Y exactly.
     #[arg(long, value_name = "prior|centre|free|X,Y", value_parser = parse_camera_pp, default_value = "prior",
           allow_hyphen_values = true, conflicts_with = "camera")]

@@ -63,9 +63,12 @@ pub(crate) enum Verb {
     Pattern(PatternVerb),
     /// Calibrate from photographs of a sheet with the checkerboard projected onto it.
     #[command(
-        after_help = "Example:\n  slcal calibrate photo.jpg --size A2-landscape --pattern checker.json -o rig.json\n\n\
-                            The width is the side that runs most nearly along the image's x axis. Without --pattern the \
-                            camera alone\nis calibrated."
+        after_help = "Examples:\n  slcal calibrate photo.jpg --size A2-landscape --pattern checker.json -o rig.json\n  \
+                            slcal calibrate photo.jpg --size A2-landscape --pattern checker.json --camera ost.yaml -o rig.json\n  \
+                            slcal calibrate *.jpg --size A4 --pattern checker.json -o rig.json --save-observations seen.json\n  \
+                            slcal calibrate --observations seen.json -o rig.json\n\nThe width is the side that runs most nearly \
+                            along the image's x axis. Without --pattern the camera alone\nis calibrated. docs/conventions.md \
+                            has the format of observations."
     )]
     Calibrate(CalibrateArgs),
     /// Draw the picture that appears as an upright rectangle on the sheet.

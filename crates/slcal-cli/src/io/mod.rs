@@ -1,6 +1,7 @@
 //! All files: photographs and texts in, complete files out.
 
 mod cloud;
+mod exif;
 mod photo;
 mod text;
 mod write;
@@ -10,8 +11,9 @@ use std::io::Read as _;
 use std::path::Path;
 
 pub(crate) use cloud::CloudFormat;
-pub(crate) use photo::{decode_photo, load_photo};
-pub(crate) use text::{check_panel, load_checker, load_observations, load_rig, load_stripes};
+pub(crate) use exif::focal_35mm;
+pub(crate) use photo::{decode_photo, load_photo, load_photo_and_file};
+pub(crate) use text::{check_panel, load_camera, load_checker, load_observations, load_rig, load_stripes};
 pub(crate) use write::{Destination, check_distinct, check_spares, png_bytes, write_all};
 
 use crate::exit::{Exit, Failure, Outcome};

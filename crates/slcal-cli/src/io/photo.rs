@@ -26,6 +26,11 @@ const RAW_EXTENSIONS: [&str; 14] =
 
 /// Reads a photograph, from stdin for `-`.
 pub(crate) fn load_photo(path: &Path, printer: Printer) -> Outcome<DynamicImage> {
+    load_photo_and_file(path, printer).map(|(photo, _)| photo)
+}
+
+/// Reads a photograph and returns its file's bytes, too.
+pub(crate) fn load_photo_and_file(path: &Path, printer: Printer) -> Outcome<(DynamicImage, Vec<u8>)> {
     let name = input_name(path);
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     if RAW_EXTENSIONS.contains(&extension.as_str()) {
@@ -48,7 +53,7 @@ pub(crate) fn load_photo(path: &Path, printer: Printer) -> Outcome<DynamicImage>
         ));
     }
     printer.detail(format!("{name}: {}x{} {:?}", photo.width(), photo.height(), photo.color()));
-    Ok(photo)
+    Ok((photo, bytes))
 }
 
 /// Decodes the bytes of a photograph called `name` in messages.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use slcal_core::format::{read_observations, read_pattern, read_rig};
+use slcal_core::format::{KnownCamera, read_camera, read_observations, read_pattern, read_rig};
 use slcal_core::pattern::{CheckerPattern, Pattern, StripePattern};
 use slcal_core::{ExternalObservations, Rig};
 
@@ -12,6 +12,15 @@ use crate::exit::{Exit, Failure, InFile as _, Outcome};
 /// Reads a rig JSON.
 pub(crate) fn load_rig(path: &Path) -> Outcome<Rig> {
     read_rig(read_bytes(path, "a rig JSON")?.as_slice()).in_file(path)
+}
+
+/// Camera files above this are refused unread: they have a few kilobytes, rigs of hundreds of views a few megabytes.
+const MAX_CAMERA_MIB: u64 = 64;
+
+/// Reads the intrinsics of a camera from a file of any kind.
+pub(crate) fn load_camera(path: &Path) -> Outcome<KnownCamera> {
+    read_camera(read_at_most(path, "a camera file (OpenCV, ROS or rig JSON)", MAX_CAMERA_MIB)?.as_slice())
+        .in_file(Path::new(&input_name(path)))
 }
 
 /// Observations above this are refused unread: a million points take half of it.

@@ -35,6 +35,24 @@ pub struct FocalPrior {
     pub sigma_share: f64,
 }
 
+impl FocalPrior {
+    /// From the focal length as its 35 mm equivalent (the EXIF tag `FocalLengthIn35mmFilm`), mm, for an uncropped image of
+    /// this width and height: the angle of view over the diagonal is that of 36×24 mm film.
+    ///
+    /// σ is 5 % and what rounding to whole millimetres adds: some cameras mean the width instead of the diagonal (4 % for an
+    /// image of 4:3), lenses focused at arm's length reach a few per cent further than their name, and makers round.
+    #[must_use]
+    pub fn from_35mm_equivalent(equivalent_mm: f64, [width, height]: [u32; 2]) -> Self {
+        const FILM_DIAGONAL_MM: f64 = 43.266_615_305_567_87;
+        const MEANING: f64 = 0.05;
+        let rounding = 1.0 / (12_f64.sqrt() * equivalent_mm);
+        Self {
+            focal_px: equivalent_mm / FILM_DIAGONAL_MM * f64::from(width).hypot(f64::from(height)),
+            sigma_share: MEANING.hypot(rounding),
+        }
+    }
+}
+
 /// Which estimator to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -211,6 +229,15 @@ impl CalibrateConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_35_mm_equivalent_spans_the_diagonal() {
+        // 36x24 at 100 px per mm: 50 mm are 5000 px.
+        let prior = FocalPrior::from_35mm_equivalent(50.0, [3600, 2400]);
+        assert!((prior.focal_px - 5000.0).abs() < 1e-9);
+        assert!((0.05..0.051).contains(&prior.sigma_share));
+        assert!(FocalPrior::from_35mm_equivalent(4.0, [3600, 2400]).sigma_share > 0.08);
+    }
 
     #[test]
     fn defaults_are_valid_and_nonsense_is_not() {

@@ -4,7 +4,8 @@ mod photographs;
 
 use std::path::{Path, PathBuf};
 
-use slcal_core::format::{write_observations, write_rig};
+use slcal_core::format::{KnownCamera, write_observations, write_rig};
+use slcal_core::geometry::Camera;
 use slcal_core::{
     CalibrateConfig, Calibration, DistortionModel, ExternalObservations, Method, NoiseFound, Observations,
     PrincipalPointRule, Rig, calibrate_external,
@@ -14,18 +15,36 @@ use self::photographs::observe_all;
 use crate::args::{CalibrateArgs, DistortionArg, MethodArg, PrincipalPointArg};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_distinct, check_spares, input_name, is_dash, load_observations, load_rig, write_all,
+    Destination, check_distinct, check_spares, input_name, is_dash, load_camera, load_observations, write_all,
 };
 use crate::output::{Printer, print_json, print_result};
 use crate::summary;
 
 pub(super) fn run(args: &CalibrateArgs, printer: Printer) -> Outcome {
     let places = Places::prepare(args)?;
-    let config = config(args)?;
+    let mut config = config(args)?;
+    let known = match args.camera.as_deref() {
+        Some(path) => Some((path, load_camera(path)?)),
+        None => None,
+    };
     let external = match &args.observations {
         Some(path) => load_observations(path)?,
-        None => observe_all(args, &config, &places, printer)?,
+        None => {
+            let seen = observe_all(args, known.as_ref().map(|k| &k.1), &places, printer)?;
+            config.focal_prior = seen.focal_prior;
+            seen.observations
+        }
     };
+    if let Some((path, camera)) = &known {
+        config.known_camera = Some(for_image(path, camera, external.observations.camera)?);
+        let unsized_note = camera
+            .size
+            .is_none()
+            .then(|| "it does not say for which image size; taken for this one".to_owned());
+        for note in camera.notes.iter().chain(&unsized_note) {
+            printer.note(format!("{}: {note}", input_name(path)));
+        }
+    }
     if let Some(place) = &places.observations {
         // Before the calibration: what was found is wanted most where it cannot be calibrated from.
         write_all(&[(place.clone(), observations_bytes(&external)?)])?;
@@ -45,6 +64,11 @@ pub(super) fn run(args: &CalibrateArgs, printer: Printer) -> Outcome {
         view.photo = photo;
     }
     finish(args, &calibration, places, printer)
+}
+
+/// The known camera, if it can be that of an image of this size.
+fn for_image(path: &Path, camera: &KnownCamera, size: [u32; 2]) -> Outcome<Camera> {
+    camera.for_image(size).in_file(Path::new(&input_name(path)))
 }
 
 fn noise_in_words(noise: &NoiseFound) -> String {
@@ -110,6 +134,11 @@ fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
         PrincipalPointArg::Free => PrincipalPointRule::Free,
         PrincipalPointArg::At(p) => PrincipalPointRule::Exact(p.x, p.y),
     };
+    if args.exif && args.method == MethodArg::TwoVp {
+        return Err(Failure::usage(
+            "--exif: expected --method ml, as two-vp computes the focal length from the vanishing points alone",
+        ));
+    }
     let config = CalibrateConfig {
         camera_pp: rule(args.camera_pp),
         projector_pp: rule(args.projector_pp),
@@ -119,7 +148,6 @@ fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
         },
         distortion: distortion(args.distortion),
         projector_distortion: distortion(args.projector_distortion),
-        known_camera: args.camera.as_deref().map(|p| load_rig(p).map(|rig| rig.camera.model)).transpose()?,
         allow_degenerate: args.allow_degenerate,
         ..CalibrateConfig::default()
     };

@@ -4,31 +4,40 @@ use std::path::Path;
 
 use image::DynamicImage;
 use slcal_core::detect::{DetectConfig, Detection, observe};
-use slcal_core::geometry::Camera;
+use slcal_core::format::KnownCamera;
 use slcal_core::pattern::CheckerPattern;
 use slcal_core::photo::PhotoView;
-use slcal_core::{CalibrateConfig, ExternalObservations, Observations, ViewObservation};
+use slcal_core::{ExternalObservations, FocalPrior, Observations, ViewObservation};
 
-use super::Places;
+use super::{Places, for_image};
 use crate::args::CalibrateArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
-use crate::io::{Destination, input_name, load_checker, load_photo, png_bytes, write_all};
+use crate::io::{
+    Destination, focal_35mm, input_name, load_checker, load_photo, load_photo_and_file, png_bytes, write_all,
+};
 use crate::output::Printer;
 use crate::overlay::Overlay;
+
+/// What the photographs show and say.
+pub(super) struct Seen {
+    pub(super) observations: ExternalObservations,
+    /// From their EXIF tags, when asked for.
+    pub(super) focal_prior: Option<FocalPrior>,
+}
 
 /// Finds sheet and pattern in every photograph.
 pub(super) fn observe_all(
     args: &CalibrateArgs,
-    config: &CalibrateConfig,
+    known: Option<&KnownCamera>,
     places: &Places,
     printer: Printer,
-) -> Outcome<ExternalObservations> {
+) -> Outcome<Seen> {
     let pattern = args.pattern.as_deref().map(load_checker).transpose()?;
     let pattern = pattern.as_ref();
-    let mut size = None;
+    let (mut size, mut lens) = (None, Lens::default());
     let mut views: Vec<ViewObservation> = Vec::new();
     for (i, path) in args.photos.iter().enumerate() {
-        let photo = load_photo(path, printer)?;
+        let (photo, file) = load_photo_and_file(path, printer)?;
         check_size(
             path,
             &photo,
@@ -36,9 +45,14 @@ pub(super) fn observe_all(
             &args.photos[0],
             "photograph",
         )?;
-        if let (Some(known), Some(file)) = (&config.known_camera, &args.camera) {
-            check_known_camera(path, &photo, known, file)?;
+        // Before the work on the pictures begins.
+        if let (Some(known), Some(file)) = (known, &args.camera) {
+            for_image(file, known, [photo.width(), photo.height()])?;
         }
+        if args.exif {
+            lens.agree(path, focal_35mm(path, &file, [photo.width(), photo.height()])?)?;
+        }
+        drop(file);
         let screen = args.screen.get(i).map(|s| load_photo(s, printer)).transpose()?;
         if let Some((screen, file)) = screen.as_ref().zip(args.screen.get(i)) {
             check_size(file, screen, [photo.width(), photo.height()], path, "photograph of the same pose")?;
@@ -63,7 +77,37 @@ pub(super) fn observe_all(
     let camera = size.unwrap_or_default();
     let observations = Observations { camera, projector: pattern.map(|p| p.projector), views };
     let photos = args.photos.iter().map(|p| Some(input_name(p))).collect();
-    Ok(ExternalObservations { photos, ..observations.into() })
+    let focal_prior = lens.0.as_ref().map(|(mm, _)| FocalPrior::from_35mm_equivalent(*mm, camera));
+    if let (Some((mm, _)), Some(prior)) = (&lens.0, focal_prior) {
+        printer.note(format!(
+            "EXIF: a focal length of {mm} mm on 35 mm film, {:.0} px with σ of {:.1} % here, is expected",
+            prior.focal_px,
+            100.0 * prior.sigma_share
+        ));
+    }
+    Ok(Seen { observations: ExternalObservations { photos, ..observations.into() }, focal_prior })
+}
+
+/// The 35 mm equivalent of the first photograph, mm, and which one that was.
+#[derive(Default)]
+struct Lens(Option<(f64, String)>);
+
+impl Lens {
+    /// One camera at one setting has one focal length.
+    fn agree(&mut self, path: &Path, mm: f64) -> Outcome {
+        let (first, name) = self.0.get_or_insert_with(|| (mm, input_name(path)));
+        if (*first - mm).abs() < 1e-9 {
+            return Ok(());
+        }
+        Err(Failure::new(
+            Exit::Input,
+            format!(
+                "{}: --exif: expected the focal length of {name}, {first} mm (35 mm equivalent), found {mm} mm; all \
+                 photographs must come from one camera at one setting of its zoom",
+                input_name(path)
+            ),
+        ))
+    }
 }
 
 fn detect_one(
@@ -119,25 +163,6 @@ fn check_size(path: &Path, photo: &DynamicImage, expected: [u32; 2], like: &Path
             input_name(like),
             found[0],
             found[1]
-        ),
-    ))
-}
-
-fn check_known_camera(path: &Path, photo: &DynamicImage, known: &Camera, file: &Path) -> Outcome {
-    if [known.width, known.height] == [photo.width(), photo.height()] {
-        return Ok(());
-    }
-    Err(Failure::new(
-        Exit::Input,
-        format!(
-            "{}: expected the intrinsics of a camera of {}x{} pixels like {}, found {}x{}; intrinsics hold for one \
-             resolution only",
-            file.display(),
-            photo.width(),
-            photo.height(),
-            input_name(path),
-            known.width,
-            known.height
         ),
     ))
 }
