@@ -36,7 +36,7 @@ const HALF_DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
 const MIN_AMPLITUDE: f64 = 1e-4;
 /// What remains of perspective, shading and the pixel grid after the fit, in samples: measured on rendered boards with
 /// exact truth, where positions scatter by this much with no noise.
-const MODEL_SIGMA_SAMPLES: f64 = 0.01;
+const MODEL_SIGMA_SAMPLES: f64 = 0.003;
 
 /// Steps tried: five are usual. Sharp edges along the pixel grid have a cost that is rough below a thousandth of a
 /// pixel: more steps would only follow that.
@@ -44,6 +44,9 @@ const MAX_STEPS: usize = 30;
 /// A step that moves the corner by less than this many samples ends the fit: a tenth of what the model leaves.
 const LAST_STEP: f64 = 1e-4;
 const INITIAL_DAMPING: f64 = 1e-4;
+/// A step takes the blur's variance no further down than this part of itself: at next to no blur the cost is rough, and a
+/// step that lands there stays.
+const MAX_SHARPENING: f64 = 0.25;
 
 /// A refined corner.
 #[derive(Debug, Clone, Copy)]
@@ -188,7 +191,8 @@ impl Window {
         for _ in 0..MAX_STEPS {
             let step = at.step(damping)?;
             let mut next = params + step;
-            next[4] = next[4].max(LEAST_VARIANCE);
+            let sharpest = MAX_SHARPENING * (params[4] + SUBSAMPLE_VARIANCE) - SUBSAMPLE_VARIANCE;
+            next[4] = next[4].max(sharpest).max(LEAST_VARIANCE);
             // A corner that leaves its window, or is blurred beyond it, is none.
             let inside = next.fixed_rows::<2>(0).norm() < self.radius && next[4] < self.radius.powi(2);
             let small = step.fixed_rows::<2>(0).norm() < LAST_STEP;

@@ -13,7 +13,7 @@ const REJECT_SIGMAS: f64 = 3.5;
 const MAX_POINTS: usize = 80;
 /// Standard deviation that no point goes below, px: what remains of the light's bleeding and shading on
 /// rendered sheets with exact truth.
-const FLOOR_SIGMA_PX: f64 = 0.01;
+const FLOOR_SIGMA_PX: f64 = 0.004;
 
 /// One crossing of the side.
 #[derive(Debug, Clone, Copy)]
@@ -69,6 +69,7 @@ pub(super) fn condense(
     crossings: &[Crossing],
     curve: &Polynomial,
     across: f64,
+    common_sigma: f64,
 ) -> Vec<EdgePoint> {
     let run = crossings.len().div_ceil(MAX_POINTS);
     let means: Vec<(f64, f64, f64)> = crossings
@@ -91,11 +92,13 @@ pub(super) fn condense(
     // A first-order autoregressive sequence of correlation ρ holds (1 − ρ)/(1 + ρ) as many independent points.
     let rho = if norm > 0.0 { (lag / norm).clamp(0.0, 0.9) } else { 0.0 };
     let inflation = chi * ((1.0 + rho) / (1.0 - rho)).sqrt();
+    // What all points share does not average out: each carries as much of it as leaves their mean with all of it.
+    let shared = common_sigma * (means.len() as f64).sqrt();
     means
         .iter()
         .map(|&(line, offset, sigma)| EdgePoint {
             position: scan.join(line, curve.value(line) + offset),
-            sigma_px: (sigma * inflation * across).max(FLOOR_SIGMA_PX),
+            sigma_px: ((sigma * inflation).hypot(shared) * across).max(FLOOR_SIGMA_PX),
         })
         .collect()
 }

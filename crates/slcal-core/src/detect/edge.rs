@@ -6,8 +6,9 @@
 use nalgebra::{Point2, Vector2};
 
 use super::crossing::{CURVE_DEGREE, Crossing, condense, robust_curve};
+use super::erf::ErfTable;
 use super::light_field::Light;
-use super::profile::{Profile, locate};
+use super::profile::Profiles;
 use super::scan::Scan;
 use crate::observations::EdgePoint;
 use crate::photo::LinearPhoto;
@@ -21,6 +22,9 @@ const MIN_SHARE: f64 = 0.3;
 /// The transition between the plateaus is at least this far wide on each side: a sharp edge across a pixel, slanted by
 /// up to 45°, ends within it.
 const MIN_HALF_TRANSITION_PX: f64 = 1.5;
+/// Beyond half the transition's width, as many pixels on each side tell the slopes of the light: with fewer, their error
+/// moves the whole side.
+const PLATEAU_PX: f64 = 4.0;
 
 /// Measures the side that runs along `path` (a few points from corner to corner), known to within `uncertainty_px`, with
 /// the sheet on the side of `inward`. `None` when too little of it is seen.
@@ -35,31 +39,31 @@ pub(super) fn measure_side(
     let lines = scan_lines(photo, scan, path, uncertainty_px)?;
     let coarse = localise(photo, scan, &lines, uncertainty_px, light)?;
     let transition = half_transition(photo, scan, &lines, &coarse, uncertainty_px, light);
-    let plateau = (0.5 * transition).ceil() + 2.0;
+    let plateau = (0.5 * transition).ceil() + PLATEAU_PX;
     let clearance = transition + plateau + 1.0;
     let toward_sheet = inward.normalize();
+    let erf = ErfTable::new();
     let mut curve = coarse;
-    let (mut crossings, mut tried) = (Vec::new(), 0);
+    let (mut crossings, mut tried, mut common_sigma) = (Vec::new(), 0, 0.0);
     // The second pass has its windows where the first found the side.
     for _ in 0..2 {
         let clear =
             |line: f64| light.leaves_clear(scan.join(line, curve.value(line)), toward_sheet, clearance);
         // Beyond the crossings it was fitted to, the curve may leave the path: there the side is not seen.
         let near = |line: f64, expected: f64| (curve.value(line) - expected).abs() <= uncertainty_px + 1.0;
-        let profiles: Vec<Profile> = lines
+        let seen = lines
             .iter()
-            .filter(|&&(line, expected)| clear(line as f64) && near(line as f64, expected))
-            .filter_map(|l| Profile::take(photo, scan, l.0, curve.value(l.0 as f64), transition, plateau))
-            .collect();
-        tried = profiles.len();
-        crossings = locate(scan, &profiles)?;
+            .filter(|&&(line, expected)| near(line as f64, expected) && clear(line as f64))
+            .map(|&(line, _)| (line, curve.value(line as f64)));
+        let located = Profiles::take(photo, scan, seen, transition, plateau).locate(&erf, &curve)?;
+        (crossings, tried, common_sigma) = (located.crossings, located.tried, located.common_sigma);
         curve = robust_curve(&mut crossings)?;
     }
     if crossings.len() < MIN_CROSSINGS || (crossings.len() as f64) < MIN_SHARE * tried as f64 {
         return None;
     }
     let across = if scan.along_x { inward.x.abs() } else { inward.y.abs() } / inward.norm();
-    Some(condense(scan, &crossings, &curve, across))
+    Some(condense(scan, &crossings, &curve, across, common_sigma))
 }
 
 /// The rows or columns that the side crosses, away from its corners, with the position expected there.
