@@ -5,6 +5,7 @@ use super::joint::Kind;
 use super::ml::{Solved, add_projector, solve_camera};
 use crate::error::{Error, Result};
 use crate::observations::Observations;
+use crate::solve::median;
 
 /// A lens's distortion is estimated when it lowers χ², in units of what remains, by more than this. For two coefficients and
 /// independent noise chance reaches 14 once in a thousand; twice that leaves room for what neighbours have in common.
@@ -84,10 +85,8 @@ fn squares(s: &Solved, kind: Kind) -> impl Iterator<Item = f64> {
 /// The typical square of a measurement of each kind.
 fn units(s: &Solved) -> [f64; 3] {
     KINDS.map(|kind| {
-        let mut sorted: Vec<f64> = squares(s, kind).collect();
-        sorted.sort_by(f64::total_cmp);
         // The median of χ²₁ is 0.455 of its mean. Below a scale of one the claimed σ stands.
-        sorted.get(sorted.len() / 2).map_or(1.0, |m| (m / 0.455).max(MIN_UNIT))
+        median(&mut squares(s, kind).collect::<Vec<_>>()).map_or(1.0, |m| (m / 0.455).max(MIN_UNIT))
     })
 }
 

@@ -3,7 +3,7 @@
 use super::align::{Aligner, NONE};
 use super::color::Hues;
 use super::peaks::Peak;
-use super::stages::{Crossings, SAMPLE_LINES, median, odds_of};
+use super::stages::{Crossings, SAMPLE_LINES, odds_of, usual};
 use crate::error::{Error, Result};
 use crate::pattern::StripePattern;
 
@@ -21,7 +21,7 @@ pub(super) fn check_color(peaks: &[Peak]) -> Result<()> {
         let (low, high) = p.color.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &c| (l.min(c), h.max(c)));
         f64::from((high - low) / high.max(f32::MIN_POSITIVE))
     };
-    let spread = median(peaks.iter().map(chroma));
+    let spread = usual(peaks.iter().map(chroma));
     if peaks.is_empty() || spread < f64::from(MIN_HUE_SPREAD) {
         return Err(Error::NotFound {
             what: "coloured stripes",

@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::matches::{Match, Matches};
 use crate::pattern::{Axis, StripePattern};
 use crate::photo::Encoding;
+use crate::solve::median;
 
 /// Lines looked at to measure noise and width, and to try the pattern.
 pub(super) const SAMPLE_LINES: usize = 64;
@@ -52,7 +53,7 @@ pub(super) fn run(
     let crossings = find_all(&mut reader, &mut finder, &noise);
     let mut report = DecodeReport {
         crossings: crossings.peaks.len(),
-        stripe_width_px: median(crossings.peaks.iter().map(|p| f64::from(p.width))),
+        stripe_width_px: usual(crossings.peaks.iter().map(|p| f64::from(p.width))),
         saturated: share(&crossings.peaks, |p| p.saturated),
         dropped: Dropped { weak: finder.rejects.weak + finder.rejects.shapeless, ..Dropped::default() },
         ..DecodeReport::default()
@@ -258,11 +259,8 @@ fn share(peaks: &[Peak], which: impl Fn(&Peak) -> bool) -> f64 {
     peaks.iter().filter(|p| which(p)).count() as f64 / peaks.len().max(1) as f64
 }
 
-pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+/// The median of the finite values; 0 for none.
+pub(super) fn usual(values: impl Iterator<Item = f64>) -> f64 {
+    let mut finite: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+    median(&mut finite).unwrap_or(0.0)
 }

@@ -3,7 +3,7 @@
 
 use super::scan::Scan;
 use crate::observations::EdgePoint;
-use crate::solve::Polynomial;
+use crate::solve::{Polynomial, median};
 
 /// Degree of the curve that a side may follow: an image of a straight line through an ordinary lens.
 pub(super) const CURVE_DEGREE: usize = 3;
@@ -101,13 +101,4 @@ pub(super) fn condense(
             sigma_px: ((sigma * inflation).hypot(shared) * across).max(FLOOR_SIGMA_PX),
         })
         .collect()
-}
-
-/// The upper median; `None` of nothing.
-pub(super) fn median(values: &mut [f64]) -> Option<f64> {
-    if values.is_empty() {
-        return None;
-    }
-    let middle = values.len() / 2;
-    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

@@ -6,11 +6,11 @@
 
 use nalgebra::{Matrix3, RowVector3, Vector3};
 
-use super::crossing::{Crossing, median};
+use super::crossing::Crossing;
 use super::erf::ErfTable;
 use super::scan::Scan;
 use crate::photo::LinearPhoto;
-use crate::solve::Polynomial;
+use crate::solve::{Polynomial, median};
 
 /// Weakest step, as a part of the side's median step, that is still measured (an unlit part of the sheet).
 const MIN_RELATIVE_STEP: f64 = 0.1;

@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 
 use super::report::FitConfig;
+use crate::solve::median;
 
 /// Points that a proposal is judged by; enough to tell shares of the cloud to a few per cent.
 const JUDGES: usize = 2000;
@@ -89,9 +90,4 @@ pub(super) fn fit<S: Surface>(
         }
     }
     Some((surface, limit))
-}
-
-fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

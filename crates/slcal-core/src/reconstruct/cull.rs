@@ -6,6 +6,7 @@ use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use crate::cloud::{CloudPoint, PointCloud};
 use crate::error::{Error, Result};
+use crate::solve::median;
 
 /// Which triangles go.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -132,7 +133,7 @@ fn longest_px(points: &[CloudPoint], t: &[u32; 3]) -> f64 {
 fn smooth(cloud: &PointCloud, triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     let points = &cloud.points;
     let mut lengths: Vec<f64> = triangles.iter().map(|t| longest_px(points, t)).collect();
-    let usual = median(&mut lengths);
+    let usual = median(&mut lengths).unwrap_or(0.0);
     let cell = (CELL_SIDES * usual).max(1.0);
     let key = |t: &[u32; 3]| {
         let [a, b, c] = corners(points, t).map(|p| p.pixel.coords);
@@ -150,7 +151,7 @@ fn smooth(cloud: &PointCloud, triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     }
     let least = quantile(&mut all, 0.1);
     let local: std::collections::HashMap<_, f64> =
-        by_cell.into_iter().map(|(k, mut s)| (k, median(&mut s))).collect();
+        by_cell.into_iter().map(|(k, mut s)| (k, median(&mut s).unwrap_or(0.0))).collect();
     triangles
         .into_iter()
         .filter(|t| {
@@ -204,10 +205,6 @@ fn root(parent: &mut [u32], mut i: u32) -> u32 {
         i = up;
     }
     i
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    quantile(values, 0.5)
 }
 
 fn quantile(values: &mut [f64], q: f64) -> f64 {

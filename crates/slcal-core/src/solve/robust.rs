@@ -42,13 +42,14 @@ impl Loss {
 pub fn robust_scale(absolute: impl Iterator<Item = f64>) -> f64 {
     /// 1 / Φ⁻¹(3/4).
     const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
-    let mut values: Vec<f64> = absolute.collect();
-    if values.is_empty() {
-        return 0.0;
-    }
+    median(&mut absolute.collect::<Vec<_>>()).map_or(0.0, |m| m * MAD_TO_SIGMA)
+}
+
+/// The median, of an even number the larger of the middle two; `None` of nothing. Reorders the values.
+#[must_use]
+pub fn median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
-    let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    *median * MAD_TO_SIGMA
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 #[cfg(test)]
@@ -65,6 +66,13 @@ mod tests {
             }
         }
         assert_eq!(Loss::Tukey(3.0).weight(10.0), 0.0);
+    }
+
+    #[test]
+    fn the_median_is_a_value_of_the_list() {
+        assert_eq!(median(&mut [3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(&mut [4.0, 1.0, 3.0, 2.0]), Some(3.0));
+        assert_eq!(median(&mut []), None);
     }
 
     #[test]
