@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use image::DynamicImage;
 use serde_json::{Value, json};
 use slcal_core::detect::{DetectConfig, Detection, observe};
-use slcal_core::geometry::{Homography, RectangleSize};
+use slcal_core::geometry::{RectangleSize, Warp};
 use slcal_core::pattern::CheckerPattern;
 use slcal_core::photo::PhotoView;
 use slcal_core::verify::{Change, Measured, Verification, VerifyConfig, expected_corner, outline, verify};
@@ -106,7 +106,7 @@ fn detect(
     photo: &DynamicImage,
     pattern: &CheckerPattern,
     size: RectangleSize,
-    panel_from_pattern: Option<Homography>,
+    panel_from_pattern: Option<Warp>,
 ) -> Outcome<Detection> {
     let config = DetectConfig { encoding: args.gamma.gamma, corners: args.corners, panel_from_pattern };
     config.validate()?;

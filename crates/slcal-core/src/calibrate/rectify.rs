@@ -2,13 +2,14 @@
 //!
 //! The rectangle has its sides along the sheet's X and Y, the source's aspect, lies inside both the sheet and the panel's
 //! light, and is centred where its position is free. With the aspect given, its size is a linear programme in (x, y,
-//! scale): the half-planes are the sheet's sides, the panel's sides seen on the sheet, and the projector's horizon.
+//! scale): the half-planes are the sheet's sides, the panel's sides seen on the sheet, and the projector's horizon. Where
+//! the projector distorts, the panel's sides are curves on the sheet; the straight lines just inside them count.
 //! (Eq. 14 of the paper, which depends on the pattern's first corner and may leave the panel, is in `two_vp`.)
 
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
 use crate::error::{Error, Result};
-use crate::geometry::{Homography, RectangleSize};
+use crate::geometry::{Camera, Homography, RectangleSize, Warp};
 use crate::pattern::CheckerPattern;
 use crate::rig::Rig;
 use crate::solve::homography_from_points;
@@ -17,7 +18,7 @@ use crate::solve::homography_from_points;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rectification {
     /// Source pixels → panel pixels: draw the source through this.
-    pub panel_from_source: Homography,
+    pub panel_from_source: Warp,
     /// The source's corners TL, TR, BR, BL on the panel, px.
     pub corners_px: [Point2<f64>; 4],
     /// Top-left corner of the picture on the sheet, mm.
@@ -28,6 +29,8 @@ pub struct Rectification {
 
 /// Background kept around a rectified checkerboard, in squares: the outermost squares must be seen as squares.
 const MARGIN_SQUARES: f64 = 0.5;
+/// Points at which a side of the panel is undistorted; between them it bends by less than a hundredth of what it does in all.
+const POINTS_PER_BORDER: u32 = 32;
 
 /// Where a checkerboard is drawn so that it appears upright on the sheet of a view, half a square of its background
 /// around it: [`rectify`] of its outline. What is drawn and what is looked for in a photograph of it are the same.
@@ -47,13 +50,11 @@ fn half_plane(l: Vector3<f64>) -> Option<Vector3<f64>> {
 }
 
 /// Where on the sheet of a view a picture with corners `top_left` and `bottom_right` (source px, outer edges) appears
-/// largest and upright, and the homography that draws it there.
-///
-/// The projector's distortion is not accounted for: with a distorting projector the sides come out slightly curved.
+/// largest and upright, and the warp that draws it there.
 ///
 /// # Errors
 /// [`Error::Invalid`] for a rig without projector, a view that it does not have or an empty source;
-/// [`Error::Degenerate`] when the projector does not light the sheet.
+/// [`Error::Degenerate`] when the projector does not light the sheet, or its distortion folds over inside the panel.
 pub fn rectify(
     rig: &Rig,
     view: usize,
@@ -74,7 +75,7 @@ pub fn rectify(
     let r = pose.rotation.matrix();
     let columns = [r.column(0).into_owned(), r.column(1).into_owned(), pose.translation];
     let h = projector.model.intrinsics.matrix() * Matrix3::from_columns(&columns);
-    let [w_px, h_px] = [projector.model.width, projector.model.height].map(f64::from);
+    let [left, right, top, bottom] = straight_panel(&projector.model)?;
     let size = chosen.size;
     let row = |i: usize| h.row(i).transpose();
     // In front of the projector by a small part of its distance, so that the horizon itself is outside.
@@ -87,10 +88,10 @@ pub fn rectify(
         Vector3::new(0.0, 1.0, 0.0),
         Vector3::new(0.0, -1.0, size.height_mm),
         in_front,
-        row(0) + depth * 0.5,
-        depth * (w_px - 0.5) - row(0),
-        row(1) + depth * 0.5,
-        depth * (h_px - 0.5) - row(1),
+        row(0) - depth * left,
+        depth * right - row(0),
+        row(1) - depth * top,
+        depth * bottom - row(1),
     ]
     .into_iter()
     .filter_map(half_plane)
@@ -103,21 +104,53 @@ pub fn rectify(
         advice: "the projector does not light the sheet: aim it there".into(),
     })?;
     let size_mm = RectangleSize::new(height * aspect, height)?;
-    let on_panel = Homography(h);
-    let place = |c: Point2<f64>| on_panel.map(origin_mm + c.coords);
-    let mut corners_px = [Point2::origin(); 4];
-    for (corner, c) in corners_px.iter_mut().zip(size_mm.corners()) {
-        *corner = place(c)
-            .ok_or_else(|| Error::invalid("rectified picture", "finite corners", "a point at infinity"))?;
-    }
+    let on_sheet = size_mm.corners().map(|c| origin_mm + c.coords);
     let source_corners = [
         top_left,
         Point2::new(bottom_right.x, top_left.y),
         bottom_right,
         Point2::new(top_left.x, bottom_right.y),
     ];
-    let pairs: Vec<_> = source_corners.into_iter().zip(corners_px).collect();
-    Ok(Rectification { panel_from_source: homography_from_points(&pairs)?, corners_px, origin_mm, size_mm })
+    let pairs: Vec<_> = source_corners.into_iter().zip(on_sheet).collect();
+    let panel_from_source =
+        Warp::onto(&projector.model, Homography(h).compose(&homography_from_points(&pairs)?));
+    let mut corners_px = [Point2::origin(); 4];
+    for (corner, c) in corners_px.iter_mut().zip(source_corners) {
+        *corner = panel_from_source
+            .map(c)
+            .ok_or_else(|| Error::invalid("rectified picture", "finite corners", "a point at infinity"))?;
+    }
+    Ok(Rectification { panel_from_source, corners_px, origin_mm, size_mm })
+}
+
+/// The rectangle of ideal pixels [left, right, top, bottom] that the panel's border leaves free: the border itself without
+/// distortion.
+fn straight_panel(projector: &Camera) -> Result<[f64; 4]> {
+    let [w, h] = [projector.width, projector.height].map(|n| f64::from(n) - 0.5);
+    let mut limits = [-0.5, w, -0.5, h];
+    if projector.distortion.is_none() {
+        return Ok(limits);
+    }
+    let folded = || Error::Degenerate {
+        what: "the rectified picture",
+        measure: 0.0,
+        limit: 0.0,
+        advice:
+            "the projector's distortion has no inverse at the panel's border: calibrate from more photographs"
+                .into(),
+    };
+    let unbend = Warp::onto(projector, Homography::identity());
+    limits = [f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY];
+    for k in 0..=POINTS_PER_BORDER {
+        let share = f64::from(k) / f64::from(POINTS_PER_BORDER);
+        let (x, y) = (share * (w + 0.5) - 0.5, share * (h + 0.5) - 0.5);
+        let ideal = |x: f64, y: f64| unbend.ideal(Point2::new(x, y)).map(|i| i.0).ok_or_else(folded);
+        limits[0] = limits[0].max(ideal(-0.5, y)?.x);
+        limits[1] = limits[1].min(ideal(w, y)?.x);
+        limits[2] = limits[2].max(ideal(x, -0.5)?.y);
+        limits[3] = limits[3].min(ideal(x, h)?.y);
+    }
+    Ok(limits)
 }
 
 /// Origin and height of the largest rectangle of an aspect inside half-planes: the vertices of the linear programme in
@@ -166,6 +199,7 @@ mod tests {
     use super::super::scene::{observe, pose, rig, rng};
     use super::super::{CalibrateConfig, calibrate_observations};
     use super::*;
+    use crate::geometry::Distortion;
 
     fn calibrated() -> Rig {
         let truth = rig(768.0, vec![pose(25.0, 28.0)]);
@@ -203,6 +237,43 @@ mod tests {
         };
         for (l, v) in [(line(0, 1), v.x), (line(3, 2), v.x), (line(0, 3), v.y), (line(1, 2), v.y)] {
             assert!(l.signed_distance_px(v.pixel().unwrap()).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn a_distorting_projector_still_draws_straight_sides_inside_its_panel() {
+        let mut rig = calibrated();
+        let (a, b) = (Point2::new(-0.5, -0.5), Point2::new(799.5, 599.5));
+        let straight = rectify(&rig, 0, a, b).unwrap();
+        for k1 in [-0.1, 0.1] {
+            let mut projector = rig.projector.unwrap();
+            projector.model.distortion = Distortion { k1, ..Distortion::NONE };
+            rig.projector = Some(projector);
+            let found = rectify(&rig, 0, a, b).unwrap();
+            // Not much of the sheet is given away.
+            assert!(found.size_mm.height_mm > 0.85 * straight.size_mm.height_mm, "{found:?}");
+            let pose = rig.views[0].projector_from_sheet.unwrap();
+            let mut bent: f64 = 0.0;
+            for k in 0..=20 {
+                for p in [(f64::from(k) / 20.0, 0.0), (1.0, f64::from(k) / 20.0), (0.0, f64::from(k) / 20.0)]
+                {
+                    let q = found
+                        .panel_from_source
+                        .map(a + (b - a).component_mul(&Vector2::new(p.0, p.1)))
+                        .unwrap();
+                    assert!(q.x > -0.501 && q.x < 1023.501 && q.y > -0.501 && q.y < 767.501, "{q}");
+                    // Where the projector's light of that pixel falls on the sheet.
+                    let ray = pose.inverse().rotation * projector.model.bearing(q).unwrap();
+                    let centre = pose.inverse().translation;
+                    let on_sheet = centre - ray * (centre.z / ray.z);
+                    let size = Vector2::new(found.size_mm.width_mm, found.size_mm.height_mm);
+                    let wanted = found.origin_mm + size.component_mul(&Vector2::new(p.0, p.1));
+                    assert!((on_sheet.xy() - wanted.coords).norm() < 1e-6, "{on_sheet} {wanted}");
+                    let ideal = found.panel_from_source.homography.map(a + (b - a) * p.0).unwrap();
+                    bent = bent.max((found.panel_from_source.map(a + (b - a) * p.0).unwrap() - ideal).norm());
+                }
+            }
+            assert!(bent > 5.0, "the lens counts: {bent} px");
         }
     }
 

@@ -20,7 +20,7 @@ fn slanted() -> Homography {
 }
 
 fn photograph(pattern: &StripePattern, size: [u32; 2], h: &Homography) -> RgbImage {
-    let mut photo = warp_image(&pattern.image().unwrap(), size, h, [0; 3]).unwrap();
+    let mut photo = warp_image(&pattern.image().unwrap(), size, &(*h).into(), [0; 3]).unwrap();
     // Ambient light, and a projector that is not as bright as the sensor can bear.
     for p in photo.pixels_mut() {
         p.0 = p.0.map(|c| (20.0 + f64::from(c) * 0.8) as u8);
@@ -104,7 +104,7 @@ fn black_and_white_frames_take_ambient_light_and_paint_away() {
         p.0 = if (x / 70 + y / 40) % 2 == 0 { [220, 120, 90] } else { [70, 150, 220] };
     }
     let black = RgbImage::from_pixel(1000, 80, Rgb([25, 20, 15]));
-    let mut photo = warp_image(&pattern.image().unwrap(), [1000, 80], &h, [0; 3]).unwrap();
+    let mut photo = warp_image(&pattern.image().unwrap(), [1000, 80], &h.into(), [0; 3]).unwrap();
     let curve = crate::photo::Encoding::Srgb;
     let light = |c: u8| curve.to_linear(f64::from(c) / 255.0);
     for (x, y, p) in photo.enumerate_pixels_mut() {

@@ -28,7 +28,7 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::geometry::{Homography, RectangleSize};
+use crate::geometry::{RectangleSize, Warp};
 use crate::observations::{CornerPair, SheetObservation, ViewObservation};
 use crate::pattern::CheckerPattern;
 use crate::photo::{Encoding, LinearPhoto, PhotoView};
@@ -50,7 +50,7 @@ pub struct DetectConfig {
     /// Where the pattern was drawn on the panel, when that is not where its description says: what
     /// [`rectify_checker`](crate::rectify_checker) gives for a rectified one. The projector pixels of
     /// [`ViewObservation::pairs`] are then those on the panel.
-    pub panel_from_pattern: Option<Homography>,
+    pub panel_from_pattern: Option<Warp>,
 }
 
 impl DetectConfig {
@@ -60,7 +60,7 @@ impl DetectConfig {
     /// [`Error::Invalid`] naming the field.
     pub fn validate(&self) -> Result<()> {
         self.encoding.validate()?;
-        if self.panel_from_pattern.is_some_and(|h| h.inverse().is_none()) {
+        if self.panel_from_pattern.is_some_and(|w| w.homography.inverse().is_none()) {
             return Err(Error::invalid("panel_from_pattern", "an invertible map", "a singular one"));
         }
         match &self.corners {
@@ -113,7 +113,7 @@ pub fn observe(
     let field = match (&board, pattern) {
         (Some(board), Some(p)) => {
             // The board was fitted in the pattern's own pixels; the light ends where the panel does.
-            let pattern_from_panel = config.panel_from_pattern.and_then(|h| h.inverse());
+            let pattern_from_panel = config.panel_from_pattern.and_then(|w| w.homography.inverse());
             let straight = board.straight_from_projector;
             LightField::new(&pattern_from_panel.map_or(straight, |h| straight.compose(&h)), p.projector)
         }
@@ -142,8 +142,8 @@ pub fn observe(
 
 /// The pairs with their pixels where the pattern was drawn.
 fn on_panel(mut pairs: Vec<CornerPair>, config: &DetectConfig) -> Vec<CornerPair> {
-    if let Some(h) = &config.panel_from_pattern {
-        pairs.retain_mut(|pair| h.map(pair.projector).map(|q| pair.projector = q).is_some());
+    if let Some(warp) = &config.panel_from_pattern {
+        pairs.retain_mut(|pair| warp.map(pair.projector).map(|q| pair.projector = q).is_some());
     }
     pairs
 }

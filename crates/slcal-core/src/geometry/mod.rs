@@ -12,6 +12,7 @@ mod point;
 mod pose;
 mod ray;
 mod rectangle;
+mod warp;
 
 pub use camera::{Camera, Intrinsics};
 pub use distortion::Distortion;
@@ -23,3 +24,4 @@ pub use pose::Pose;
 pub(crate) use pose::nearest_rotation;
 pub use ray::Ray;
 pub use rectangle::{RectangleSize, Side};
+pub use warp::Warp;

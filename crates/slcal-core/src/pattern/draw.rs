@@ -1,11 +1,11 @@
 //! Drawing: patterns anew through a homography, pictures by interpolation; mixing happens in linear light.
 
 use image::{Rgb, RgbImage};
-use nalgebra::{Matrix3, Point2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Point2, Vector2, Vector3};
 
 use super::{Axis, CheckerPattern, SquareColor, StripePattern};
 use crate::error::{Error, Result};
-use crate::geometry::Homography;
+use crate::geometry::{Homography, Warp};
 use crate::photo::Encoding;
 
 /// Samples per side of a pixel that tell whether it holds an edge; thinner features than a quarter of a pixel may be
@@ -36,15 +36,15 @@ impl CheckerPattern {
     /// # Errors
     /// [`Error::Invalid`] for a panel without pixels or wider than 16384 px.
     pub fn image(&self) -> Result<RgbImage> {
-        self.draw_warped(&Homography::identity())
+        self.draw_warped(&Homography::identity().into())
     }
 
-    /// The pattern drawn anew where the homography takes it: a point of the pattern at panel pixel p is drawn at
+    /// The pattern drawn anew where the warp takes it: a point of the pattern at panel pixel p is drawn at
     /// `panel_from_pattern`·p; around it lies the background. Edges are antialiased in linear light.
     ///
     /// # Errors
     /// [`Error::Degenerate`] for a singular homography; [`Error::Invalid`] as for [`CheckerPattern::image`].
-    pub fn draw_warped(&self, panel_from_pattern: &Homography) -> Result<RgbImage> {
+    pub fn draw_warped(&self, panel_from_pattern: &Warp) -> Result<RgbImage> {
         let light = |c: SquareColor| if c == SquareColor::White { [1.0; 3] } else { [0.0; 3] };
         let (first, background) = (light(self.first_square), light(self.background));
         let second = first.map(|c| 1.0 - c);
@@ -68,14 +68,14 @@ impl StripePattern {
     /// # Errors
     /// [`Error::Invalid`] for a panel without pixels or wider than 16384 px.
     pub fn image(&self) -> Result<RgbImage> {
-        self.draw_warped(&Homography::identity())
+        self.draw_warped(&Homography::identity().into())
     }
 
-    /// The slits drawn anew where the homography takes them, as [`CheckerPattern::draw_warped`].
+    /// The slits drawn anew where the warp takes them, as [`CheckerPattern::draw_warped`].
     ///
     /// # Errors
     /// [`Error::Degenerate`] for a singular homography; [`Error::Invalid`] as for [`StripePattern::image`].
-    pub fn draw_warped(&self, panel_from_pattern: &Homography) -> Result<RgbImage> {
+    pub fn draw_warped(&self, panel_from_pattern: &Warp) -> Result<RgbImage> {
         let palette: Vec<[f64; 3]> = self.palette.iter().map(|&c| linear(c)).collect();
         let [w, h] = self.projector.map(f64::from);
         let half = self.width_px / 2.0;
@@ -92,7 +92,7 @@ impl StripePattern {
     }
 }
 
-/// Any picture moved by a homography: Catmull–Rom interpolation in linear light, supersampled where the picture is
+/// Any picture moved by a warp: Catmull–Rom interpolation in linear light, supersampled where the picture is
 /// reduced; `background` where the picture does not reach.
 ///
 /// # Errors
@@ -100,7 +100,7 @@ impl StripePattern {
 pub fn warp_image(
     picture: &RgbImage,
     size: [u32; 2],
-    target_from_source: &Homography,
+    target_from_source: &Warp,
     background: [u8; 3],
 ) -> Result<RgbImage> {
     check_panel([picture.width(), picture.height()])?;
@@ -110,38 +110,56 @@ pub fn warp_image(
     let table: Vec<f64> = (0..=255_u8).map(|c| Encoding::Srgb.to_linear(f64::from(c) / 255.0)).collect();
     let background = linear(background);
     Ok(RgbImage::from_fn(size[0], size[1], |x, y| {
-        let n = source.reduction(f64::from(x), f64::from(y)).clamp(1.0, f64::from(MAX_REDUCTION)) as u32;
-        Rgb(encode(mean(n, x, y, |p| {
-            source.map(p).and_then(|q| catmull_rom(picture, &table, q)).unwrap_or(background)
+        let Some(pixel) = source.pixel(x, y) else { return Rgb(encode(background)) };
+        let n = source.reduction(&pixel).clamp(1.0, f64::from(MAX_REDUCTION)) as u32;
+        Rgb(encode(mean(n, |d| {
+            source.map(&pixel, d).and_then(|q| catmull_rom(picture, &table, q)).unwrap_or(background)
         })))
     }))
 }
 
 /// The way back from the drawn picture to its source, for what lies on the near side of the horizon.
-struct Inverse(Matrix3<f64>);
+struct Inverse<'a> {
+    source_from_ideal: Matrix3<f64>,
+    warp: &'a Warp,
+}
 
-impl Inverse {
-    fn new(target_from_source: &Homography, centre: Point2<f64>) -> Result<Self> {
-        let inverse = target_from_source.inverse().ok_or(Error::Degenerate {
+/// A pixel of the drawn picture as an ideal one: its centre, and how far one goes there for a step within the pixel (across
+/// which the lens is straight to a millionth of a pixel).
+struct Pixel {
+    centre: Point2<f64>,
+    slope: Matrix2<f64>,
+}
+
+impl<'a> Inverse<'a> {
+    fn new(warp: &'a Warp, centre: Point2<f64>) -> Result<Self> {
+        let inverse = warp.homography.inverse().ok_or(Error::Degenerate {
             what: "homography to draw through",
             measure: 0.0,
             limit: 0.0,
             advice: "it flattens the pattern to a line or a point".into(),
         })?;
         // What is in front of the horizon is what lies on the same side of it as the source's centre.
-        let side = (target_from_source.0 * Vector3::new(centre.x, centre.y, 1.0)).z;
-        Ok(Self(if side < 0.0 { -inverse.0 } else { inverse.0 }))
+        let side = (warp.homography.0 * Vector3::new(centre.x, centre.y, 1.0)).z;
+        Ok(Self { source_from_ideal: if side < 0.0 { -inverse.0 } else { inverse.0 }, warp })
     }
 
-    fn map(&self, p: Point2<f64>) -> Option<Point2<f64>> {
-        let q = self.0 * Vector3::new(p.x, p.y, 1.0);
+    /// `None` where the lens's model ends.
+    fn pixel(&self, x: u32, y: u32) -> Option<Pixel> {
+        let (centre, slope) = self.warp.ideal(Point2::new(f64::from(x), f64::from(y)))?;
+        Some(Pixel { centre, slope })
+    }
+
+    fn map(&self, pixel: &Pixel, offset: Vector2<f64>) -> Option<Point2<f64>> {
+        let p = pixel.centre + pixel.slope * offset;
+        let q = self.source_from_ideal * Vector3::new(p.x, p.y, 1.0);
         let mapped = Point2::new(q.x / q.z, q.y / q.z);
         (q.z > 0.0 && mapped.x.is_finite() && mapped.y.is_finite()).then_some(mapped)
     }
 
     /// How many source pixels fall on a pixel of the target, per side.
-    fn reduction(&self, x: f64, y: f64) -> f64 {
-        let j = Homography(self.0).jacobian(Point2::new(x, y));
+    fn reduction(&self, pixel: &Pixel) -> f64 {
+        let j = Homography(self.source_from_ideal).jacobian(pixel.centre) * pixel.slope;
         let longest = j.column(0).norm().max(j.column(1).norm());
         if longest.is_finite() { (longest - 1e-6).ceil() } else { 1.0 }
     }
@@ -150,31 +168,32 @@ impl Inverse {
 /// Draws a function of the pattern's coordinates, antialiased.
 fn draw(
     size: [u32; 2],
-    panel_from_pattern: &Homography,
+    panel_from_pattern: &Warp,
     centre: Point2<f64>,
     background: [f64; 3],
     light: impl Fn(Point2<f64>) -> [f64; 3],
 ) -> Result<RgbImage> {
     check_panel(size)?;
     let source = Inverse::new(panel_from_pattern, centre)?;
-    let at = |p| source.map(p).map_or(background, &light);
     Ok(RgbImage::from_fn(size[0], size[1], |x, y| {
-        let first = at(sample(COARSE_SAMPLES, x, y, 0));
-        let flat = (1..COARSE_SAMPLES * COARSE_SAMPLES).all(|k| at(sample(COARSE_SAMPLES, x, y, k)) == first);
-        Rgb(encode(if flat { first } else { mean(FINE_SAMPLES, x, y, at) }))
+        let Some(pixel) = source.pixel(x, y) else { return Rgb(encode(background)) };
+        let at = |d| source.map(&pixel, d).map_or(background, &light);
+        let first = at(sample(COARSE_SAMPLES, 0));
+        let flat = (1..COARSE_SAMPLES * COARSE_SAMPLES).all(|k| at(sample(COARSE_SAMPLES, k)) == first);
+        Rgb(encode(if flat { first } else { mean(FINE_SAMPLES, at) }))
     }))
 }
 
-/// The `k`-th of n×n sample positions in a pixel, row-major.
-fn sample(n: u32, x: u32, y: u32, k: u32) -> Point2<f64> {
+/// The `k`-th of n×n sample positions in a pixel, row-major, from its centre.
+fn sample(n: u32, k: u32) -> Vector2<f64> {
     let offset = |i: u32| (f64::from(i) + 0.5) / f64::from(n) - 0.5;
-    Point2::new(f64::from(x) + offset(k % n), f64::from(y) + offset(k / n))
+    Vector2::new(offset(k % n), offset(k / n))
 }
 
-fn mean(n: u32, x: u32, y: u32, at: impl Fn(Point2<f64>) -> [f64; 3]) -> [f64; 3] {
+fn mean(n: u32, at: impl Fn(Vector2<f64>) -> [f64; 3]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for k in 0..n * n {
-        for (s, c) in sum.iter_mut().zip(at(sample(n, x, y, k))) {
+        for (s, c) in sum.iter_mut().zip(at(sample(n, k))) {
             *s += c;
         }
     }
@@ -252,7 +271,7 @@ mod tests {
     fn a_shift_by_half_a_pixel_mixes_light_and_not_code() {
         let checker = CheckerPattern::new([1024, 768], &CheckerConfig::default()).unwrap();
         let shift = Homography(Matrix3::new(1.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0));
-        let drawn = checker.draw_warped(&shift).unwrap();
+        let drawn = checker.draw_warped(&shift.into()).unwrap();
         assert_eq!(drawn.get_pixel(247, 200).0, [255; 3]);
         assert_eq!(drawn.get_pixel(248, 200).0, [188; 3], "half the light is sRGB 188");
         assert_eq!(drawn.get_pixel(249, 200).0, [0; 3]);
@@ -263,7 +282,7 @@ mod tests {
         let checker = CheckerPattern::new([800, 600], &CheckerConfig::default()).unwrap();
         let h = Homography(Matrix3::new(0.9, 0.05, 30.0, -0.04, 0.85, 60.0, 1e-4, -5e-5, 1.0));
         for h in [h, Homography(-h.0)] {
-            let drawn = checker.draw_warped(&h).unwrap();
+            let drawn = checker.draw_warped(&h.into()).unwrap();
             for (i, j) in [(0, 0), (9, 6), (4, 3)] {
                 let c = h.map(checker.inner_corner(i, j)).unwrap();
                 let at = |dx: f64, dy: f64| drawn.get_pixel((c.x + dx) as u32, (c.y + dy) as u32).0[0];
@@ -278,22 +297,22 @@ mod tests {
     fn nothing_is_drawn_beyond_the_horizon() {
         let stripes = StripePattern::new([640, 480], &StripeConfig::default()).unwrap();
         let h = Homography(Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0 / 300.0, 1.0));
-        assert!(stripes.draw_warped(&h).unwrap().pixels().any(|p| p.0 != [0; 3]));
-        assert!(stripes.draw_warped(&Homography(Matrix3::zeros())).is_err());
+        assert!(stripes.draw_warped(&h.into()).unwrap().pixels().any(|p| p.0 != [0; 3]));
+        assert!(stripes.draw_warped(&Homography(Matrix3::zeros()).into()).is_err());
     }
 
     #[test]
     fn warping_keeps_whole_pixel_shifts_exact_and_straight_ramps_straight() {
         let picture = RgbImage::from_fn(40, 30, |x, y| Rgb([(x * 6) as u8, (y * 8) as u8, 200]));
         let shift = Homography(Matrix3::new(1.0, 0.0, 3.0, 0.0, 1.0, -2.0, 0.0, 0.0, 1.0));
-        let moved = warp_image(&picture, [40, 30], &shift, [9, 8, 7]).unwrap();
+        let moved = warp_image(&picture, [40, 30], &shift.into(), [9, 8, 7]).unwrap();
         assert_eq!(moved.get_pixel(13, 8), picture.get_pixel(10, 10));
         assert_eq!(moved.get_pixel(1, 8).0, [9, 8, 7]);
         // Reduced to a third: each pixel is the mean light of its nine.
         let third =
             Homography(Matrix3::new(1.0 / 3.0, 0.0, -1.0 / 3.0, 0.0, 1.0 / 3.0, -1.0 / 3.0, 0.0, 0.0, 1.0));
         let board = RgbImage::from_fn(30, 30, |x, _| Rgb([if x % 3 == 0 { 255 } else { 0 }; 3]));
-        let small = warp_image(&board, [10, 10], &third, [0; 3]).unwrap();
+        let small = warp_image(&board, [10, 10], &third.into(), [0; 3]).unwrap();
         let expected = (Encoding::Srgb.from_linear(1.0 / 3.0) * 255.0).round() as u8;
         assert!(small.get_pixel(5, 5).0[0].abs_diff(expected) <= 1);
     }

@@ -173,7 +173,7 @@ fn scene(rig: &Rig, seen: &ViewObservation, observations: &Observations) -> Opti
 #[must_use]
 pub fn outline(
     pattern: &crate::pattern::CheckerPattern,
-    panel_from_pattern: Option<&crate::geometry::Homography>,
+    panel_from_pattern: Option<&crate::geometry::Warp>,
 ) -> Option<([Point2<f64>; 4], f64)> {
     let mut corners = pattern.outline();
     let size = corners[2] - corners[0];
