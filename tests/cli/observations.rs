@@ -251,7 +251,7 @@ fn a_million_pairs_take_seconds() {
     let run = bench.run(LINE).ok();
     // Five seconds, most of them for reading; more where other programs run as well.
     assert!(start.elapsed() < Duration::from_secs(60), "{:?}", start.elapsed());
-    assert!(run.stderr.contains("10000 of 1000000 pairs"), "{}", run.stderr);
+    assert!(run.stderr.contains("4000 of 1000000 pairs"), "{}", run.stderr);
     let rig = rig_of(&bench);
     assert!((focal(&rig, "projector") / Scene::default().projector_focal_px - 1.0).abs() < 0.002);
 }

@@ -33,7 +33,7 @@ const SETTLED: f64 = 0.02;
 const ENOUGH_FOR_NOISE: usize = 1000;
 /// Of more points than this on a side or in a pattern the noise that they average to is far below every model's error, and
 /// only the time that they take grows.
-const MOST_POINTS: usize = 10_000;
+const MOST_POINTS: usize = 4000;
 /// Step in ln σ over which the covariance is differentiated.
 const STEP: f64 = 0.05;
 
@@ -90,7 +90,7 @@ pub struct NoiseFound {
 pub struct ExternalCalibration {
     /// The calibration; its warnings include what was assumed about noise.
     pub calibration: Calibration,
-    /// The observations with every σ filled in, and at most 10 000 points of a side and pairs of a view, spread evenly:
+    /// The observations with every σ filled in, and at most 4000 points of a side and pairs of a view, spread evenly:
     /// calibrating from these gives the same rig.
     pub observations: Observations,
     /// The σ that were not stated.
@@ -98,7 +98,7 @@ pub struct ExternalCalibration {
 }
 
 /// Calibrates from the observations of any detector. A σ that is not stated is measured by the residuals where there are
-/// enough of them, pooled over the views, and assumed otherwise (with the warning `noise-assumed`). Of more than 10 000
+/// enough of them, pooled over the views, and assumed otherwise (with the warning `noise-assumed`). Of more than 4000
 /// points of a side or pairs of a view an evenly spread part is used.
 ///
 /// # Errors
@@ -231,7 +231,9 @@ fn thinned(all: &Observations, most: usize) -> Observations {
     for view in &mut few.views {
         thin(&mut view.pairs, most);
         if let SheetObservation::Edges(sides) = &mut view.sheet {
-            sides.iter_mut().for_each(|side| thin(side, most));
+            for side in sides {
+                thin(side, most);
+            }
         }
     }
     few

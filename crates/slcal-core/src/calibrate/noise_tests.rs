@@ -90,7 +90,7 @@ fn what_is_stated_stays_and_filled_in_observations_give_the_same_rig() {
 
 #[test]
 fn intervals_hold_the_truth_though_no_noise_was_stated() {
-    // Exact principal points, so that the noise alone decides; twelve views, so that all of it is measured.
+    // Exact principal points, so that the noise alone decides; six views, so that all of it is measured.
     let config = CalibrateConfig {
         camera_pp: PrincipalPointRule::Centre,
         projector_pp: PrincipalPointRule::Exact(511.5, 768.0),

@@ -114,12 +114,11 @@ pub(super) fn camera(root: &Node) -> Result<KnownCamera> {
     if let Some((second, _)) = first(root, &SECOND) {
         notes.push(format!("the file holds two cameras; {name} is taken, {second} is not"));
     }
-    let distortion = match first(root, &COEFFICIENTS) {
-        Some((name, node)) => distortion(&numbers(node, name)?, name)?,
-        None => {
-            notes.push("the file has no distortion coefficients; the lens is taken for undistorted".into());
-            Distortion::NONE
-        }
+    let distortion = if let Some((name, node)) = first(root, &COEFFICIENTS) {
+        distortion(&numbers(node, name)?, name)?
+    } else {
+        notes.push("the file has no distortion coefficients; the lens is taken for undistorted".into());
+        Distortion::NONE
     };
     check_model(root, distortion)?;
     Ok(KnownCamera { intrinsics, distortion, size: size(root)?, notes })
