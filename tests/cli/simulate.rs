@@ -70,6 +70,31 @@ fn a_tilt_about_one_axis_and_a_lens_shift_are_explained() {
 }
 
 #[test]
+fn other_rigs_run_as_well() {
+    for options in [
+        "--tilt 60,0",
+        "--tilt -35,40",
+        "--size A4",
+        "--size 420x594mm",
+        "--focal 2500",
+        "--projector-focal 900",
+        "--lens-shift -1",
+        "--baseline 900",
+        "--camera 640x480 --focal 700 --projector 800x600 --projector-focal 1200",
+        "--camera 4000x3000 --focal 3200 --projector 1920x1080 --projector-focal 2100 --lens-shift 0.6",
+    ] {
+        let run = bench().run(&format!("{QUICK} {options} --json")).ok();
+        let json: Value = serde_json::from_slice(&run.stdout).unwrap();
+        for level in json["levels"].as_array().unwrap() {
+            assert_eq!(level["methods"][1]["failed"], 0, "{options}");
+            assert_eq!(level["methods"][1]["imaginary"], 0, "{options}");
+        }
+        let exact = &json["levels"][0]["methods"][1]["camera_focal_px"]["rms"];
+        assert!(exact.as_f64().unwrap() < 1e-4, "{options}: {exact}");
+    }
+}
+
+#[test]
 fn nonsense_is_told_what_is_expected() {
     let cases: [(&str, &[&str]); 18] = [
         ("--levels -0.1", &["noise level", "-0.1"]),
@@ -86,7 +111,7 @@ fn nonsense_is_told_what_is_expected() {
         ("--focal 0", &["focal length of the camera"]),
         ("--projector-focal -5", &["focal length of the projector"]),
         ("--lens-shift 1e300", &["lens shift"]),
-        ("--distance 1", &["corner"]),
+        ("--distance 1", &["behind the camera"]),
         ("--size 1e9x1e9mm", &["594x420mm"]),
         ("--cube 0", &["reference cube"]),
         ("--camera 1x1", &["size of the camera"]),
@@ -102,7 +127,7 @@ fn nonsense_is_told_what_is_expected() {
     bench().run("simulate views --pose 25 -o a.json").fails(2, &["--pose"]);
     bench().run("simulate views --noise -1 -o a.json").fails(2, &["noise"]);
     bench().run("simulate views --edges 1 -o a.json").fails(2, &["edge points"]);
-    bench().run("simulate views --size 60x42mm -o a.json").fails(2, &["beside it"]);
+    bench().run("simulate views --size 15x10mm -o a.json").fails(2, &["projected pattern"]);
 }
 
 #[test]

@@ -60,8 +60,8 @@ fn head(text: &mut String, config: &NoiseConfig, report: &NoiseReport) {
     put(
         text,
         &format!(
-            "draws   {} per level, seed {}; {told}; cube of {} mm on the sheet, {} corners seen",
-            config.draws, config.seed, t.cube_mm, t.cube_corners
+            "draws   {} per level, seed {}; {told}; projected squares of {} px; cube of {} mm on the sheet, {} corners seen",
+            config.draws, config.seed, t.square_px, t.cube_mm, t.cube_corners
         ),
     );
     put(text, "");

@@ -78,7 +78,8 @@ pub(crate) struct NoiseArgs {
     /// which the truth is then drawn (two-vp takes the centres for exact).
     #[arg(long, value_enum, default_value = "exact")]
     pub(crate) principal_points: PrincipalPointsArg,
-    /// Edge of the reference cube that stands on the sheet [default: a quarter of the sheet's shorter side].
+    /// Edge of the reference cube that stands on the sheet [default: a quarter of the sheet's
+    /// shorter side, or less where that is not seen whole].
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     pub(crate) cube: Option<f64>,
     #[command(flatten)]

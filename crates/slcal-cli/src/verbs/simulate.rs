@@ -72,6 +72,7 @@ fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
         cube_mm: args.cube,
     };
     let experiment = NoiseExperiment::new(config.clone())?;
+    tell_outside(experiment.scene(), printer);
     let total = experiment.total_draws();
     let mut told = Instant::now();
     let report = experiment.run(|done| {
@@ -116,6 +117,7 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
         args.pose.iter().map(|p| pose(p.0)).collect()
     };
     let scene = Scene::new(&rig, &poses)?;
+    tell_outside(&scene, printer);
     let noise = NoiseModel { edge_points: args.edges, ..NoiseModel::uniform(args.noise) };
     let mut seen =
         ExternalObservations::from(scene.observe(&noise, &mut Draws::new(args.seed, NOISE_STREAM))?);
@@ -136,13 +138,25 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
     print_result(&text)
 }
 
+/// What no photograph would show is simulated all the same; the user is told.
+fn tell_outside(scene: &Scene, printer: Printer) {
+    let outside = scene.outside_picture();
+    if outside > 0 {
+        printer.note(format!(
+            "{outside} of the sheet's and the projected corners lie outside the camera's picture and are simulated as if they \
+             were seen; a smaller or more distant sheet, or a shorter lens, brings them in"
+        ));
+    }
+}
+
 fn poses_in_words(poses: &[PoseConfig], scene: &Scene) -> String {
     let mut text = format!(
-        "{} views of a sheet of {} x {} mm with {} projected corners\n",
+        "{} views of a sheet of {} x {} mm with {} projected corners, {} px apart\n",
         poses.len(),
         scene.size.width_mm,
         scene.size.height_mm,
-        scene.pattern.len()
+        scene.pattern.len(),
+        scene.square_px
     );
     for (i, p) in poses.iter().enumerate() {
         let [x, y, roll] = [p.tilt_x_rad, p.tilt_y_rad, p.roll_rad].map(f64::to_degrees);

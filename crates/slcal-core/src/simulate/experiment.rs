@@ -19,8 +19,9 @@ const MOST_LEVEL_PX: f64 = 100.0;
 const MOST_LEVELS: usize = 1000;
 /// Draws times levels: beyond it an experiment takes hours.
 const MOST_DRAWS: usize = 1_000_000;
-/// The reference cube when none is given: this part of the sheet's shorter side.
-const CUBE_SHARE: f64 = 0.25;
+/// The reference cube when none is given: the first of these parts of the sheet's shorter side whose corners lie in the
+/// picture and on the panel.
+const CUBE_SHARES: [f64; 4] = [0.25, 0.2, 0.15, 0.1];
 /// Level at which the bound is computed; it is proportional to the noise where nothing but the noise limits it.
 const BOUND_AT_LEAST_PX: f64 = 1e-6;
 
@@ -62,7 +63,7 @@ pub struct NoiseConfig {
     pub seed: u64,
     /// What the methods are told; default the truth.
     pub principal_points: PrincipalPoints,
-    /// Edge of the reference cube, mm; default a quarter of the sheet's shorter side.
+    /// Edge of the reference cube, mm; default a quarter of the sheet's shorter side, or less where that is not seen whole.
     pub cube_mm: Option<f64>,
 }
 
@@ -115,6 +116,8 @@ pub struct TrueValues {
     pub projector_focal_px: f64,
     /// Translation camera → projector, mm.
     pub translation_mm: [f64; 3],
+    /// Side of the projected squares, projector px.
+    pub square_px: f64,
     /// Edge of the reference cube, mm.
     pub cube_mm: f64,
     /// Corners of the cube that both devices see.
@@ -189,9 +192,24 @@ impl NoiseExperiment {
         config.validate()?;
         let scene = Scene::new(&config.rig, &[config.pose])?;
         let size = config.rig.size;
-        let cube =
-            Cube::new(&scene, config.cube_mm.unwrap_or(CUBE_SHARE * size.width_mm.min(size.height_mm)))?;
-        Ok(Self { config, scene, cube })
+        let edges = match config.cube_mm {
+            Some(edge) => vec![edge],
+            None => CUBE_SHARES.map(|s| s * size.width_mm.min(size.height_mm)).to_vec(),
+        };
+        let mut cube = Err(Error::invalid("reference cube", "an edge", "none"));
+        for edge in edges {
+            cube = Cube::new(&scene, edge);
+            if cube.is_ok() {
+                break;
+            }
+        }
+        Ok(Self { config, cube: cube?, scene })
+    }
+
+    /// The scene that is seen again and again.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
     }
 
     /// What is compared with.
@@ -201,6 +219,7 @@ impl NoiseExperiment {
             camera_focal_px: self.scene.camera.intrinsics.fx,
             projector_focal_px: self.scene.projector.intrinsics.fx,
             translation_mm: self.scene.projector_from_camera.translation.into(),
+            square_px: self.scene.square_px,
             cube_mm: self.cube.edge_mm(),
             cube_corners: self.cube.visible(),
         }

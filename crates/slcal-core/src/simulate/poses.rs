@@ -18,7 +18,9 @@ const MOST_ROLL_RAD: f64 = PI / 4.0;
 /// Most poses that are drawn at once.
 const MOST_POSES: usize = 1000;
 /// Draws per pose until sheet and pattern are seen whole.
-const TRIES: usize = 1000;
+const TRIES: usize = 300;
+/// Poses in which the pattern would have to be smaller than this part of its default are passed over.
+const SMALLEST_SHARE: f64 = 0.5;
 
 /// How the sheet stands: turned about its own middle, X_camera = Rx·Ry·Rz·X about the camera's axes.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -131,18 +133,33 @@ pub fn spread_poses(
             return Err(Error::invalid(name, "0 to 1", share));
         }
     }
-    let scene = Scene::new(rig, &[])?;
+    let largest = Scene::new(rig, &[])?.square_px;
     let mut poses = Vec::with_capacity(count);
     for i in 0..count {
         let mut draws = Draws::new(seed, i as u64);
         let mut tries = 0;
         let pose = loop {
             let pose = draw_pose(rig, spread, (i, count), &mut draws);
-            pose.validate()?;
-            match scene.check_visible(&pose.camera_from_sheet(rig)) {
-                Ok(()) => break pose,
-                Err(error) if tries == TRIES => return Err(error),
-                Err(_) => tries += 1,
+            let error = match Scene::new(rig, &[pose]) {
+                Ok(scene) if scene.outside_picture() > 0 => Error::invalid(
+                    "the sheet in the camera's picture",
+                    format!(
+                        "all of it inside {}x{} px (a smaller or more distant sheet, a shorter lens)",
+                        rig.camera[0], rig.camera[1]
+                    ),
+                    "corners outside in every pose that was tried",
+                ),
+                Ok(scene) if scene.square_px < SMALLEST_SHARE * largest => Error::invalid(
+                    "the projected pattern",
+                    "a sheet that holds it in poses all round (a larger or nearer sheet, a longer focal length of the projector)",
+                    format!("room for squares of {} px only, in every pose that was tried", scene.square_px),
+                ),
+                Ok(_) => break pose,
+                Err(error) => error,
+            };
+            tries += 1;
+            if tries == TRIES {
+                return Err(error);
             }
         };
         poses.push(pose);

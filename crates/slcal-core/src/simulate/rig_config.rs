@@ -46,7 +46,8 @@ pub struct RigConfig {
     pub size: RectangleSize,
     /// Distance of the sheet's middle along the camera's axis, mm; default 1000.
     pub distance_mm: f64,
-    /// The checkerboard that is projected; default as `slcal pattern checker` draws it (its 70 inner corners are seen).
+    /// The checkerboard that is projected; default as `slcal pattern checker` draws it (its 70 inner corners are seen), with
+    /// smaller squares where those would not fall on the sheet.
     pub checker: CheckerConfig,
 }
 

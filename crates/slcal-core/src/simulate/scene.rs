@@ -15,6 +15,8 @@ use crate::rig::{Device, Rig, StereoPose, View};
 const SMALLEST_SIGMA_PX: f64 = 1e-6;
 /// Noise beyond this is no measurement of anything, px.
 const MOST_NOISE_PX: f64 = 1000.0;
+/// Squares that do not fit on the sheet are made smaller by this factor.
+const SMALLER: f64 = 0.9;
 /// Most edge points per side that are drawn.
 const MOST_EDGE_POINTS: usize = 10_000;
 
@@ -79,6 +81,8 @@ pub struct Scene {
     pub projector_from_camera: Pose,
     /// The sheet.
     pub size: RectangleSize,
+    /// Side of the pattern's squares, projector px.
+    pub square_px: f64,
     /// The projected points, projector px.
     pub pattern: Vec<Point2<f64>>,
     /// camera ← sheet, one per view.
@@ -100,27 +104,44 @@ pub(super) fn lit_point(
 }
 
 impl Scene {
-    /// The rig with its sheet in these poses.
+    /// The rig with its sheet in these poses. Where the configuration leaves the size of the pattern's squares open, they are
+    /// made as small as it takes for all corners to fall on the sheet in all poses. The camera's picture may cut the sheet,
+    /// see [`outside_picture`](Self::outside_picture).
     ///
     /// # Errors
-    /// [`Error::Invalid`] for values out of range, and where a view does not show the sheet and the pattern on it.
+    /// [`Error::Invalid`] for values out of range, and where part of the sheet lies behind a device or the pattern beside
+    /// the sheet.
     pub fn new(rig: &RigConfig, poses: &[PoseConfig]) -> Result<Self> {
         rig.validate()?;
-        let mut scene = Self {
+        poses.iter().try_for_each(PoseConfig::validate)?;
+        let mut rig = rig.clone();
+        let largest = rig.pattern()?.square_px;
+        let free = rig.checker.square_px.is_none();
+        let mut squares = (0..).map(|i| (largest * SMALLER.powi(i)).floor()).skip(1);
+        loop {
+            let scene = Self::with_pattern(&rig, poses)?;
+            let error = match scene.check_views() {
+                Ok(()) => return Ok(scene),
+                Err(error) => error,
+            };
+            rig.checker.square_px = squares.next();
+            if !free || rig.pattern().is_err() {
+                return Err(error);
+            }
+        }
+    }
+
+    fn with_pattern(rig: &RigConfig, poses: &[PoseConfig]) -> Result<Self> {
+        let pattern = rig.pattern()?;
+        Ok(Self {
             camera: rig.camera(),
             projector: rig.projector(),
             projector_from_camera: rig.projector_from_camera()?,
             size: rig.size,
-            pattern: rig.pattern()?.inner_corners(),
-            views: Vec::with_capacity(poses.len()),
-        };
-        for pose in poses {
-            pose.validate()?;
-            let view = pose.camera_from_sheet(rig);
-            scene.check_visible(&view)?;
-            scene.views.push(view);
-        }
-        Ok(scene)
+            square_px: pattern.square_px,
+            pattern: pattern.inner_corners(),
+            views: poses.iter().map(|p| p.camera_from_sheet(rig)).collect(),
+        })
     }
 
     /// The pixel of a point of the sheet in a pose.
@@ -128,43 +149,56 @@ impl Scene {
         self.camera.project(&view.transform(&Point3::new(p.x, p.y, 0.0)))
     }
 
-    /// Whether the picture shows the whole sheet, and the sheet the whole pattern.
-    pub(super) fn check_visible(&self, view: &Pose) -> Result<()> {
-        let [w, h] = [self.camera.width, self.camera.height].map(f64::from);
-        for corner in self.size.corners() {
-            let seen = self.sheet_pixel(view, corner);
-            let inside = |p: Point2<f64>| (-0.5..=w - 0.5).contains(&p.x) && (-0.5..=h - 0.5).contains(&p.y);
-            if !seen.is_some_and(inside) {
-                let at = seen.map_or("behind the camera".to_owned(), |p| format!("at {:.0},{:.0}", p.x, p.y));
+    fn lit(&self, view: &Pose, q: Point2<f64>) -> Option<Point3<f64>> {
+        lit_point(&self.projector, &self.projector_from_camera, view, q)
+    }
+
+    /// Whether every view has the sheet in front of the camera and the whole pattern on it.
+    fn check_views(&self) -> Result<()> {
+        for view in &self.views {
+            if self.size.corners().iter().any(|c| self.sheet_pixel(view, *c).is_none()) {
                 return Err(Error::invalid(
-                    "the sheet in the camera's picture",
+                    "the sheet",
+                    "all of it in front of the camera (a smaller or more distant one, or less tilt)",
+                    "a corner behind the camera",
+                ));
+            }
+            let on_sheet = |q: &&Point2<f64>| {
+                let place = self.lit(view, **q).map(|p| view.inverse().transform(&p));
+                place.is_some_and(|p| {
+                    (0.0..=self.size.width_mm).contains(&p.x) && (0.0..=self.size.height_mm).contains(&p.y)
+                })
+            };
+            let missed = self.pattern.len() - self.pattern.iter().filter(on_sheet).count();
+            if missed > 0 {
+                return Err(Error::invalid(
+                    "the projected pattern",
+                    "all corners on the sheet (a larger or nearer sheet, less tilt, a longer focal length of the \
+                     projector)",
                     format!(
-                        "all corners inside its {w}x{h} px (a smaller or more distant sheet, a shorter lens)"
+                        "{missed} of {} beside it with squares of {} px",
+                        self.pattern.len(),
+                        self.square_px
                     ),
-                    format!("a corner {at}"),
                 ));
             }
         }
-        let missed = self
-            .pattern
-            .iter()
-            .filter(|q| {
-                let lit = lit_point(&self.projector, &self.projector_from_camera, view, **q)
-                    .map(|p| view.inverse().transform(&p));
-                let on = |p: Point3<f64>| {
-                    (0.0..=self.size.width_mm).contains(&p.x) && (0.0..=self.size.height_mm).contains(&p.y)
-                };
-                !lit.is_some_and(on)
-            })
-            .count();
-        if missed > 0 {
-            return Err(Error::invalid(
-                "the projected pattern",
-                "all corners on the sheet (a larger or nearer sheet, a longer focal length of the projector)",
-                format!("{missed} of {} beside it", self.pattern.len()),
-            ));
-        }
         Ok(())
+    }
+
+    /// How many corners of the sheet and projected corners, in all views, lie outside the camera's picture: what a photograph
+    /// shows of the former are the sides that meet there, and of the latter nothing.
+    #[must_use]
+    pub fn outside_picture(&self) -> usize {
+        let [w, h] = [self.camera.width, self.camera.height].map(f64::from);
+        let inside = |p: &Point2<f64>| (-0.5..=w - 0.5).contains(&p.x) && (-0.5..=h - 0.5).contains(&p.y);
+        let of_view = |view: &Pose| {
+            let sheet = self.size.corners().map(|c| self.sheet_pixel(view, c));
+            let pattern =
+                self.pattern.iter().map(|q| self.lit(view, *q).and_then(|p| self.camera.project(&p)));
+            sheet.into_iter().chain(pattern).filter(|p| !p.as_ref().is_some_and(inside)).count()
+        };
+        self.views.iter().map(of_view).sum()
     }
 
     /// What the camera sees, with noise from `draws`. The noise is stated with every point; where it is zero, 1e-6 px is
@@ -181,8 +215,7 @@ impl Scene {
             let sheet = self.observe_sheet(view, noise, draws).ok_or_else(behind)?;
             let mut pairs = Vec::with_capacity(self.pattern.len());
             for &q in &self.pattern {
-                let p = lit_point(&self.projector, &self.projector_from_camera, view, q);
-                let seen = p.and_then(|p| self.camera.project(&p)).ok_or_else(behind)?;
+                let seen = self.lit(view, q).and_then(|p| self.camera.project(&p)).ok_or_else(behind)?;
                 pairs.push(CornerPair {
                     camera: seen + draws.jitter(noise.pattern_px),
                     projector: q,

@@ -82,6 +82,18 @@ fn noise_has_the_sigma_that_is_asked_for() {
 }
 
 #[test]
+fn squares_shrink_until_they_fall_on_the_sheet_and_cut_sheets_are_counted() {
+    let tilted = |x, y| [PoseConfig::tilted(x, y)];
+    let default = Scene::new(&RigConfig::default(), &tilted(25.0, 28.0)).unwrap();
+    assert_eq!((default.square_px, default.outside_picture()), (48.0, 0));
+    let steep = Scene::new(&RigConfig::default(), &tilted(60.0, 0.0)).unwrap();
+    assert!((20.0..48.0).contains(&steep.square_px), "{}", steep.square_px);
+    let upright = RectangleSize { width_mm: 420.0, height_mm: 594.0 };
+    let cut = Scene::new(&RigConfig { size: upright, ..RigConfig::default() }, &tilted(25.0, 28.0)).unwrap();
+    assert!((1..=4).contains(&cut.outside_picture()), "{}", cut.outside_picture());
+}
+
+#[test]
 fn spread_poses_tilt_all_round_and_show_everything() {
     let rig = shifted();
     let poses = spread_poses(&rig, 8, &SpreadConfig::default(), 3).unwrap();
@@ -156,8 +168,13 @@ fn what_cannot_be_seen_is_refused_in_words() {
     invalid(rig(&|r| r.lens_shift = 1e9), "lens shift");
     invalid(rig(&|r| r.baseline_mm = f64::INFINITY), "baseline");
     invalid(rig(&|r| r.distance_mm = 0.0), "distance");
-    invalid(rig(&|r| r.distance_mm = 300.0), "a corner at");
-    invalid(rig(&|r| r.size = RectangleSize { width_mm: 60.0, height_mm: 42.0 }), "beside it");
+    invalid(rig(&|r| r.distance_mm = 150.0), "a corner behind the camera");
+    invalid(rig(&|r| r.size = RectangleSize { width_mm: 15.0, height_mm: 10.0 }), "beside it");
+    invalid(rig(&|r| r.checker.square_px = Some(80.0)), "beside it");
+    let small = RigConfig { size: RectangleSize { width_mm: 15.0, height_mm: 10.0 }, ..RigConfig::default() };
+    invalid(spread_poses(&small, 3, &SpreadConfig::default(), 1), "projected pattern");
+    let near = RigConfig { distance_mm: 400.0, ..RigConfig::default() };
+    invalid(spread_poses(&near, 3, &SpreadConfig::default(), 1), "the camera's picture");
     invalid(rig(&|r| r.distortion[0] = f64::NAN), "distortion");
     for tilt in [90.0, -90.0, f64::NAN, f64::INFINITY] {
         invalid(Scene::new(&RigConfig::default(), &[PoseConfig::tilted(tilt, 0.0)]), "tilt");
