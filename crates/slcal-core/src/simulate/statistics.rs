@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::solve::median;
+
 /// Of values that are errors themselves (distances, rms). All `None` without a value.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Statistics {
@@ -9,7 +11,7 @@ pub struct Statistics {
     pub mean: Option<f64>,
     /// Standard deviation, with n − 1; `None` for fewer than two values.
     pub std: Option<f64>,
-    /// Median: what outliers do not move.
+    /// Median (of an even number the larger of the middle two): what outliers do not move.
     pub median: Option<f64>,
 }
 
@@ -26,19 +28,11 @@ pub struct ErrorStatistics {
     pub median: Option<f64>,
 }
 
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut sorted: Vec<f64> = values.collect();
-    sorted.sort_by(f64::total_cmp);
-    let n = sorted.len();
-    let upper = sorted.get(n / 2)?;
-    Some(if n.is_multiple_of(2) { (upper + sorted.get(n / 2 - 1)?) / 2.0 } else { *upper })
-}
-
 impl Statistics {
     /// Of `values`; those that are not finite are left out.
     #[must_use]
     pub fn of(values: &[f64]) -> Self {
-        let finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
+        let mut finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
         let n = finite.len() as f64;
         if finite.is_empty() {
             return Self::default();
@@ -48,7 +42,7 @@ impl Statistics {
         Self {
             mean: Some(mean),
             std: (finite.len() > 1).then(|| (squares / (n - 1.0)).sqrt()),
-            median: median(finite.into_iter()),
+            median: median(&mut finite),
         }
     }
 }
@@ -71,7 +65,7 @@ impl ErrorStatistics {
             bias: Some(bias),
             std: (finite.len() > 1).then(|| (squares / (n - 1.0)).sqrt()),
             rms: Some((finite.iter().map(|e| length(e).powi(2)).sum::<f64>() / n).sqrt()),
-            median: median(finite.into_iter().map(length)),
+            median: median(&mut finite.into_iter().map(length).collect::<Vec<_>>()),
         }
     }
 }
