@@ -25,6 +25,8 @@ const MIN_HALF_TRANSITION_PX: f64 = 1.5;
 /// Beyond half the transition's width, as many pixels on each side tell the slopes of the light: with fewer, their error
 /// moves the whole side.
 const PLATEAU_PX: f64 = 4.0;
+/// Beside the frame's border there is room for fewer.
+const NARROW_PLATEAU_PX: f64 = 2.0;
 
 /// Measures the side that runs along `path` (a few points from corner to corner), known to within `uncertainty_px`, with
 /// the sheet on the side of `inward`. `None` when too little of it is seen.
@@ -39,7 +41,7 @@ pub(super) fn measure_side(
     let lines = scan_lines(photo, scan, path, uncertainty_px)?;
     let coarse = localise(photo, scan, &lines, uncertainty_px, light)?;
     let transition = half_transition(photo, scan, &lines, &coarse, uncertainty_px, light);
-    let plateau = (0.5 * transition).ceil() + PLATEAU_PX;
+    let plateau = plateau(photo, scan, &lines, &coarse, transition);
     let clearance = transition + plateau + 1.0;
     let toward_sheet = inward.normalize();
     let erf = ErfTable::new();
@@ -64,6 +66,22 @@ pub(super) fn measure_side(
     }
     let across = if scan.along_x { inward.x.abs() } else { inward.y.abs() } / inward.norm();
     Some(condense(scan, &crossings, &curve, across, common_sigma))
+}
+
+/// Width of the plateaus, px: the wider one unless the frame ends within it along much of the side.
+fn plateau(
+    photo: &LinearPhoto<'_>,
+    scan: Scan,
+    lines: &[(usize, f64)],
+    curve: &Polynomial,
+    transition: f64,
+) -> f64 {
+    let with = |extra: f64| (0.5 * transition).ceil() + extra;
+    let size = if scan.along_x { photo.width() } else { photo.height() } as f64;
+    let reach = transition + with(PLATEAU_PX) + 1.0;
+    let fitting = lines.iter().map(|l| curve.value(l.0 as f64)).filter(|p| (reach..size - reach).contains(p));
+    let enough = 2 * fitting.count() >= lines.len();
+    with(if enough { PLATEAU_PX } else { NARROW_PLATEAU_PX })
 }
 
 /// The rows or columns that the side crosses, away from its corners, with the position expected there.
