@@ -19,9 +19,9 @@ SCENES = ["paper_tilted", "paper_lensshift", "near_frontal", "dark_clutter", "pa
 
 # Errors of focal lengths in per cent, of the principal point in px: (scene, photographs) -> {figure: largest magnitude}.
 CALIBRATION_BOUNDS = {
-    ("paper_tilted", "one photo"): {"f_cam": 0.1, "f_proj": 0.4},
-    ("paper_tilted", "with screen"): {"f_cam": 0.1},
-    ("paper_lensshift", "one photo"): {"f_cam": 0.1, "f_proj": 0.5, "cy_proj": 4.0},
+    ("paper_tilted", "one photo"): {"f_cam": 0.03, "f_proj": 0.1},
+    ("paper_tilted", "with screen"): {"f_cam": 0.03, "f_proj": 0.1},
+    ("paper_lensshift", "one photo"): {"f_cam": 0.03, "f_proj": 0.1, "cy_proj": 2.0},
     ("dark_clutter", "one photo"): {"f_cam": 0.3, "f_proj": 0.6},
 }
 # Per cent of the matches that are right, and of the stripes that are found, at least.
@@ -33,6 +33,9 @@ NEAR_FRONTAL_BOUND_PERCENT = 1.0
 # Focal length of the same photograph at half and at double size, per cent, at most.
 SCALE_BOUND_PERCENT = 0.3
 MEMORY_BOUND_GIB = 1.5
+# Errors in units of their own sigma, and of focal lengths of the two poses together in per cent, at most.
+SIGMAS_BOUND = 3.0
+PAIR_BOUNDS_PERCENT = {"camera": 0.03, "projector": 0.2}
 REAL_FOCAL_PX = 701.0
 REAL_BOUND_PERCENT = 10.0
 REAL_TILTED = ["02", "07", "10", "11", "12"]
@@ -97,6 +100,33 @@ def check_scorer(table, slcal, shared):
         bounds = STRIPE_BOUNDS["plane" if "plane" in r["view"] else "other"]
         for figure, bound in bounds.items():
             table.at_least(f"{r['scene']}, {r['view']}: {figure}", r.get(figure), bound, " %")
+
+
+def check_sigma(table, slcal, shared, tmp):
+    """Every focal length within three of its own σ, with principal points as a prior and exact, alone and the pair."""
+    rendered = shared / "data/rendered"
+    for scenes in [[s] for s in SCENES] + [["pair_a", "pair_b"]]:
+        folder = rendered / scenes[0]
+        truth = json.loads((folder / "truth_rig.json").read_text())
+        for exact in (False, True):
+            more = ["--pattern", folder / "patterns/checker.json", "--allow-degenerate"]
+            if exact:
+                points = {d: ",".join(str(truth[d]["K"][i][2]) for i in (0, 1)) for d in ("camera", "projector")}
+                more += ["--camera-pp", points["camera"], "--projector-pp", points["projector"]]
+            photos = [rendered / s / "checker.png" for s in scenes]
+            out = tmp / "sigma.json"
+            r = run(slcal, "calibrate", *photos, "--size", size_of(truth), "-o", out, "--force", *more)
+            rig = json.loads(out.read_text()) if r.returncode == 0 else None
+            what = f"{'+'.join(scenes)}, principal points {'exact' if exact else 'by default'}"
+            for device in ("camera", "projector"):
+                error = sigma = None
+                if rig:
+                    error = rig[device]["K"][0][0] - truth[device]["K"][0][0]
+                    sigma = rig[device]["sigma"]["focal_px"]
+                table.at_most(f"{what}: f of the {device} / sigma", error / sigma if rig else None, SIGMAS_BOUND)
+                if len(scenes) > 1:
+                    percent = 100 * error / truth[device]["K"][0][0] if rig else None
+                    table.at_most(f"{what}: f of the {device}", percent, PAIR_BOUNDS_PERCENT[device], " %")
 
 
 def check_near_frontal(table, slcal, shared, tmp):
@@ -218,7 +248,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         tmp = Path(folder)
         check_scorer(table, slcal, shared)
-        for check in (check_near_frontal, check_two_vp, check_planes, check_sizes, check_memory, check_real):
+        for check in (check_sigma, check_near_frontal, check_two_vp, check_planes, check_sizes, check_memory, check_real):
             check(table, slcal, shared, tmp)
     print(f"figures: {table.passed} passed, {table.failed} failed")
     return 1 if table.failed else 0

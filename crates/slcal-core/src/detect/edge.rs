@@ -8,7 +8,7 @@ use nalgebra::{Point2, Vector2};
 use super::crossing::{CURVE_DEGREE, Crossing, condense, robust_curve};
 use super::erf::ErfTable;
 use super::light_field::Light;
-use super::profile::Profiles;
+use super::profile::{Common, Profiles};
 use super::scan::Scan;
 use crate::observations::EdgePoint;
 use crate::photo::LinearPhoto;
@@ -16,6 +16,11 @@ use crate::solve::Polynomial;
 
 /// Part of a side next to each corner that is left out: there the other side's blur shines in.
 const CORNER_MARGIN: f64 = 0.02;
+/// A first look takes at most about as many lines of a side.
+const COARSE_LINES: usize = 400;
+/// Steps of the fit across the side, from nothing and from what the first pass found.
+const FIRST_ROUNDS: usize = 5;
+const ROUNDS: usize = 3;
 /// A side needs this many crossings, and this share of those that were tried.
 const MIN_CROSSINGS: usize = 12;
 const MIN_SHARE: f64 = 0.3;
@@ -39,16 +44,19 @@ pub(super) fn measure_side(
 ) -> Option<Vec<EdgePoint>> {
     let scan = Scan::new(inward);
     let lines = scan_lines(photo, scan, path, uncertainty_px)?;
-    let coarse = localise(photo, scan, &lines, uncertainty_px, light)?;
-    let transition = half_transition(photo, scan, &lines, &coarse, uncertainty_px, light);
-    let plateau = plateau(photo, scan, &lines, &coarse, transition);
+    // Where the side runs and how wide it is shows in a part of the lines of a large photograph.
+    let some: Vec<(usize, f64)> = lines.iter().copied().step_by(lines.len().div_ceil(COARSE_LINES)).collect();
+    let coarse = localise(photo, scan, &some, uncertainty_px, light)?;
+    let transition = half_transition(photo, scan, &some, &coarse, uncertainty_px, light);
+    let plateau = plateau(photo, scan, &some, &coarse, transition);
     let clearance = transition + plateau + 1.0;
     let toward_sheet = inward.normalize();
     let erf = ErfTable::new();
     let mut curve = coarse;
     let (mut crossings, mut tried, mut common_sigma) = (Vec::new(), 0, 0.0);
-    // The second pass has its windows where the first found the side.
-    for _ in 0..2 {
+    let mut common = Common::start(transition);
+    // The second pass has its windows where the first found the side, and starts from what that found common to it.
+    for (lines, rounds) in [(&some, FIRST_ROUNDS), (&lines, ROUNDS)] {
         let clear =
             |line: f64| light.leaves_clear(scan.join(line, curve.value(line)), toward_sheet, clearance);
         // Beyond the crossings it was fitted to, the curve may leave the path: there the side is not seen.
@@ -57,8 +65,10 @@ pub(super) fn measure_side(
             .iter()
             .filter(|&&(line, expected)| near(line as f64, expected) && clear(line as f64))
             .map(|&(line, _)| (line, curve.value(line as f64)));
-        let located = Profiles::take(photo, scan, seen, transition, plateau).locate(&erf, &curve)?;
+        let located =
+            Profiles::take(photo, scan, seen, transition, plateau).locate(&erf, &curve, common, rounds)?;
         (crossings, tried, common_sigma) = (located.crossings, located.tried, located.common_sigma);
+        common = located.common;
         curve = robust_curve(&mut crossings)?;
     }
     if crossings.len() < MIN_CROSSINGS || (crossings.len() as f64) < MIN_SHARE * tried as f64 {

@@ -21,7 +21,6 @@ const MIN_BLUR_PX: f64 = 0.12;
 const LINEAR_PART: f64 = 0.25;
 /// Fewest crossings that bundling leaves of a side.
 const MIN_BUNDLES: usize = 48;
-const ROUNDS: usize = 5;
 /// Crossings whose residuals exceed this many times the median have no say in what the side has in common.
 const MAX_CHI: f64 = 2.0;
 /// Noise is never taken for less than this, linear light: a thousandth of the range of a dark photograph.
@@ -43,7 +42,7 @@ pub(super) struct Profiles {
 
 /// What a side's crossings have in common.
 #[derive(Debug, Clone, Copy)]
-struct Shared {
+pub(super) struct Common {
     blur: f64,
     slopes: [f64; 2],
 }
@@ -69,8 +68,17 @@ pub(super) struct Located {
     pub(super) crossings: Vec<Crossing>,
     /// Number of crossings tried.
     pub(super) tried: usize,
+    /// What the crossings have in common.
+    pub(super) common: Common,
     /// 1σ that all crossings have in common, px: what blur and slopes leave open.
     pub(super) common_sigma: f64,
+}
+
+impl Common {
+    /// A guess from half the width of the transition, px.
+    pub(super) fn start(half_transition_px: f64) -> Self {
+        Self { blur: (half_transition_px / 4.0).max(MIN_BLUR_PX), slopes: [0.0; 2] }
+    }
 }
 
 impl Profiles {
@@ -109,8 +117,15 @@ impl Profiles {
         (mean(&light[..self.plateau]), mean(&light[light.len() - self.plateau..]))
     }
 
-    /// Fits all crossings; `curve` is what the expected positions were taken from. `None` when nothing is seen.
-    pub(super) fn locate(&self, erf: &ErfTable, curve: &Polynomial) -> Option<Located> {
+    /// Fits all crossings in some rounds from what is thought common to them; `curve` is what the expected positions were
+    /// taken from. `None` when nothing is seen.
+    pub(super) fn locate(
+        &self,
+        erf: &ErfTable,
+        curve: &Polynomial,
+        start: Common,
+        rounds: usize,
+    ) -> Option<Located> {
         let mut steps: Vec<f64> =
             (0..self.lines.len()).map(|i| self.levels(i)).map(|(low, high)| high - low).collect();
         let typical_step = median(&mut steps)?;
@@ -124,7 +139,7 @@ impl Profiles {
             })
             .collect();
         let noise = self.noise(&usable, typical_step)?;
-        let mut shared = Shared { blur: (self.half - self.plateau) as f64 / 4.0, slopes: [0.0; 2] };
+        let mut shared = start;
         let bundles: Vec<&[usize]> = usable.chunks(bundle_size(&noise, shared.blur, usable.len())).collect();
         let mut states: Vec<State> = bundles
             .iter()
@@ -136,7 +151,7 @@ impl Profiles {
             .collect();
         let mut own = vec![Equations::default(); bundles.len()];
         let mut summary = Summary::default();
-        for _ in 0..ROUNDS {
+        for _ in 0..rounds {
             for ((equations, state), bundle) in own.iter_mut().zip(&states).zip(&bundles) {
                 *equations = self.equations(erf, bundle, state, &shared, &noise);
             }
@@ -158,6 +173,7 @@ impl Profiles {
         Some(Located {
             crossings,
             tried: self.lines.len().min(bundles.len()),
+            common: shared,
             common_sigma: summary.common_sigma,
         })
     }
@@ -195,7 +211,7 @@ impl Profiles {
         erf: &ErfTable,
         bundle: &[usize],
         state: &State,
-        shared: &Shared,
+        shared: &Common,
         noise: &Noise,
     ) -> Equations {
         let bright =
@@ -238,7 +254,7 @@ impl Profiles {
         e
     }
 
-    fn update(&self, shared: &mut Shared, states: &mut [State], own: &[Equations], summary: &Summary) {
+    fn update(&self, shared: &mut Common, states: &mut [State], own: &[Equations], summary: &Summary) {
         let step = summary.step;
         let reach = (self.half - self.plateau) as f64;
         shared.blur = (shared.blur + step.x)
