@@ -1,5 +1,6 @@
 //! The command line as a user meets it: exit codes, messages and files of the real binary.
 
+mod advise;
 mod bad_input;
 mod calibrate;
 mod general;

@@ -54,6 +54,19 @@ pub(crate) fn parse_size(text: &str) -> Result<RectangleSize, String> {
     RectangleSize::new(width, height).map_err(|e| e.to_string())
 }
 
+/// Parses a length with its unit, mm.
+pub(crate) fn parse_length(text: &str) -> Result<f64, String> {
+    let wrong = || "expected a length above zero with a unit, such as 1100mm, 110cm, 1.1m or 43in".to_owned();
+    let lower = text.trim().to_lowercase();
+    // "m" last: it ends the others as well.
+    let (number, unit) = [("mm", 1.0), ("cm", 10.0), ("in", 25.4), ("m", 1000.0)]
+        .iter()
+        .find_map(|&(unit, mm)| Some((lower.strip_suffix(unit)?, mm)))
+        .ok_or_else(wrong)?;
+    let length = number.trim().parse::<f64>().map_err(|_| wrong())? * unit;
+    if length.is_finite() && length > 0.0 { Ok(length) } else { Err(wrong()) }
+}
+
 /// Parses two whole numbers with an x between: a panel in pixels, a board in squares.
 pub(crate) fn parse_pair(text: &str) -> Result<[u32; 2], String> {
     let wrong = || "expected two whole numbers above zero with an x between, such as 1024x768".to_owned();
@@ -131,6 +144,15 @@ mod tests {
         ] {
             let message = parse_size(text).unwrap_err();
             assert!(message.contains("594x420mm"), "{text}: {message}");
+        }
+    }
+
+    #[test]
+    fn lengths_have_units() {
+        let mm = ["1100mm", "110 cm", "1.1m", "10in"].map(|t| parse_length(t).unwrap());
+        assert!(mm.iter().zip([1100.0, 1100.0, 1100.0, 254.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{mm:?}");
+        for text in ["1100", "-1m", "nanm", "0mm", "m", "infcm"] {
+            assert!(parse_length(text).is_err(), "{text}");
         }
     }
 

@@ -116,14 +116,14 @@ pub(crate) enum MethodArg {
     TwoVp,
 }
 
-fn parse_camera_pp(text: &str) -> Result<PrincipalPointArg, String> {
+pub(super) fn parse_camera_pp(text: &str) -> Result<PrincipalPointArg, String> {
     match text {
         "shift" => Err("expected prior, centre, free or X,Y (shift is for projectors)".to_owned()),
         other => parse_projector_pp(other),
     }
 }
 
-fn parse_projector_pp(text: &str) -> Result<PrincipalPointArg, String> {
+pub(super) fn parse_projector_pp(text: &str) -> Result<PrincipalPointArg, String> {
     Ok(match text {
         "shift" => PrincipalPointArg::Shift,
         "prior" => PrincipalPointArg::Prior,

@@ -1,5 +1,6 @@
 //! The command line as it is typed, one file per verb; what it means is decided by the verbs.
 
+mod advise;
 mod calibrate;
 mod cloud;
 mod decode;
@@ -15,6 +16,7 @@ mod verify;
 
 use clap::{Parser, Subcommand};
 
+pub(crate) use advise::AdviseArgs;
 pub(crate) use calibrate::{CalibrateArgs, DistortionArg, MethodArg, PrincipalPointArg};
 pub(crate) use cloud::{CullArg, FrameArg};
 pub(crate) use decode::{DecodeArgs, DecodeInput};
@@ -71,6 +73,13 @@ pub(crate) enum Verb {
                             has the format of observations."
     )]
     Calibrate(CalibrateArgs),
+    /// Predict how well the focal lengths would be known from given tilts, and say which photograph to take next.
+    #[command(
+        after_help = "Examples:\n  slcal advise --rig rig.json\n  slcal advise --image 4000x3000 --focal-35mm 28 --size A2-landscape \
+                            --projector 1920x1080 --throw 1.5\n\nNothing is photographed: the numbers come from the Jacobian of the \
+                            calibration itself."
+    )]
+    Advise(AdviseArgs),
     /// Draw the picture that appears as an upright rectangle on the sheet.
     #[command(
         after_help = "Examples:\n  slcal rectify --rig rig.json --pattern checker.json -o straight.png\n  \

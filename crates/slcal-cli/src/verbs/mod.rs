@@ -1,5 +1,6 @@
 //! One file per verb: load → one call of the core → print or write.
 
+mod advise;
 mod calibrate;
 mod decode;
 mod demo;
@@ -19,6 +20,7 @@ pub(crate) fn run(verb: Verb, printer: Printer) -> Outcome {
     match verb {
         Verb::Demo(args) => demo::run(&args, printer),
         Verb::Pattern(verb) => pattern::run(verb, printer),
+        Verb::Advise(args) => advise::run(&args),
         Verb::Calibrate(args) => calibrate::run(&args, printer),
         Verb::Rectify(args) => rectify::run(&args, printer),
         Verb::Verify(args) => verify::run(&args, printer),

@@ -18,6 +18,8 @@ mod ml;
 mod model;
 mod neighbours;
 mod noise;
+mod outlook;
+mod plan;
 mod predict;
 mod rectify;
 mod refine;
@@ -32,6 +34,8 @@ mod verdict;
 
 pub use config::{CalibrateConfig, DistortionModel, FocalPrior, Method, PrincipalPointRule};
 pub use noise::{ExternalCalibration, NoiseFound, NoiseOf, calibrate_external};
+pub use outlook::Predicted;
+pub use plan::{Advice, CameraPlan, NextView, TiltForecast, advise_first, advise_next};
 pub use rectify::{Rectification, rectify, rectify_checker};
 
 // What `verify` shares with the calibration: its measurements, its model and its residuals.
@@ -39,6 +43,7 @@ pub(crate) use check::check;
 pub(crate) use joint::{Kind, Measurement, Target, measurements};
 pub(crate) use metric::pose_from_homography;
 pub(crate) use model::Model;
+pub(crate) use plan::outlook_of;
 pub(crate) use residual::lit_point;
 pub(crate) use start::camera_from_sheet;
 

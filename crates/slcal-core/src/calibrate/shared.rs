@@ -43,15 +43,18 @@ pub(crate) fn model(rig: &Rig, view: Pose) -> Model {
     }
 }
 
-/// The covariance of the shared unknowns and of the pose of view 0 (focal lengths as ln f), [`SHARED`] + 6 rows; zero for
-/// what the rig holds fixed or does not speak of. `None` for a rig without covariance, or with one that is no covariance.
-pub(crate) fn covariance_of(rig: &Rig) -> Option<DMatrix<f64>> {
+/// The covariance of the shared unknowns and of the poses of the first views (focal lengths as ln f), [`SHARED`] + 6 rows per
+/// view; zero for what the rig holds fixed or does not speak of. `None` for a rig without covariance, or with one that is
+/// no covariance.
+pub(crate) fn covariance_of(rig: &Rig, views: usize) -> Option<DMatrix<f64>> {
     let known = rig.covariance.as_ref()?;
     let devices = [("camera", LENS_NAMES.as_slice()), ("projector", &LENS_NAMES)];
-    let poses = [("projector_from_camera", POSE_NAMES.as_slice()), ("views[0]", &POSE_NAMES)];
-    let names = devices.into_iter().chain(poses).flat_map(|(of, all)| all.iter().map(move |n| (of, *n)));
-    let at: Vec<Option<usize>> =
-        names.map(|(of, name)| known.parameters.iter().position(|p| *p == format!("{of}.{name}"))).collect();
+    let devices = devices.map(|(of, names)| (of.to_owned(), names));
+    let stereo = [("projector_from_camera".to_owned(), POSE_NAMES.as_slice())];
+    let poses = (0..views).map(|i| (format!("views[{i}]"), POSE_NAMES.as_slice()));
+    let of = devices.into_iter().chain(stereo).chain(poses);
+    let names = of.flat_map(|(of, all)| all.iter().map(move |n| format!("{of}.{n}")));
+    let at: Vec<Option<usize>> = names.map(|name| known.parameters.iter().position(|p| *p == name)).collect();
     let focal = |i: usize| match i {
         0 => rig.camera.model.intrinsics.fx,
         PROJECTOR => rig.projector.map_or(1.0, |p| p.model.intrinsics.fx),
@@ -162,7 +165,7 @@ mod tests {
         let truth = rig(768.0, vec![pose(25.0, 28.0)]);
         let seen = observe(&truth, 0.05, 0.05, &mut rng(1));
         let found = calibrate_observations(&seen, &CalibrateConfig::default()).unwrap().rig;
-        let c = covariance_of(&found).unwrap();
+        let c = covariance_of(&found, 1).unwrap();
         assert_eq!(c.nrows(), SHARED + POSE);
         let back = root(&c);
         let back = &back * back.transpose();

@@ -17,13 +17,13 @@ use serde::{Deserialize, Serialize};
 use crate::calibrate::CalibrateConfig;
 use crate::calibrate::camera_from_sheet as sheet_homography;
 use crate::calibrate::shared::{PROJECTOR, SHARED, STEREO, covariance_of, model, root};
-use crate::calibrate::{check, lit_point, measurements, pose_from_homography};
+use crate::calibrate::{Model, check, lit_point, measurements, outlook_of, pose_from_homography};
 use crate::error::{Error, Result};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, RectangleSize};
 use crate::observations::{Observations, ViewObservation};
 use crate::rig::Rig;
 
-use fit::{Scene, Weights};
+use fit::{Past, Scene, Weights};
 
 pub use keystone::{Keystone, Measured};
 pub use moved::{Change, RigCheck, SheetCheck};
@@ -77,6 +77,9 @@ pub struct Verification {
     /// By how much the scatter of edge points and of corners exceeds their own σ (at least 1): the tests count with it.
     pub widened: [f64; 2],
 }
+
+/// So many of a rig's views stand for themselves; with more of them it is certain enough for its covariance to do.
+const VIEWS: usize = 2;
 
 /// The projector's unknowns that are set free: where it stands and all of its lens that one view of a plane shows.
 const FREE: [usize; 9] = [
@@ -134,9 +137,9 @@ pub fn verify(
     let keystone = keystone::keystone(&scene, &free, &FREE, outline_px, aspect).ok_or_else(inconsistent)?;
     let (rig_check, accepted) =
         moved::rig_check(&scene, &weights, &free, &FREE, config.significance).ok_or_else(inconsistent)?;
-    let sheet = rig.views.first().filter(|v| v.size == seen.size).and_then(|v| {
+    let sheet = rig.views.first().filter(|v| v.size == seen.size).and_then(|_| {
         let fit = accepted.as_ref().unwrap_or(&free);
-        moved::sheet_check(&scene, fit, &v.camera_from_sheet, config.significance)
+        moved::sheet_check(&scene, fit, config.significance)
     });
     let camera_from_sheet = *free.model.views.first().ok_or_else(inconsistent)?;
     Ok(Verification {
@@ -157,7 +160,6 @@ fn scene(rig: &Rig, seen: &ViewObservation, observations: &Observations) -> Opti
     let homography = sheet_homography(seen, Some(&camera)).ok()?;
     let centre = Point2::new(seen.size.width_mm / 2.0, seen.size.height_mm / 2.0);
     let pose: Pose = pose_from_homography(&homography, &camera.intrinsics, centre)?;
-    let covariance = covariance_of(rig).unwrap_or_else(|| DMatrix::zeros(SHARED + 6, SHARED + 6));
     let base = model(rig, pose);
     let mut units = vec![1.0; SHARED];
     for (at, device) in [(0, Some(camera)), (PROJECTOR, base.projector)] {
@@ -165,8 +167,29 @@ fn scene(rig: &Rig, seen: &ViewObservation, observations: &Observations) -> Opti
         units[at + 1..at + 3].fill(width);
     }
     units[STEREO + 3..STEREO + 6].fill(pose.translation.norm());
-    let measurements = measurements(observations);
-    Some(Scene { size: seen.size, measurements, root: root(&covariance), base, units })
+    let counted = rig.views.len().min(VIEWS);
+    let n = SHARED + 6 * counted;
+    let root = root(&covariance_of(rig, counted).unwrap_or_else(|| DMatrix::zeros(n, n)));
+    let past = past(rig, counted, &root, seen.size);
+    Some(Scene { size: seen.size, measurements: measurements(observations), root, past, base, units })
+}
+
+/// The rig's first views as they are expected, with the noise that its covariance tells of; where it tells none, y alone.
+fn past(rig: &Rig, counted: usize, root: &DMatrix<f64>, seen: RectangleSize) -> Past {
+    let poses: Vec<Pose> = rig.views[..counted].iter().map(|v| v.camera_from_sheet).collect();
+    let was = Model { views: poses, ..model(rig, Pose::identity()) };
+    let size = rig.views.first().map_or(seen, |v| v.size);
+    let linear = || Past::linear(was.clone(), size, root.ncols());
+    let views = || {
+        let mut outlook = outlook_of(rig, None).ok()?;
+        if rig.views[..counted].iter().any(|v| v.size != size) {
+            return None;
+        }
+        [outlook.sheet_sigma_px, outlook.pattern_sigma_px] = outlook.noise_of(rig)?;
+        let seen = was.views.iter().map(|v| outlook.measurements(v)).collect::<Option<Vec<_>>>()?;
+        Past::with_views(was.clone(), seen, size, root)
+    };
+    views().unwrap_or_else(linear)
 }
 
 /// The corners of a whole pattern where they are drawn on the panel, and the aspect of the pattern: what [`verify`] takes.

@@ -7,7 +7,7 @@ use super::fit::{Fit, Scene, Weights};
 use super::keystone::Measured;
 use crate::calibrate::shared::{PROJECTOR, SHARED, STEREO};
 use crate::calibrate::{Kind, Target, lit_point};
-use crate::geometry::{Plane, Pose, Ray};
+use crate::geometry::{Plane, Ray};
 
 /// What a map of the sheet to the panel has: the freedom of the projector in one view of a plane.
 const PROJECTOR_FREEDOM: usize = 8;
@@ -85,7 +85,7 @@ pub(super) fn rig_check(
         p_value,
         chi_squared,
         freedom: PROJECTOR_FREEDOM,
-        pattern_off_mm: pattern_off(scene, free, freed, weights)?,
+        pattern_off_mm: pattern_off(scene, free, weights)?,
         corner_rms_px: [&bound, free].map(|f| corner_rms(scene, f, weights)),
         change: if moved { Some(change(scene, weights, &bound, freed, significance)?) } else { None },
     };
@@ -104,11 +104,9 @@ fn corner_rms(scene: &Scene, fit: &Fit, weights: &Weights) -> f64 {
     if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
 }
 
-/// Rms distance on the sheet between the corners as seen and as the rig, what is free taken back, would throw them.
-fn pattern_off(scene: &Scene, fit: &Fit, freed: &[usize], weights: &Weights) -> Option<f64> {
-    let mut back = DVector::zeros(scene.root.ncols() + freed.len() + 6);
-    back.rows_mut(scene.root.ncols(), freed.len()).copy_from(&-&fit.freed);
-    let rig = scene.moved(&fit.model, freed, &back)?;
+/// Rms distance on the sheet between the corners as seen and as the rig, as it was, would throw them.
+fn pattern_off(scene: &Scene, fit: &Fit, weights: &Weights) -> Option<f64> {
+    let rig = crate::calibrate::Model { views: fit.model.views.clone(), ..fit.past.clone() };
     let pose = rig.views.first()?;
     let plane = Plane::from_point_normal(&pose.translation.into(), pose.rotation * Vector3::z())?;
     let (mut sum, mut count) = (0.0, 0.0);
@@ -150,18 +148,16 @@ fn change(
         return match free {
             [PROJECTOR] => Some(Change::ProjectorFocal(focal())),
             [0] => Some(Change::CameraFocal(focal())),
-            _ => transform(scene, &fit, free),
+            _ => Some(transform(scene, &fit, free)),
         };
     }
     Some(Change::Several)
 }
 
 /// How the projector stands against how the rig has it.
-fn transform(scene: &Scene, fit: &Fit, free: &[usize]) -> Option<Change> {
+fn transform(scene: &Scene, fit: &Fit, free: &[usize]) -> Change {
     let at = scene.root.ncols();
-    let mut back = DVector::zeros(at + free.len() + 6);
-    back.rows_mut(at, free.len()).copy_from(&-&fit.freed);
-    let before = scene.moved(&fit.model, free, &back)?.projector_from_camera;
+    let before = fit.past.projector_from_camera;
     let now = fit.model.projector_from_camera;
     let turn = now.turn_from(&before).norm();
     let shift = nalgebra::distance(&now.centre(), &before.centre());
@@ -169,25 +165,19 @@ fn transform(scene: &Scene, fit: &Fit, free: &[usize]) -> Option<Change> {
     let unit: Vec<f64> = free.iter().map(|&i| scene.units[i]).collect();
     let c = DMatrix::from_fn(6, 6, |i, j| fit.covariance[(at + i, at + j)] * unit[i] * unit[j]);
     let mean = |from: usize| ((0..3).map(|i| c[(from + i, from + i)]).sum::<f64>() / 3.0).sqrt();
-    Some(Change::Moved {
+    Change::Moved {
         turn_rad: Measured { value: turn, sigma: mean(0) },
         shift_mm: Measured { value: shift, sigma: mean(3) },
-    })
+    }
 }
 
 /// Tests the sheet's pose against the rig's first view; both are correlated through the rig.
-pub(super) fn sheet_check(scene: &Scene, fit: &Fit, then: &Pose, significance: f64) -> Option<SheetCheck> {
+pub(super) fn sheet_check(scene: &Scene, fit: &Fit, significance: f64) -> Option<SheetCheck> {
     let k = scene.root.ncols();
     let of_view = scene.root.rows(SHARED, 6);
-    let mut before = crate::calibrate::Model { views: vec![*then], ..fit.model.clone() };
-    // The first view as the photograph, through the rig's covariance, now has it.
-    let mut delta = DVector::zeros(SHARED + 6);
-    delta.rows_mut(SHARED, 6).copy_from(&(of_view * &fit.y));
-    before = before.moved(&crate::calibrate::shared::layout(1), &delta)?;
-    let (was, now) = (before.views.first()?, fit.model.views.first()?);
+    let (was, now) = (fit.past.views.first()?, fit.model.views.first()?);
     let mut off = DVector::zeros(6);
     off.rows_mut(0, 3).copy_from(&now.turn_from(was));
-    // The turn moves the origin of the sheet about the camera's: what is left is the shift.
     off.rows_mut(3, 3).copy_from(&(now.translation - was.translation));
     let n = fit.covariance.nrows();
     let mut by = DMatrix::zeros(6, n);

@@ -66,6 +66,31 @@ fn unmoved_rigs_are_called_moved_as_often_as_stated() {
 }
 
 #[test]
+fn an_uncertain_rig_does_not_cry_wolf() {
+    // One photograph, its principal points off by what the priors allow: the rig is 2 % off, and knows it.
+    let mut rng = rng(7);
+    let (mut alarms, mut blind_alarms) = (0, 0);
+    for _ in 0..60 {
+        let mut model = truth(768.0, vec![pose(25.0, 28.0)]);
+        let mut draw = |sigma: f64| Normal::new(0.0, sigma).unwrap().sample(&mut rng);
+        model.camera.intrinsics.cx += draw(12.0);
+        model.camera.intrinsics.cy += draw(12.0);
+        let rig = calibrated(&model, &mut rng);
+        // The sheet somewhere else, so that an error of the rig would show.
+        let elsewhere = Model { views: vec![pose(-12.0, 20.0)], ..model.clone() };
+        let found = run(&rig, &photograph(&elsewhere, &mut rng));
+        alarms += usize::from(found.rig.p_value < 0.01);
+        let mut blind = rig;
+        blind.covariance = None;
+        let blind = run(&blind, &photograph(&elsewhere, &mut rng));
+        assert!(!blind.with_covariance);
+        blind_alarms += usize::from(blind.rig.p_value < 0.01);
+    }
+    // More than 4 of 60 at 1 % happen less than once in a thousand; without the covariance nearly all do.
+    assert!(alarms <= 4 && blind_alarms > 40, "{alarms} and {blind_alarms} of 60");
+}
+
+#[test]
 fn a_turned_projector_is_noticed_and_measured() {
     let mut rng = rng(3);
     let model = two_views();
@@ -126,7 +151,7 @@ fn a_turned_zoom_is_named() {
     zoomed.projector = Some(projector);
     match run(&rig, &photograph(&zoomed, &mut rng)).rig.change {
         Some(Change::ProjectorFocal(f)) => {
-            assert!((f.value - 0.01).abs() < 5.0 * f.sigma && f.sigma < 1e-3, "{f:?}")
+            assert!((f.value - 0.01).abs() < 5.0 * f.sigma && f.sigma < 1e-3, "{f:?}");
         }
         other => panic!("{other:?}"),
     }

@@ -127,13 +127,6 @@ impl Places {
 }
 
 fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
-    let rule = |pp| match pp {
-        PrincipalPointArg::Shift => PrincipalPointRule::Shift,
-        PrincipalPointArg::Prior => PrincipalPointRule::Prior,
-        PrincipalPointArg::Centre => PrincipalPointRule::Centre,
-        PrincipalPointArg::Free => PrincipalPointRule::Free,
-        PrincipalPointArg::At(p) => PrincipalPointRule::Exact(p.x, p.y),
-    };
     if args.exif && args.method == MethodArg::TwoVp {
         return Err(Failure::usage(
             "--exif: expected --method ml, as two-vp computes the focal length from the vanishing points alone",
@@ -158,7 +151,18 @@ fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
     Ok(config)
 }
 
-fn distortion(asked: DistortionArg) -> DistortionModel {
+/// What an option says of a principal point.
+pub(super) fn rule(asked: PrincipalPointArg) -> PrincipalPointRule {
+    match asked {
+        PrincipalPointArg::Shift => PrincipalPointRule::Shift,
+        PrincipalPointArg::Prior => PrincipalPointRule::Prior,
+        PrincipalPointArg::Centre => PrincipalPointRule::Centre,
+        PrincipalPointArg::Free => PrincipalPointRule::Free,
+        PrincipalPointArg::At(p) => PrincipalPointRule::Exact(p.x, p.y),
+    }
+}
+
+pub(super) fn distortion(asked: DistortionArg) -> DistortionModel {
     match asked {
         DistortionArg::Auto => DistortionModel::Auto,
         DistortionArg::None => DistortionModel::None,

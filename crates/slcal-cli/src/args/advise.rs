@@ -1,0 +1,86 @@
+//! `slcal advise`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use slcal_core::geometry::RectangleSize;
+
+use super::calibrate::{DistortionArg, PrincipalPointArg, parse_camera_pp, parse_projector_pp};
+use crate::size::{parse_length, parse_pair, parse_size};
+
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("known").required(true))]
+pub(crate) struct AdviseArgs {
+    /// A rig: what one more photograph would bring to it.
+    #[arg(long, value_name = "RIG.json", group = "known")]
+    pub(crate) rig: Option<PathBuf>,
+    /// A camera as it is roughly known, before anything was photographed: an OpenCV or ROS file, or a rig JSON.
+    #[arg(long, value_name = "FILE", group = "known")]
+    pub(crate) camera: Option<PathBuf>,
+    /// The size of the camera's photographs, with --focal, --fov or --focal-35mm.
+    #[arg(long, value_name = "WxH", value_parser = parse_pair, group = "known", requires = "lens")]
+    pub(crate) image: Option<[u32; 2]>,
+    /// The camera's focal length in pixels, roughly.
+    #[arg(long, value_name = "PX", group = "lens", allow_hyphen_values = true, requires = "image")]
+    pub(crate) focal: Option<f64>,
+    /// Its horizontal angle of view in degrees, roughly.
+    #[arg(long, value_name = "DEG", group = "lens", allow_hyphen_values = true, requires = "image")]
+    pub(crate) fov: Option<f64>,
+    /// Its focal length as on 35 mm film (EXIF has it), mm.
+    #[arg(
+        long = "focal-35mm",
+        value_name = "MM",
+        group = "lens",
+        allow_hyphen_values = true,
+        requires = "image"
+    )]
+    pub(crate) focal_35mm: Option<f64>,
+    /// The checkerboard that will be projected; default: the one that `slcal pattern checker` draws.
+    #[arg(long, value_name = "FILE.json", requires = "rig")]
+    pub(crate) pattern: Option<PathBuf>,
+    /// Size of the sheet: 594x420mm, A4-landscape …; needed without a rig.
+    #[arg(long, value_name = "SIZE", value_parser = parse_size, allow_hyphen_values = true, conflicts_with = "rig",
+          required_unless_present = "rig")]
+    pub(crate) size: Option<RectangleSize>,
+    /// From the camera to the sheet's middle (1100mm, 1.1m, 40in); default: so that the sheet fills 60 % of the frame.
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length, allow_hyphen_values = true, conflicts_with = "rig")]
+    pub(crate) distance: Option<f64>,
+    /// Width and height of the projector's panel; without it, the camera alone.
+    #[arg(long, value_name = "WxH", value_parser = parse_pair, conflicts_with = "rig", requires = "throw_of")]
+    pub(crate) projector: Option<[u32; 2]>,
+    /// The projector's throw ratio: distance over width of the picture.
+    #[arg(
+        long,
+        value_name = "RATIO",
+        group = "throw_of",
+        allow_hyphen_values = true,
+        requires = "projector"
+    )]
+    pub(crate) throw: Option<f64>,
+    /// The projector's focal length in pixels, roughly.
+    #[arg(long, value_name = "PX", group = "throw_of", allow_hyphen_values = true, requires = "projector")]
+    pub(crate) projector_focal: Option<f64>,
+    /// σ of a corner of the sheet and of the pattern in the photograph, px.
+    #[arg(
+        long,
+        value_name = "PX",
+        default_value_t = 0.05,
+        allow_hyphen_values = true,
+        conflicts_with = "rig"
+    )]
+    pub(crate) noise: f64,
+    /// What will be known of the camera's principal point: prior, centre, free or X,Y.
+    #[arg(long, value_name = "prior|centre|free|X,Y", value_parser = parse_camera_pp, default_value = "prior",
+          allow_hyphen_values = true, conflicts_with = "rig")]
+    pub(crate) camera_pp: PrincipalPointArg,
+    /// What will be known of the projector's: shift, prior, centre, free or X,Y.
+    #[arg(long, value_name = "shift|prior|centre|free|X,Y", value_parser = parse_projector_pp,
+          default_value = "shift", allow_hyphen_values = true, conflicts_with = "rig")]
+    pub(crate) projector_pp: PrincipalPointArg,
+    /// Which distortion of the camera will be estimated (auto plans with none).
+    #[arg(long, value_enum, default_value = "auto", conflicts_with = "rig")]
+    pub(crate) distortion: DistortionArg,
+    /// Print the result as JSON instead of tables.
+    #[arg(long)]
+    pub(crate) json: bool,
+}

@@ -1,0 +1,249 @@
+//! `slcal advise`: which photograph to take next.
+
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+
+use nalgebra::Point2;
+use serde_json::{Value, json};
+use slcal_core::calibrate::{
+    Advice, CameraPlan, NextView, Predicted, TiltForecast, advise_first, advise_next,
+};
+use slcal_core::geometry::{Camera, Distortion, Intrinsics};
+use slcal_core::{CalibrateConfig, PrincipalPointRule};
+
+use super::calibrate::{distortion, rule};
+use crate::args::AdviseArgs;
+use crate::exit::{Exit, Failure, InFile as _, Outcome};
+use crate::io::{check_panel, load_camera, load_checker, load_rig};
+use crate::output::{print_json, print_result};
+
+/// Diagonal of a frame of 35 mm film, 36 × 24 mm.
+const FILM_DIAGONAL_MM: f64 = 43.266_615_305_567_87;
+/// Angles of view that a lens can have, degrees.
+const FOV_RANGE_DEG: std::ops::Range<f64> = 0.1..179.0;
+
+pub(super) fn run(args: &AdviseArgs) -> Outcome {
+    let advice = match &args.rig {
+        Some(path) => {
+            let rig = load_rig(path)?;
+            let pattern = args.pattern.as_deref().map(load_checker).transpose()?;
+            if let (Some(pattern), Some(file)) = (&pattern, &args.pattern) {
+                check_panel(file, pattern.projector, path, &rig)?;
+            }
+            advise_next(&rig, pattern.as_ref()).in_file(path)?
+        }
+        None => advise_first(&plan(args)?)?,
+    };
+    if args.json { print_json(&in_json(&advice)) } else { print_result(&in_words(&advice)) }
+}
+
+fn plan(args: &AdviseArgs) -> Outcome<CameraPlan> {
+    let size = args.size.ok_or_else(|| Failure::usage("expected --size"))?;
+    let config = CalibrateConfig {
+        camera_pp: rule(args.camera_pp),
+        projector_pp: rule(args.projector_pp),
+        distortion: distortion(args.distortion),
+        ..CalibrateConfig::default()
+    };
+    config.validate()?;
+    let camera = camera(args, config.camera_pp)?;
+    let projector = args.projector.map(|panel| projector(args, panel, config.projector_pp)).transpose()?;
+    let (distance_mm, noise_px) = (args.distance, [args.noise; 2]);
+    Ok(CameraPlan { camera, projector, size, distance_mm, noise_px, config })
+}
+
+fn positive(option: &str, value: f64) -> Outcome<f64> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(value);
+    }
+    Err(Failure::usage(format!("{option}: expected a number above zero, found {value}")))
+}
+
+fn pinhole([width, height]: [u32; 2], focal_px: f64, principal_point: Point2<f64>) -> Camera {
+    let intrinsics = Intrinsics::square(focal_px, principal_point);
+    Camera { width, height, intrinsics, distortion: Distortion::NONE }
+}
+
+fn camera(args: &AdviseArgs, pp: PrincipalPointRule) -> Outcome<Camera> {
+    if let Some(path) = &args.camera {
+        let known = load_camera(path)?;
+        let [width, height] = known.size.ok_or_else(|| {
+            let wanted = "expected an image size in the file, to know where the frame ends; add image_width and image_height";
+            Failure::new(Exit::Input, format!("{}: {wanted}", path.display()))
+        })?;
+        return Ok(Camera { width, height, intrinsics: known.intrinsics, distortion: known.distortion });
+    }
+    let image = args.image.ok_or_else(|| Failure::usage("expected --rig, --camera or --image"))?;
+    let [w, h] = image.map(f64::from);
+    let focal_px = match (args.focal, args.fov, args.focal_35mm) {
+        (Some(focal), ..) => positive("--focal", focal)?,
+        (_, Some(fov), _) if FOV_RANGE_DEG.contains(&fov) => w / 2.0 / (fov * PI / 360.0).tan(),
+        (_, Some(fov), _) => {
+            return Err(Failure::usage(format!("--fov: expected 0.1 to 179 degrees, found {fov}")));
+        }
+        (_, _, Some(mm)) => positive("--focal-35mm", mm)? * w.hypot(h) / FILM_DIAGONAL_MM,
+        _ => return Err(Failure::usage("expected --focal, --fov or --focal-35mm with --image")),
+    };
+    let principal_point = match pp {
+        PrincipalPointRule::Exact(x, y) => Point2::new(x, y),
+        _ => Camera::image_centre(image[0], image[1]),
+    };
+    Ok(pinhole(image, focal_px, principal_point))
+}
+
+/// A projector as it usually is: with lens shift its axis leaves through the panel's lower edge.
+fn projector(args: &AdviseArgs, panel: [u32; 2], pp: PrincipalPointRule) -> Outcome<Camera> {
+    let focal_px = match (args.throw, args.projector_focal) {
+        (Some(ratio), _) => positive("--throw", ratio)? * f64::from(panel[0]),
+        (_, Some(focal)) => positive("--projector-focal", focal)?,
+        _ => return Err(Failure::usage("expected --throw or --projector-focal with --projector")),
+    };
+    let centre = Camera::image_centre(panel[0], panel[1]);
+    let principal_point = match pp {
+        PrincipalPointRule::Exact(x, y) => Point2::new(x, y),
+        PrincipalPointRule::Shift => Point2::new(centre.x, f64::from(panel[1]) - 0.5),
+        _ => centre,
+    };
+    Ok(pinhole(panel, focal_px, principal_point))
+}
+
+/// Per cent with two significant digits.
+fn percent(share: f64) -> String {
+    let p = 100.0 * share;
+    match p {
+        p if p >= 1000.0 => ">1000".into(),
+        p if p >= 10.0 => format!("{p:.0}"),
+        p if p > 0.0 => format!("{p:.*}", (1.0 - p.log10().floor()).clamp(1.0, 4.0) as usize),
+        _ => "0".into(),
+    }
+}
+
+fn predicted(p: &Predicted) -> String {
+    let mut text = format!("camera {} %", percent(p.camera_focal));
+    if let Some(f) = p.projector_focal {
+        let _ = write!(text, ", projector {} %", percent(f));
+    }
+    if let Some(cy) = p.projector_cy_px {
+        let _ = write!(text, ", its cy {cy:.1} px");
+    }
+    if let Some(mm) = p.point_mm {
+        let _ = write!(text, "; a point at the sheet {mm:.2} mm");
+    }
+    text
+}
+
+fn in_words(advice: &Advice) -> String {
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "Predicted 1σ of the focal lengths, per cent; the sheet of {:.0} x {:.0} mm {:.0} mm from the camera",
+        advice.size.width_mm, advice.size.height_mm, advice.distance_mm
+    );
+    if let Some(now) = &advice.now {
+        let _ = writeln!(text, "now        {}", predicted(now));
+    }
+    let with_projector = advice.table.iter().filter_map(|t| t.one).any(|p| p.projector_focal.is_some());
+    let (camera, projector): (Figure, Figure) = (|p| Some(p.camera_focal), |p| p.projector_focal);
+    let tables: &[(&str, fn(&TiltForecast) -> Option<Predicted>)] = if advice.now.is_some() {
+        &[("after one more photograph", |t| t.one)]
+    } else {
+        &[("after one photograph", |t| t.one), ("after two, the second with the tilt reversed", |t| t.pair)]
+    };
+    for (title, of) in tables {
+        table(&mut text, advice, &format!("camera, {title}"), |t| of(t).and_then(|p| camera(&p)));
+        if with_projector {
+            table(&mut text, advice, &format!("projector, {title}"), |t| of(t).and_then(|p| projector(&p)));
+        }
+    }
+    let _ = writeln!(
+        text,
+        "\nAcross: tilt about the vertical axis, + with the right side nearer to the camera than the left. Down: about the\n\
+         horizontal axis, + with the top side nearer than the bottom. Sides are as the photograph shows them. - : the sheet\n\
+         would leave the frame or the pattern the sheet, or be seen too flat.\n"
+    );
+    text.push_str(&next(advice));
+    text
+}
+
+type Figure = fn(&Predicted) -> Option<f64>;
+
+fn table(text: &mut String, advice: &Advice, title: &str, of: impl Fn(&TiltForecast) -> Option<f64>) {
+    let _ = write!(text, "\n{title}\n       ");
+    let Some(first) = advice.table.first() else { return };
+    for t in advice.table.iter().take_while(|t| t.tilt_x_rad == first.tilt_x_rad) {
+        let _ = write!(text, "{:>7}", format!("{:+.0}°", t.tilt_y_rad.to_degrees()));
+    }
+    let mut row = f64::NAN;
+    for t in &advice.table {
+        if t.tilt_x_rad != row {
+            row = t.tilt_x_rad;
+            let _ = write!(text, "\n{:>7}", format!("{:+.0}°", row.to_degrees()));
+        }
+        let _ = write!(text, "{:>7}", of(t).map_or("-".to_owned(), percent));
+    }
+    text.push('\n');
+}
+
+fn next(advice: &Advice) -> String {
+    let Some(next) = &advice.next else {
+        return "next       no pose is possible: the sheet does not fit into the frame at this distance, or the pattern onto \
+                the sheet; move the sheet further away or make the pattern smaller"
+            .into();
+    };
+    let words = next.in_words(advice.size);
+    match &advice.now {
+        None => format!(
+            "next       {words}\n           then photograph it again with both tilts reversed\nafter both {}",
+            predicted(&next.after)
+        ),
+        Some(_) if advice.worth_it => format!("next       {words}\nafter it   {}", predicted(&next.after)),
+        Some(_) => format!(
+            "next       nothing more is worth it: the best pose would bring {}\n           ({words})",
+            predicted(&next.after)
+        ),
+    }
+}
+
+fn in_json(advice: &Advice) -> Value {
+    let figures = |p: Predicted| {
+        json!({
+            "camera_focal_percent": 100.0 * p.camera_focal,
+            "projector_focal_percent": p.projector_focal.map(|f| 100.0 * f),
+            "projector_cy_px": p.projector_cy_px,
+            "point_mm": p.point_mm,
+        })
+    };
+    let pose = |n: &NextView| {
+        let r = n.camera_from_sheet.rotation;
+        let t = n.camera_from_sheet.translation;
+        let rows = [0, 1, 2].map(|i| [r[(i, 0)], r[(i, 1)], r[(i, 2)]]);
+        json!({
+            "tilt_about_horizontal_deg": n.tilt_x_rad.to_degrees(),
+            "tilt_about_vertical_deg": n.tilt_y_rad.to_degrees(),
+            "distance_mm": n.distance_mm,
+            "centre_px": [n.centre_px.x, n.centre_px.y],
+            "camera_from_sheet": {
+                "R": rows,
+                "t": [t.x, t.y, t.z],
+            },
+            "in_words": n.in_words(advice.size),
+            "then_reversed": advice.now.is_none(),
+            "sigma_after": figures(n.after),
+        })
+    };
+    json!({
+        "schema": "slcal-advice/1",
+        "size_mm": [advice.size.width_mm, advice.size.height_mm],
+        "distance_mm": advice.distance_mm,
+        "noise_px": { "sheet": advice.noise_px[0], "pattern": advice.noise_px[1] },
+        "sigma_now": advice.now.map(figures),
+        "table": advice.table.iter().map(|t| json!({
+            "tilt_about_horizontal_deg": t.tilt_x_rad.to_degrees(),
+            "tilt_about_vertical_deg": t.tilt_y_rad.to_degrees(),
+            "one": t.one.map(figures),
+            "pair": t.pair.map(figures),
+        })).collect::<Vec<_>>(),
+        "next": advice.next.as_ref().map(pose),
+        "worth_it": advice.worth_it,
+    })
+}
