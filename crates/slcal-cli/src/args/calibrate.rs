@@ -10,6 +10,7 @@ use super::photo::GammaArg;
 use crate::size::{Corners, parse_corners, parse_point, parse_size};
 
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "a command line is made of switches")]
 pub(crate) struct CalibrateArgs {
     /// Photographs of the sheet, one per pose; `-` for stdin.
     #[arg(required_unless_present = "observations", value_name = "PHOTO")]

@@ -9,6 +9,7 @@ use super::photo::GammaArg;
 use crate::size::{Corners, parse_corners, parse_size};
 
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "a command line is made of switches")]
 pub(crate) struct VerifyArgs {
     /// A photograph of the sheet with the pattern on it; `-` for stdin.
     #[arg(value_name = "PHOTO")]

@@ -144,7 +144,7 @@ fn in_words(advice: &Advice) -> String {
     }
     let with_projector = advice.table.iter().filter_map(|t| t.one).any(|p| p.projector_focal.is_some());
     let (camera, projector): (Figure, Figure) = (|p| Some(p.camera_focal), |p| p.projector_focal);
-    let tables: &[(&str, fn(&TiltForecast) -> Option<Predicted>)] = if advice.now.is_some() {
+    let tables: &[(&str, Outlook)] = if advice.now.is_some() {
         &[("after one more photograph", |t| t.one)]
     } else {
         &[("after one photograph", |t| t.one), ("after two, the second with the tilt reversed", |t| t.pair)]
@@ -165,6 +165,9 @@ fn in_words(advice: &Advice) -> String {
     text
 }
 
+/// Which photographs are forecast.
+type Outlook = fn(&TiltForecast) -> Option<Predicted>;
+/// Which number of a forecast.
 type Figure = fn(&Predicted) -> Option<f64>;
 
 fn table(text: &mut String, advice: &Advice, title: &str, of: impl Fn(&TiltForecast) -> Option<f64>) {

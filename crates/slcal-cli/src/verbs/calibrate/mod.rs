@@ -27,13 +27,12 @@ pub(super) fn run(args: &CalibrateArgs, printer: Printer) -> Outcome {
         Some(path) => Some((path, load_camera(path)?)),
         None => None,
     };
-    let external = match &args.observations {
-        Some(path) => load_observations(path)?,
-        None => {
-            let seen = observe_all(args, known.as_ref().map(|k| &k.1), &places, printer)?;
-            config.focal_prior = seen.focal_prior;
-            seen.observations
-        }
+    let external = if let Some(path) = &args.observations {
+        load_observations(path)?
+    } else {
+        let seen = observe_all(args, known.as_ref().map(|k| &k.1), &places, printer)?;
+        config.focal_prior = seen.focal_prior;
+        seen.observations
     };
     if let Some((path, camera)) = &known {
         config.known_camera = Some(for_image(path, camera, external.observations.camera)?);
