@@ -16,7 +16,7 @@ pub(crate) struct Solved {
     pub(crate) fit: Fit,
 }
 
-fn problem(observations: &Observations, config: &CalibrateConfig, model: &Model) -> Joint {
+pub(crate) fn problem(observations: &Observations, config: &CalibrateConfig, model: &Model) -> Joint {
     let sizes: Vec<RectangleSize> = observations.views.iter().map(|v| v.size).collect();
     let with_projector = model.projector.is_some();
     let layout = Layout::new(config, with_projector, sizes.len());

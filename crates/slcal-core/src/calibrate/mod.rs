@@ -7,13 +7,16 @@
 //! Machine Vision and Applications 25:489-500 (2014), kept as it was published.
 
 mod advice;
+mod aspect;
 mod assemble;
 mod auto_distortion;
 mod check;
 mod config;
+mod contradiction;
 mod joint;
 mod lens_shift;
 mod metric;
+mod misfit;
 mod ml;
 mod model;
 mod neighbours;
@@ -23,6 +26,7 @@ mod plan;
 mod predict;
 mod rectify;
 mod refine;
+mod repeated;
 mod residual;
 pub(crate) mod shared;
 mod start;
@@ -93,14 +97,20 @@ pub fn calibrate_observations(observations: &Observations, config: &CalibrateCon
 }
 
 fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
-    let (solved, config) = &match auto_distortion::solve_choosing(observations, config) {
+    let (observations, repetition) = repeated::counted_once(observations);
+    let (solved, config) = &match auto_distortion::solve_choosing(&observations, config) {
         Ok(solved) => solved,
-        Err(error) => return Err(transposed::explain(error, observations, config)),
+        Err(error) => return Err(transposed::explain(error, &observations, config)),
     };
     let mut judgement = verdict::judge(solved, config);
-    if let Some(hint) = transposed::hint(observations, config) {
+    judgement.warnings.extend(repetition);
+    if let Some(hint) = transposed::hint(&observations, config) {
         judgement.advice.clone_from(&hint.advice);
         judgement.warnings.insert(0, hint);
+    } else if let Some(doubt) = contradiction::hint(&observations, config, solved)
+        .or_else(|| aspect::hint(&observations, config, solved))
+    {
+        judgement.doubt(doubt);
     }
     if judgement.verdict == Verdict::Degenerate && !config.allow_degenerate {
         return Err(judgement.refusal());
@@ -123,6 +133,12 @@ fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> 
 }
 
 #[cfg(test)]
+mod bad_input_tests;
+#[cfg(test)]
+mod coverage;
+#[cfg(test)]
+mod efficiency;
+#[cfg(test)]
 mod extremes_tests;
 #[cfg(test)]
 mod focal_prior_tests;
@@ -132,5 +148,7 @@ mod many_views_tests;
 mod monte_carlo;
 #[cfg(test)]
 pub(crate) mod scene;
+#[cfg(test)]
+mod study;
 #[cfg(test)]
 mod tests;

@@ -218,3 +218,11 @@ pub(crate) fn priors(config: &CalibrateConfig, layout: &Layout, model: &Model) -
     }
     priors
 }
+
+/// How far each prior's parameter lies from its mean, in squares of σ.
+pub(crate) fn prior_squares<'a>(priors: &'a [Prior], model: &'a Model) -> impl Iterator<Item = f64> + 'a {
+    priors.iter().filter_map(|p| {
+        let lens = if p.of_projector { model.projector? } else { model.camera };
+        Some(((lens_values(&lens)[p.index] - p.mean) / p.sigma).powi(2))
+    })
+}

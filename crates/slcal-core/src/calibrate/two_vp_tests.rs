@@ -32,6 +32,29 @@ fn the_doors_of_table_2_give_the_published_focal_lengths() {
 }
 
 #[test]
+fn the_projector_of_table_2_has_lens_shift() {
+    // Orthogonality of the sheet's directions, (v1 − p)·(v2 − p) + f² = 0, with cx at the centre and the focal length that
+    // the projector's zoom has: the lower of the two cy (the other one lies above the vanishing points' mean).
+    let mut cys = Vec::new();
+    for door in DOORS {
+        let [x, y] = [door[2], door[3]].map(|[x, y]| (x * 1e5, y * 1e5));
+        let at_centre = -((x.0 - 512.0) * (y.0 - 512.0) + (x.1 - 384.0) * (y.1 - 384.0));
+        assert!(
+            at_centre.sqrt() > 3.0 * 1850.0,
+            "a zoom lens of 1500 to 1850 px came out as {}",
+            at_centre.sqrt()
+        );
+        for f in [1500.0, 1850.0] {
+            let (sum, product) = (x.1 + y.1, x.1 * y.1 + (x.0 - 512.0) * (y.0 - 512.0) + f * f);
+            let root = (sum * sum / 4.0 - product).sqrt();
+            cys.push(sum / 2.0 + root);
+        }
+    }
+    // Near the lower border of 768 rows on every door.
+    assert!(cys.iter().all(|cy| (705.0..=770.0).contains(cy)), "{cys:?}");
+}
+
+#[test]
 fn a_negative_square_is_imaginary_and_a_point_at_infinity_degenerate() {
     let v = VanishingPoints { x: finite(1000.0, 0.0), y: finite(10.0, 900.0) };
     let error = focal(&v, Point2::origin(), "camera").unwrap_err();

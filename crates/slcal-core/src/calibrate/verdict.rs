@@ -64,6 +64,12 @@ pub(crate) struct Judgement {
 }
 
 impl Judgement {
+    /// Adds what makes the result wrong by more than σ says: it is never called good then.
+    pub(crate) fn doubt(&mut self, warning: Warning) {
+        self.verdict = self.verdict.max(Verdict::Weak);
+        self.warnings.insert(0, warning);
+    }
+
     /// The error that refuses a degenerate view. Where the model does not fit, that is said first: more tilt would not help.
     pub(crate) fn refusal(&self) -> Error {
         let advice = match self.warnings.iter().find(|w| !SAID_BY_CAUSE.contains(&w.code.as_str())) {
