@@ -21,8 +21,8 @@ fn held() -> CalibrateConfig {
     }
 }
 
-fn with(distortion: DistortionModel, config: CalibrateConfig) -> CalibrateConfig {
-    CalibrateConfig { distortion, ..config }
+fn with(distortion: DistortionModel, config: &CalibrateConfig) -> CalibrateConfig {
+    CalibrateConfig { distortion, ..config.clone() }
 }
 
 fn drawn(pp_share: f64, k1: f64, scenario: Scenario) -> Scenario {
@@ -72,14 +72,14 @@ fn one_photograph_with_principal_points_drawn() {
 #[test]
 fn one_photograph_with_edges_principal_points_and_distortion_drawn() {
     let scenario = drawn(0.02, 0.1, Scenario::edges(&WELL_TILTED[..1]));
-    check(&scenario, &with(DistortionModel::K1, CalibrateConfig::default()), &BASELINE_OF_ONE);
+    check(&scenario, &with(DistortionModel::K1, &CalibrateConfig::default()), &BASELINE_OF_ONE);
 }
 
 #[test]
 fn two_photographs() {
-    check(&Scenario::corners(&WELL_TILTED), &with(DistortionModel::None, held()), &TRUE);
+    check(&Scenario::corners(&WELL_TILTED), &with(DistortionModel::None, &held()), &TRUE);
     let scenario = drawn(0.02, 0.1, Scenario::corners(&WELL_TILTED));
-    check(&scenario, &with(DistortionModel::K1, CalibrateConfig::default()), &TRUE);
+    check(&scenario, &with(DistortionModel::K1, &CalibrateConfig::default()), &TRUE);
 }
 
 /// Distortion that is too small to be noticed must not make σ of anything else untrue.

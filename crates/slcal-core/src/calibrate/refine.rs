@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use super::joint::{Joint, Kind};
 use super::model::Model;
-use crate::solve::{Loss, Minimum, Problem, covariance, minimise, robust_scale};
+use crate::solve::{Loss, Minimum, Problem, covariance, minimise, polish, robust_scale};
 
 /// Cutoff of the convex first round, in the measurements' own σ.
 const FIRST_CUTOFF: f64 = 3.0;
@@ -81,10 +81,8 @@ pub(crate) fn refine(joint: &mut Joint, start: Model) -> Option<Fit> {
         minimum = minimise(joint, minimum.state)?;
         iterations += minimum.iterations;
     }
-    // Once more with an undamped start: what is left of the way must not depend on the order of the views.
-    minimum.state.renormalise();
-    minimum = minimise(joint, minimum.state)?;
-    iterations += minimum.iterations;
+    // What damping left of the way would depend on the order of the views.
+    minimum = polish(joint, minimum);
     minimum.state.renormalise();
     summarise(joint, minimum.state, minimum.cost, iterations)
 }

@@ -175,8 +175,6 @@ pub(super) struct Tally {
 pub(super) struct Outcome {
     pub(super) failed: usize,
     pub(super) first_error: Option<String>,
-    /// Share of calibrations that estimated distortion.
-    pub(super) bent: f64,
     pub(super) tallies: Vec<Tally>,
 }
 
@@ -199,7 +197,6 @@ pub(super) fn run(scenario: &Scenario, config: &CalibrateConfig, draws: usize, s
     });
     let first_error = results.iter().find_map(|r| r.as_ref().err().cloned());
     let good: Vec<&Vec<Off>> = results.iter().filter_map(|r| r.as_ref().ok()).collect();
-    let bent = good.iter().filter(|v| v.iter().any(|o| o.name == "k1")).count() as f64 / good.len() as f64;
     let names = ["f_cam", "cx_cam", "cy_cam", "k1", "k2", "f_proj", "cx_proj", "cy_proj", "baseline"];
     let tallies = names.into_iter().filter_map(|name| {
         let all: Vec<&Off> = good.iter().flat_map(|v| v.iter()).filter(|o| o.name == name).collect();
@@ -214,22 +211,5 @@ pub(super) fn run(scenario: &Scenario, config: &CalibrateConfig, draws: usize, s
             mean_sigma: mean(&|o| o.sigma * o.sigma).sqrt(),
         })
     });
-    Outcome { failed: draws - good.len(), first_error, bent, tallies: tallies.collect() }
-}
-
-/// The outcome as a table on stderr.
-pub(super) fn show(title: &str, o: &Outcome) {
-    eprintln!("## {title}: {} failed {:?}, bent {:.3}", o.failed, o.first_error, o.bent);
-    for t in &o.tallies {
-        eprintln!(
-            "   {:9} n {:5} held {:5.1} %  bias/rms {:6.3}  rms/σ {:.3}  rms {:.3e}  σ {:.3e}",
-            t.name,
-            t.draws,
-            100.0 * t.held,
-            t.bias / t.rms,
-            t.rms / t.mean_sigma,
-            t.rms,
-            t.mean_sigma
-        );
-    }
+    Outcome { failed: draws - good.len(), first_error, tallies: tallies.collect() }
 }

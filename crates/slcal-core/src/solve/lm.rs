@@ -163,6 +163,37 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::S
     Some(Minimum { state, cost, at: here, iterations, converged })
 }
 
+/// A minimum after undamped steps, which reach the bottom of directions that damping shortens: the decrease that they bring
+/// is below rounding, so the cost only must not rise beyond it.
+#[must_use]
+pub fn polish<P: Problem>(problem: &P, mut from: Minimum<P::State>) -> Minimum<P::State> {
+    const STEPS: usize = 2;
+    const ROUNDING: f64 = 1e-12;
+    let (blocks, structure) = (problem.blocks(), problem.structure());
+    let mut reduced = Reduced::new(&structure);
+    let mut there = from.at.clone();
+    let mut weights = Vec::with_capacity(there.residuals.len());
+    for _ in 0..STEPS {
+        set_weights(&mut weights, blocks, &from.at.residuals);
+        if !reduced.reduce(&structure, &from.at.jacobian, from.at.residuals.as_slice(), &weights) {
+            break;
+        }
+        let step = reduced.step(&structure, 0.0).filter(|(_, predicted)| *predicted <= STALLED_DECREASE);
+        let Some(state) = step.and_then(|(delta, _)| problem.step(&from.state, &delta)) else { break };
+        if problem.linearise(&state, &mut there).is_none() {
+            break;
+        }
+        let cost = robust_cost(blocks, &there.residuals);
+        if cost.is_nan() || cost > from.cost * (1.0 + ROUNDING) {
+            break;
+        }
+        (from.state, from.cost) = (state, cost);
+        std::mem::swap(&mut from.at, &mut there);
+        from.iterations += 1;
+    }
+    from
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

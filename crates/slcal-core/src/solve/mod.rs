@@ -9,7 +9,7 @@ mod robust;
 
 pub use arrow::{Structure, covariance};
 pub use dlt::homography_from_points;
-pub use lm::{Block, CONVERGED_DECREASE, Linearised, Minimum, Problem, minimise, robust_cost};
+pub use lm::{Block, CONVERGED_DECREASE, Linearised, Minimum, Problem, minimise, polish, robust_cost};
 pub use nullspace::null_vector;
 pub use polynomial::Polynomial;
 pub use robust::{Loss, median, robust_scale};
