@@ -1,5 +1,5 @@
 use super::super::scene::{observe, pose, rig, rng, with_edges};
-use super::super::{PrincipalPointRule, calibrate_observations};
+use super::super::{DistortionModel, PrincipalPointRule, calibrate_observations};
 use super::*;
 use crate::geometry::{Distortion, Intrinsics};
 use crate::observations::Observations;
@@ -84,7 +84,9 @@ fn calibrated(views: Vec<Pose>) -> Rig {
     let mut rng = rng(5);
     let seen: Observations = observe(&truth, 0.05, 0.05, &mut rng);
     let seen = with_edges(seen, &truth, 25, 0.05, &mut rng);
-    calibrate_observations(&seen, &CalibrateConfig::default()).unwrap().rig
+    // A straight lens is taken for a bent one in a hundredth of draws, which a prediction does not foresee.
+    let straight = CalibrateConfig { distortion: DistortionModel::None, ..CalibrateConfig::default() };
+    calibrate_observations(&seen, &straight).unwrap().rig
 }
 
 #[test]
