@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use slcal_core::simulate::{
-    ErrorStatistics, MethodName, MethodReport, NoiseConfig, NoiseReport, PrincipalPoints, Statistics,
+    ErrorStatistics, Held, MethodName, MethodReport, NoiseConfig, NoiseReport, PrincipalPoints, Statistics,
 };
 
 /// Tilts below this about one of the axes leave one vanishing point near infinity, rad.
@@ -68,14 +68,22 @@ fn head(text: &mut String, config: &NoiseConfig, report: &NoiseReport) {
     put(
         text,
         &format!(
-            "{:>6} {:<6} {:>17} {:>17} {:>17} {:>15} {:>15} {:>15}  failures",
-            "noise", "method", "camera", "projector", "3D error", "f camera", "f projector", "translation"
+            "{:>6} {:<6} {:>17} {:>17} {:>17} {:>15} {:>15} {:>15} {:>14}  failures",
+            "noise",
+            "method",
+            "camera",
+            "projector",
+            "3D error",
+            "f camera",
+            "f projector",
+            "translation",
+            "held by 95 %"
         ),
     );
     put(
         text,
         &format!(
-            "{:>6} {:<6} {:>17} {:>17} {:>17} {:>15} {:>15} {:>15}  imaginary, refused, other",
+            "{:>6} {:<6} {:>17} {:>17} {:>17} {:>15} {:>15} {:>15} {:>14}  imaginary, refused, other",
             "px",
             "",
             "mean ± std, px",
@@ -83,7 +91,8 @@ fn head(text: &mut String, config: &NoiseConfig, report: &NoiseReport) {
             "mean ± std, %",
             "rms (bias), %",
             "rms (bias), %",
-            "rms (bias), mm"
+            "rms (bias), mm",
+            "f, f, base, %"
         ),
     );
 }
@@ -110,6 +119,11 @@ fn error(e: &ErrorStatistics, unit: f64, decimals: usize) -> String {
     }
 }
 
+fn held(h: &Held) -> String {
+    let percent = |share: Option<f64>| share.map_or("-".to_owned(), |s| format!("{:.1}", 100.0 * s));
+    [h.camera_focal, h.projector_focal, h.baseline].map(percent).join(", ")
+}
+
 fn row(text: &mut String, level: f64, m: &MethodReport, report: &NoiseReport) {
     let (level, name) = match m.method {
         MethodName::TwoVp => (format!("{level:.3}"), "two-vp"),
@@ -119,13 +133,14 @@ fn row(text: &mut String, level: f64, m: &MethodReport, report: &NoiseReport) {
     put(
         text,
         &format!(
-            "{level:>6} {name:<6} {:>17} {:>17} {:>17} {:>15} {:>15} {:>15}  {}, {}, {}",
+            "{level:>6} {name:<6} {:>17} {:>17} {:>17} {:>15} {:>15} {:>15} {:>14}  {}, {}, {}",
             mean(&m.camera_reprojection_px, 3),
             mean(&m.projector_reprojection_px, 3),
             mean(&m.cube_position_percent, 2),
             error(&m.camera_focal_px, t.camera_focal_px / 100.0, 3),
             error(&m.projector_focal_px, t.projector_focal_px / 100.0, 3),
             error(&m.translation_mm, 1.0, 2),
+            held(&m.held),
             m.imaginary,
             m.refused,
             m.failed
@@ -142,7 +157,7 @@ fn foot(text: &mut String, config: &NoiseConfig, report: &NoiseReport) {
     put(
         text,
         "camera, projector: reprojection of what was observed; 3D error: corners of the cube in the camera's frame; bound: \
-         smallest\nstandard deviation that any unbiased estimator can have (Cramér–Rao). Refused draws count in all columns, \
+         smallest\nstandard deviation that any unbiased estimator can have (Cramér–Rao); held: how often ±1.96 of a rig's own σ held the true focal lengths and\nbaseline. Refused draws count in all columns, \
          others without a rig in none.",
     );
     if imaginary + refused > 0 {

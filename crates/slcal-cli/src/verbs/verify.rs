@@ -233,7 +233,9 @@ fn rig_in_words(v: &Verification) -> String {
             format!("the camera's focal length has changed by {}: its zoom or focus was turned", percent(m))
         }
         Some(Change::Several) | None => {
-            "more than one thing has changed, or the photograph is not by this rig".into()
+            "more than one thing has changed, or the photograph is not by this rig, or the pattern is not projected as said (rectified, \
+             or with --as-drawn as it was drawn)"
+                .into()
         }
     };
     format!(

@@ -11,7 +11,8 @@ const HEADER: &str = "level_px,method,draws,imaginary,refused,failed,cube_missed
     camera_focal_px_bias,camera_focal_px_std,camera_focal_px_rms,camera_focal_px_median,camera_focal_px_bound,\
     projector_focal_px_bias,projector_focal_px_std,projector_focal_px_rms,projector_focal_px_median,\
     projector_focal_px_bound,\
-    translation_mm_bias,translation_mm_std,translation_mm_rms,translation_mm_median,translation_mm_bound";
+    translation_mm_bias,translation_mm_std,translation_mm_rms,translation_mm_median,translation_mm_bound,\
+    held_camera_focal,held_projector_focal,held_baseline";
 
 impl NoiseReport {
     /// One row per level and method, with a header; what is undefined is an empty field.
@@ -61,5 +62,6 @@ fn row(level: &LevelReport, m: &MethodReport) -> String {
     ] {
         of_error(e, bound).into_iter().for_each(&mut put);
     }
+    [m.held.camera_focal, m.held.projector_focal, m.held.baseline].into_iter().for_each(&mut put);
     line
 }

@@ -9,7 +9,7 @@ use super::draws::Draws;
 use super::poses::PoseConfig;
 use super::rig_config::RigConfig;
 use super::scene::{NoiseModel, Scene};
-use super::statistics::{ErrorStatistics, Statistics};
+use super::statistics::{ErrorStatistics, Held, Statistics};
 use super::trial::Tally;
 use crate::calibrate::{CalibrateConfig, DistortionModel, Method, PrincipalPointRule};
 use crate::error::{Error, Result};
@@ -153,6 +153,8 @@ pub struct MethodReport {
     pub projector_focal_px: ErrorStatistics,
     /// Translation camera → projector against the truth, mm.
     pub translation_mm: ErrorStatistics,
+    /// How often the rig's 95 % intervals held the truth.
+    pub held: Held,
 }
 
 /// Both methods at one level of the noise.

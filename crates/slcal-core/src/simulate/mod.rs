@@ -27,7 +27,7 @@ pub use experiment::{
 pub use poses::{PoseConfig, SpreadConfig, spread_poses};
 pub use rig_config::RigConfig;
 pub use scene::{NoiseModel, Scene};
-pub use statistics::{ErrorStatistics, Statistics};
+pub use statistics::{ErrorStatistics, Held, Statistics};
 
 #[cfg(test)]
 mod tests;

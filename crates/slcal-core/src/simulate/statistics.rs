@@ -28,6 +28,27 @@ pub struct ErrorStatistics {
     pub median: Option<f64>,
 }
 
+/// How often ±1.96 of a rig's own σ held the truth, as a share of the rigs that have this σ; 0.95 where σ is true. `None`
+/// without such a rig.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Held {
+    /// Focal length of the camera.
+    pub camera_focal: Option<f64>,
+    /// Focal length of the projector.
+    pub projector_focal: Option<f64>,
+    /// Distance between camera and projector.
+    pub baseline: Option<f64>,
+}
+
+/// Half a 95 % interval of a normal distribution, in σ.
+const HALF_INTERVAL: f64 = 1.959_963_984_540_054;
+
+/// The share of errors, each with its own σ (positive), that lie within their 95 % interval.
+pub(super) fn held(errors: &[(f64, f64)]) -> Option<f64> {
+    let within = errors.iter().filter(|(error, sigma)| error.abs() <= HALF_INTERVAL * sigma).count();
+    (!errors.is_empty()).then(|| within as f64 / errors.len() as f64)
+}
+
 impl Statistics {
     /// Of `values`; those that are not finite are left out.
     #[must_use]
@@ -83,6 +104,12 @@ mod tests {
         assert_eq!((e.bias, e.rms, e.median), (Some(4.0), Some(5.0), Some(5.0)));
         assert_eq!(e.std, Some(18.0_f64.sqrt()));
         assert_eq!(ErrorStatistics::of(&[[-2.0]]).bias, Some(-2.0));
+    }
+
+    #[test]
+    fn an_interval_holds_what_lies_within_it() {
+        assert_eq!(held(&[(1.9, 1.0), (-1.9, 1.0), (2.0, 1.0), (-3.9, 2.0)]), Some(0.75));
+        assert_eq!(held(&[]), None);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::cube::Cube;
 use super::draws::Draws;
 use super::experiment::{MethodName, MethodReport};
 use super::scene::{Scene, lit_point};
-use super::statistics::{ErrorStatistics, Statistics};
+use super::statistics::{ErrorStatistics, Held, Statistics, held};
 use crate::calibrate::{CalibrateConfig, calibrate_observations};
 use crate::error::Error;
 use crate::geometry::{Camera, Plane, Pose, Ray};
@@ -27,6 +27,8 @@ pub(super) struct Tally {
     camera_focal: Vec<[f64; 1]>,
     projector_focal: Vec<[f64; 1]>,
     translation: Vec<[f64; 3]>,
+    /// Error and σ of the camera's focal length, the projector's, and the baseline.
+    intervals: [Vec<(f64, f64)>; 3],
 }
 
 impl Tally {
@@ -61,6 +63,20 @@ impl Tally {
         self.camera_focal.push([rig.camera.model.intrinsics.fx - scene.camera.intrinsics.fx]);
         self.projector_focal.push([projector.model.intrinsics.fx - scene.projector.intrinsics.fx]);
         self.translation.push(off.into());
+        let truth = scene.projector_from_camera.translation.norm();
+        let sigmas = [
+            rig.camera.sigma.map(|s| s.focal_px),
+            projector.sigma.map(|s| s.focal_px),
+            rig.baseline_sigma_mm(),
+        ];
+        let errors = [
+            rig.camera.model.intrinsics.fx - scene.camera.intrinsics.fx,
+            projector.model.intrinsics.fx - scene.projector.intrinsics.fx,
+            pose.translation.norm() - truth,
+        ];
+        for (of_one, (error, sigma)) in self.intervals.iter_mut().zip(errors.into_iter().zip(sigmas)) {
+            of_one.extend(sigma.filter(|s| *s > 0.0).map(|s| (error, s)));
+        }
         let (camera, panel) = reprojection(&rig, &projector.model, &pose, observations);
         self.camera_px.push(camera);
         self.projector_px.push(panel);
@@ -72,6 +88,7 @@ impl Tally {
 
     /// The statistics.
     pub(super) fn report(&self, method: MethodName) -> MethodReport {
+        let [camera_focal, projector_focal, baseline] = [0, 1, 2].map(|i| held(&self.intervals[i]));
         MethodReport {
             method,
             draws: self.draws,
@@ -86,6 +103,7 @@ impl Tally {
             camera_focal_px: ErrorStatistics::of(&self.camera_focal),
             projector_focal_px: ErrorStatistics::of(&self.projector_focal),
             translation_mm: ErrorStatistics::of(&self.translation),
+            held: Held { camera_focal, projector_focal, baseline },
         }
     }
 }
