@@ -20,3 +20,6 @@ rm -rf target/wheels
 echo "== Figures on rendered photographs"
 cargo build --locked --release --quiet -p slcal-cli
 .venv/bin/python tests/rendered/check_figures.py --slcal target/release/slcal --shared "${SLCAL_SHARED:-../shared}"
+
+echo "== Commands in the documentation"
+.venv/bin/python scripts/console_blocks.py --check
