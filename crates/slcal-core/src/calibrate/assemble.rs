@@ -2,10 +2,10 @@
 
 use nalgebra::{DVector, Point2, Point3, Vector3};
 
-use super::joint::{Joint, Kind, Target};
-use super::model::{Layout, Model};
-use super::refine::Fit;
-use super::verdict::Judgement;
+use crate::calibrate::joint::model::{Layout, Model};
+use crate::calibrate::joint::refine::Fit;
+use crate::calibrate::joint::{Joint, Kind, Target};
+use crate::calibrate::judge::verdict::Judgement;
 use crate::geometry::{Camera, Plane, Pose, Ray, RectangleSize};
 use crate::rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, View, ViewRms};
 
@@ -14,7 +14,11 @@ const STRIPE_NOISE_PX: f64 = 0.1;
 /// Each round gains two digits or more at the strongest distortion that a projector has.
 const ROUNDS_ON_A_CURVED_COLUMN: usize = 30;
 
-fn device(model: Camera, places: &[Option<usize>; super::residual::LENS], fit: &Fit) -> Device {
+fn device(
+    model: Camera,
+    places: &[Option<usize>; crate::calibrate::joint::residual::LENS],
+    fit: &Fit,
+) -> Device {
     let sigma = |i: usize| places[i].map_or(0.0, |p| fit.covariance[(p, p)].sqrt());
     let sigma = DeviceSigma {
         focal_px: sigma(0) * model.intrinsics.fx,

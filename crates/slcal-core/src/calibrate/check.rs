@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::config::CalibrateConfig;
+use crate::calibrate::config::CalibrateConfig;
 use crate::error::{Error, Result};
 use crate::geometry::RectangleSize;
 use crate::observations::{Observations, SheetObservation, ViewObservation};

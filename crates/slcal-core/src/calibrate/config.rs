@@ -82,7 +82,7 @@ pub enum DistortionModel {
     Full,
 }
 
-/// Parameters of [`calibrate_observations`](super::calibrate_observations).
+/// Parameters of [`calibrate_observations`](crate::calibrate::calibrate_observations).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CalibrateConfig {

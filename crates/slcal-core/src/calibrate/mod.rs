@@ -1,55 +1,36 @@
 //! Observations → rig.
 //!
-//! The closed forms (`metric` for a rectangle of known size, `lens_shift` for a projector whose principal point is off
-//! the panel's centre) start a maximum-likelihood refinement of everything that was seen (`residual`, `joint`,
-//! `refine`), whose covariance is the judgement on the result (`verdict`, `advice`). `two_vp` is the method of
-//! R. Orghidan, J. Salvi, M. Gordan, C. Florea, J. Batlle, "Structured light self-calibration with vanishing points",
-//! Machine Vision and Applications 25:489-500 (2014), kept as it was published.
+//! Closed forms (`start`) begin a maximum-likelihood refinement of everything that was seen (`joint`), whose covariance is
+//! the judgement on the result (`judge`) and tells what the next photograph would bring (`plan`). `noise` measures what
+//! observations from elsewhere do not state. `two_vp` is the method of R. Orghidan, J. Salvi, M. Gordan, C. Florea,
+//! J. Batlle, "Structured light self-calibration with vanishing points", Machine Vision and Applications 25:489-500 (2014),
+//! kept as it was published.
 
-mod advice;
-mod aspect;
 mod assemble;
-mod auto_distortion;
 mod check;
 mod config;
-mod contradiction;
 mod joint;
-mod lens_shift;
-mod metric;
-mod misfit;
-mod ml;
-mod model;
-mod neighbours;
+mod judge;
 mod noise;
-mod outlook;
-mod plan;
-mod predict;
+pub(crate) mod plan;
 mod rectify;
-mod refine;
-mod repeated;
-mod residual;
-pub(crate) mod shared;
 mod start;
-mod transposed;
 mod two_vp;
-mod two_vp_rig;
-mod two_vp_sigma;
-mod verdict;
 
 pub use config::{CalibrateConfig, DistortionModel, FocalPrior, Method, PrincipalPointRule};
 pub use noise::{ExternalCalibration, NoiseFound, NoiseOf, calibrate_external};
-pub use outlook::Predicted;
+pub use plan::outlook::Predicted;
 pub use plan::{Advice, CameraPlan, NextView, TiltForecast, advise_first, advise_next};
 pub use rectify::{Rectification, rectify, rectify_checker};
 
 // What `verify` shares with the calibration: its measurements, its model and its residuals.
 pub(crate) use check::check;
+pub(crate) use joint::model::Model;
+pub(crate) use joint::residual::lit_point;
 pub(crate) use joint::{Kind, Measurement, Target, measurements};
-pub(crate) use metric::pose_from_homography;
-pub(crate) use model::Model;
 pub(crate) use plan::outlook_of;
-pub(crate) use residual::lit_point;
 pub(crate) use start::camera_from_sheet;
+pub(crate) use start::metric::pose_from_homography;
 
 use crate::error::Result;
 use crate::observations::Observations;
@@ -92,23 +73,23 @@ pub fn calibrate_observations(observations: &Observations, config: &CalibrateCon
     check(observations, config)?;
     match config.method {
         Method::Ml => maximum_likelihood(observations, config),
-        Method::TwoVp => two_vp_rig::calibrate(observations, config),
+        Method::TwoVp => two_vp::rig::calibrate(observations, config),
     }
 }
 
 fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
-    let (observations, repetition) = repeated::counted_once(observations);
-    let (solved, config) = &match auto_distortion::solve_choosing(&observations, config) {
+    let (observations, repetition) = judge::repeated::counted_once(observations);
+    let (solved, config) = &match joint::auto_distortion::solve_choosing(&observations, config) {
         Ok(solved) => solved,
-        Err(error) => return Err(transposed::explain(error, &observations, config)),
+        Err(error) => return Err(judge::transposed::explain(error, &observations, config)),
     };
-    let mut judgement = verdict::judge(solved, config);
+    let mut judgement = judge::verdict::judge(solved, config);
     judgement.warnings.extend(repetition);
-    if let Some(hint) = transposed::hint(&observations, config) {
+    if let Some(hint) = judge::transposed::hint(&observations, config) {
         judgement.advice.clone_from(&hint.advice);
         judgement.warnings.insert(0, hint);
-    } else if let Some(doubt) = contradiction::hint(&observations, config, solved)
-        .or_else(|| aspect::hint(&observations, config, solved))
+    } else if let Some(doubt) = judge::contradiction::hint(&observations, config, solved)
+        .or_else(|| judge::aspect::hint(&observations, config, solved))
     {
         judgement.doubt(doubt);
     }
@@ -133,22 +114,4 @@ fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> 
 }
 
 #[cfg(test)]
-mod bad_input_tests;
-#[cfg(test)]
-mod coverage;
-#[cfg(test)]
-mod efficiency;
-#[cfg(test)]
-mod extremes_tests;
-#[cfg(test)]
-mod focal_prior_tests;
-#[cfg(test)]
-mod many_views_tests;
-#[cfg(test)]
-mod monte_carlo;
-#[cfg(test)]
-pub(crate) mod scene;
-#[cfg(test)]
-mod study;
-#[cfg(test)]
-mod tests;
+pub(crate) mod tests;

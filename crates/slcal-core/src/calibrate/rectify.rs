@@ -196,9 +196,9 @@ fn largest(limits: &[Vector3<f64>], aspect: f64, size: RectangleSize) -> Option<
 
 #[cfg(test)]
 mod tests {
-    use super::super::scene::{observe, pose, rig, rng};
-    use super::super::{CalibrateConfig, calibrate_observations};
     use super::*;
+    use crate::calibrate::tests::scene::{observe, pose, rig, rng};
+    use crate::calibrate::{CalibrateConfig, calibrate_observations};
     use crate::geometry::Distortion;
 
     fn calibrated() -> Rig {

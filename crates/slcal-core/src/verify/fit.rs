@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::calibrate::shared::{self, SHARED, rows};
+use crate::calibrate::plan::shared::{self, SHARED, rows};
 use crate::calibrate::{Kind, Measurement, Model};
 use crate::geometry::RectangleSize;
 use crate::solve::{Structure, covariance, robust_scale};

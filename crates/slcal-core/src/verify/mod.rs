@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::calibrate::CalibrateConfig;
 use crate::calibrate::camera_from_sheet as sheet_homography;
-use crate::calibrate::shared::{PROJECTOR, SHARED, STEREO, covariance_of, model, root};
+use crate::calibrate::plan::shared::{PROJECTOR, SHARED, STEREO, covariance_of, model, root};
 use crate::calibrate::{Model, check, lit_point, measurements, outlook_of, pose_from_homography};
 use crate::error::{Error, Result};
 use crate::geometry::{Pose, RectangleSize};

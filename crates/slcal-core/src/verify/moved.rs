@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use super::chi_squared::exceeded_by_chance;
 use super::fit::{Fit, Scene, Weights};
 use super::keystone::Measured;
-use crate::calibrate::shared::{PROJECTOR, SHARED, STEREO};
+use crate::calibrate::plan::shared::{PROJECTOR, SHARED, STEREO};
 use crate::calibrate::{Kind, Target, lit_point};
 use crate::geometry::{Plane, Ray};
 

@@ -4,7 +4,7 @@ use nalgebra::{Point2, Rotation3, Vector3};
 
 use super::*;
 use crate::CornerPair;
-use crate::calibrate::scene::{observe, pose, rig as truth, rng, with_edges};
+use crate::calibrate::tests::scene::{observe, pose, rig as truth, rng, with_edges};
 use crate::calibrate::{Model, calibrate_observations, lit_point};
 use crate::pattern::{CheckerConfig, CheckerPattern};
 use crate::rectify_checker;

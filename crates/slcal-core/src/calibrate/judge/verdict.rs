@@ -1,0 +1,316 @@
+//! The judgement on a calibration: how well the focal lengths are known, why not better, and what to do.
+
+use crate::calibrate::config::{CalibrateConfig, PrincipalPointRule};
+use crate::calibrate::joint::ml::Solved;
+use crate::calibrate::joint::model::{FOCAL_RANGE, lens_values};
+use crate::calibrate::joint::{Kind, Target};
+use crate::calibrate::plan::advice::{advise, percent};
+use crate::calibrate::plan::predict::{FocalSigma, focal_sigma, has, tilt, with_exact_principal_points};
+use crate::error::Error;
+use crate::rig::{Verdict, Warning};
+
+/// Warnings about how well the geometry determines the result; all others are about what does not fit.
+const SAID_BY_CAUSE: [&str; 5] = [
+    "weak-geometry",
+    "degenerate-geometry",
+    "principal-point-limited",
+    "lens-shift-undetermined",
+    "poses-alike",
+];
+
+/// Limits of the larger relative σ of the focal lengths.
+pub(crate) const GOOD: f64 = 0.04;
+pub(crate) const FAIR: f64 = 0.10;
+pub(crate) const WEAK: f64 = 0.25;
+
+/// Below this tilt the sheet is called almost face-on, rad (15°).
+const FACE_ON: f64 = 15.0 * std::f64::consts::PI / 180.0;
+/// Residuals this many times their σ mean that the model misses something (distortion, a bent sheet, wrong corners).
+const MISFIT: f64 = 3.0;
+/// A vertical principal point known no better than this part of the panel's height is undetermined.
+const SHIFT_UNDETERMINED: f64 = 0.25;
+/// Shares of measurements left out by the robust loss that deserve a word.
+const MANY_OUTLIERS: f64 = 0.3;
+/// Code of the warning about corners given by hand that do not fit.
+const CORNERS_OFF: &str = "sheet-corners-off";
+/// Poses whose sheets are turned against each other by less than this add next to nothing, rad (1°).
+const ALIKE: f64 = std::f64::consts::PI / 180.0;
+/// Distance of a principal point from its prior, in σ, that deserves a word.
+const FAR_FROM_PRIOR: f64 = 3.0;
+/// Beyond this distance, in σ, prior and photographs contradict each other, and σ of the result means little.
+const AGAINST_PRIOR: f64 = 6.0;
+
+/// The verdict on a relative σ.
+pub(crate) fn verdict(worst: f64) -> Verdict {
+    match worst {
+        s if s < GOOD => Verdict::Good,
+        s if s < FAIR => Verdict::Fair,
+        s if s < WEAK => Verdict::Weak,
+        _ => Verdict::Degenerate,
+    }
+}
+
+pub(crate) fn warning(code: &str, message: String, advice: impl Into<String>) -> Warning {
+    Warning { code: code.into(), message, advice: advice.into() }
+}
+
+/// Everything that is said about a fit.
+pub(crate) struct Judgement {
+    pub(crate) sigma: FocalSigma,
+    pub(crate) verdict: Verdict,
+    pub(crate) cause: String,
+    pub(crate) advice: String,
+    pub(crate) warnings: Vec<Warning>,
+}
+
+impl Judgement {
+    /// Adds what makes the result wrong by more than σ says: it is never called good then.
+    pub(crate) fn doubt(&mut self, warning: Warning) {
+        self.verdict = self.verdict.max(Verdict::Weak);
+        self.warnings.insert(0, warning);
+    }
+
+    /// The error that refuses a degenerate view. Where the model does not fit, that is said first: more tilt would not help.
+    pub(crate) fn refusal(&self) -> Error {
+        let advice = match self.warnings.iter().find(|w| !SAID_BY_CAUSE.contains(&w.code.as_str())) {
+            Some(w) => format!("{}: {}; as it is, {}", w.message, w.advice, self.cause),
+            None => {
+                format!(
+                    "{}, where {} is the most that is accepted; {}",
+                    self.cause,
+                    percent(WEAK),
+                    self.advice
+                )
+            }
+        };
+        Error::Degenerate { what: "the focal length", measure: self.sigma.worst(), limit: WEAK, advice }
+    }
+}
+
+fn worse_device(sigma: &FocalSigma) -> &'static str {
+    if sigma.projector.is_some_and(|p| p > sigma.camera) { "projector" } else { "camera" }
+}
+
+/// Why the focal length is as uncertain as it is.
+fn cause(solved: &Solved, sigma: &FocalSigma, config: &CalibrateConfig) -> String {
+    let device = worse_device(sigma);
+    let model = &solved.fit.model;
+    let tilts = |k: usize| model.views.iter().map(|v| tilt(v)[k].abs()).fold(0.0, f64::max);
+    let [all, about_x, about_y] = [tilts(0), tilts(1), tilts(2)];
+    let seen = if all < FACE_ON {
+        format!("the sheet is seen almost face-on ({:.1}°)", all.to_degrees())
+    } else {
+        format!(
+            "the sheet is tilted by {:.1}° about the horizontal and {:.1}° about the vertical axis",
+            about_x.to_degrees(),
+            about_y.to_degrees()
+        )
+    };
+    let rule = if device == "camera" { config.camera_pp } else { config.projector_pp };
+    let alone = model.views.len() == 1 && rule == PrincipalPointRule::Free && sigma.worst() > 0.0;
+    let free =
+        if alone { " with its principal point free, which one photograph does not determine," } else { "" };
+    format!("{seen}: σ of the focal length of the {device}{free} is {}", percent(sigma.worst()))
+}
+
+/// Judges a maximum-likelihood fit.
+pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
+    let Solved { joint, fit } = solved;
+    let sigma = focal_sigma(&fit.covariance, &joint.layout);
+    let mut verdict = verdict(sigma.worst());
+    let mut warnings = Vec::new();
+    if let Some(w) = outlandish(solved) {
+        verdict = Verdict::Degenerate;
+        warnings.push(w);
+    }
+    let misfits = misfits(solved);
+    let far: Vec<_> = far_from_prior(solved).into_iter().chain(focal_far_from_prior(solved)).collect();
+    // Corners are too few to widen their own σ, and a prior never does: what they miss by is not in σ of the focal length.
+    if misfits.iter().any(|w| w.code == CORNERS_OFF) || far.iter().any(|(_, off)| *off > AGAINST_PRIOR) {
+        verdict = verdict.max(Verdict::Weak);
+    }
+    let cause = cause(solved, &sigma, config);
+    let advice = advise(joint, fit, sigma.worst());
+    if verdict >= Verdict::Weak {
+        let code = if verdict == Verdict::Weak { "weak-geometry" } else { "degenerate-geometry" };
+        warnings.push(warning(code, cause.clone(), advice.clone()));
+    }
+    warnings.extend(principal_point_limited(solved, &sigma, &advice));
+    warnings.extend(shift_undetermined(solved, config));
+    warnings.extend(far.into_iter().map(|(w, _)| w));
+    warnings.extend(misfits);
+    warnings.extend(poses_alike(solved));
+    Judgement { sigma, verdict, cause, advice, warnings }
+}
+
+/// A focal length at the end of the range that the search is confined to.
+fn outlandish(solved: &Solved) -> Option<Warning> {
+    let model = &solved.fit.model;
+    let devices = [
+        Some(("camera", model.camera, solved.joint.layout.camera[0])),
+        model.projector.map(|p| ("projector", p, solved.joint.layout.projector[0])),
+    ];
+    devices.into_iter().flatten().find_map(|(name, lens, place)| {
+        place?;
+        let in_sides = lens.intrinsics.fx / f64::from(lens.width.max(lens.height));
+        (!(FOCAL_RANGE[0] * 1.5..FOCAL_RANGE[1] / 1.5).contains(&in_sides)).then(|| {
+            warning(
+                "focal-length-outlandish",
+                format!("the focal length of the {name} came out as {in_sides:.3} times the longer side of its image"),
+                "check the sheet's size and corners, and the principal point",
+            )
+        })
+    })
+}
+
+fn principal_point_limited(solved: &Solved, sigma: &FocalSigma, advice: &str) -> Option<Warning> {
+    /// Below this σ nobody needs to be told what limits it.
+    const WORTH_TELLING: f64 = 0.005;
+    if sigma.worst() < WORTH_TELLING {
+        return None;
+    }
+    let exact = with_exact_principal_points(&solved.joint, &solved.fit)?;
+    (exact.worst() < 0.5 * sigma.worst()).then(|| {
+        warning(
+            "principal-point-limited",
+            format!(
+                "σ of the focal length is {}, nearly all of it because the principal point is not known exactly (if it \
+                 were, σ would be {})",
+                percent(sigma.worst()),
+                percent(exact.worst())
+            ),
+            advice,
+        )
+    })
+}
+
+fn shift_undetermined(solved: &Solved, config: &CalibrateConfig) -> Option<Warning> {
+    let projector = solved.fit.model.projector?;
+    let place = solved.joint.layout.projector[2]?;
+    let sigma = solved.fit.covariance[(place, place)].sqrt();
+    let free = matches!(config.projector_pp, PrincipalPointRule::Shift | PrincipalPointRule::Free);
+    (free && sigma > SHIFT_UNDETERMINED * f64::from(projector.height)).then(|| {
+        warning(
+            "lens-shift-undetermined",
+            format!("the projector's vertical principal point is known to {sigma:.0} px only"),
+            "tilt the sheet about its vertical axis as well (a tilt about the horizontal axis alone cannot separate lens \
+             shift from focal length), or give the principal point",
+        )
+    })
+}
+
+/// The principal point that lies furthest from its prior, if far, and its distance in σ.
+fn far_from_prior(solved: &Solved) -> Option<(Warning, f64)> {
+    let model = &solved.fit.model;
+    let offs = solved.joint.priors.iter().filter(|p| p.index == 1 || p.index == 2).filter_map(|p| {
+        let lens = if p.of_projector { model.projector? } else { model.camera };
+        Some((p, (lens_values(&lens)[p.index] - p.mean) / p.sigma))
+    });
+    let (prior, off) = offs.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    let name = if prior.of_projector { "projector" } else { "camera" };
+    let axis = if prior.index == 1 { "cx" } else { "cy" };
+    (off.abs() > FAR_FROM_PRIOR).then(|| {
+        let told = warning(
+            "principal-point-far",
+            format!(
+                "{axis} of the {name} lies {:.0} px from where it was expected, {:.1} σ",
+                off * prior.sigma,
+                off.abs()
+            ),
+            "check the sheet's size, and whether the photograph was cropped or the lens distorts",
+        );
+        (told, off.abs())
+    })
+}
+
+/// The camera's focal length against what was expected of it. Of an estimate that contains the prior, the distance from
+/// the prior's mean has the variance σ² of the prior less that of the estimate.
+fn focal_far_from_prior(solved: &Solved) -> Option<(Warning, f64)> {
+    let Solved { joint, fit } = solved;
+    let prior = joint.priors.iter().find(|p| p.index == 0 && !p.of_projector)?;
+    let place = joint.layout.camera[0]?;
+    let off = lens_values(&fit.model.camera)[0] - prior.mean;
+    let spread = (prior.sigma.powi(2) - fit.covariance[(place, place)]).max(0.0).sqrt();
+    let off = off.abs() / spread;
+    (off.is_finite() && off > FAR_FROM_PRIOR).then(|| {
+        let told = warning(
+            "focal-far-from-prior",
+            format!(
+                "the camera's focal length is {:.0} px where {:.0} px was expected within {}: {:.1} σ apart",
+                fit.model.camera.intrinsics.fx,
+                prior.mean.exp(),
+                percent(prior.sigma),
+                off
+            ),
+            "check the sheet's size, whether the photograph was cropped or scaled after it was taken, and whether the \
+             expected focal length is that of this lens at this zoom",
+        );
+        (told, off)
+    })
+}
+
+/// Residuals that the noise does not explain, and measurements that were left out.
+fn misfits(solved: &Solved) -> Vec<Warning> {
+    let Solved { joint, fit } = solved;
+    let mut warnings = Vec::new();
+    for (i, kind, name, code) in [
+        (0, Kind::Edge, "the sheet's edge points", "edge"),
+        (1, Kind::Pair, "the projected corners", "corner"),
+    ] {
+        if !has(joint, kind) {
+            continue;
+        }
+        if fit.widened[i] > MISFIT {
+            warnings.push(warning(
+                &format!("{code}-residuals-large"),
+                format!("{name} lie {:.1} times further from the model than their noise explains", fit.widened[i]),
+                "is the sheet flat and its size right, does the lens distort, was the principal point given rightly?",
+            ));
+        }
+        let of_kind = joint.measurements.iter().zip(&fit.inliers).filter(|(m, _)| m.kind() == kind);
+        let (out, all) = of_kind.fold((0usize, 0usize), |(o, n), (_, keep)| (o + usize::from(!keep), n + 1));
+        let share = out as f64 / all as f64;
+        if share > MANY_OUTLIERS {
+            warnings.push(warning(
+                &format!("{code}-outliers"),
+                format!("{:.0} % of {name} do not fit the model and were left out", share * 100.0),
+                "remove what covers the sheet's border, and check the overlay",
+            ));
+        }
+    }
+    warnings.extend(corner_misfit(solved));
+    warnings
+}
+
+/// Photographs of one and the same pose.
+fn poses_alike(solved: &Solved) -> Option<Warning> {
+    let views = &solved.fit.model.views;
+    (1..views.len()).find_map(|j| {
+        let i = views[..j].iter().position(|v| v.turn_from(&views[j]).norm() < ALIKE)?;
+        Some(warning(
+            "poses-alike",
+            format!(
+                "photographs {} and {} show the sheet in the same pose: the second adds next to nothing",
+                i + 1,
+                j + 1
+            ),
+            "photograph the sheet with its tilt reversed instead, and give each photograph once",
+        ))
+    })
+}
+
+/// Corners given by hand that the model cannot reach.
+fn corner_misfit(solved: &Solved) -> Option<Warning> {
+    let of_corners = solved.joint.measurements.iter().zip(&solved.fit.norms_px);
+    let worst = of_corners
+        .filter(|(m, _)| matches!(m.of, Target::SheetCorner(_)))
+        .map(|(m, n)| n / m.sigma_px)
+        .fold(0.0, f64::max);
+    (worst > 2.0 * MISFIT).then(|| {
+        warning(
+            CORNERS_OFF,
+            format!("a corner of the sheet lies {worst:.0} σ from the model"),
+            "check the corners, their order (TL TR BR BL) and the sheet's size",
+        )
+    })
+}

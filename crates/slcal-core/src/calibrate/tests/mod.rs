@@ -1,0 +1,12 @@
+//! The calibration against known truth: closed forms, Monte Carlo, hostile input.
+
+mod bad_input;
+mod coverage;
+mod efficiency;
+mod extremes;
+mod focal_prior;
+mod many_views;
+mod monte_carlo;
+mod observations;
+pub(crate) mod scene;
+mod study;

@@ -1,0 +1,307 @@
+//! A rig by the method of two vanishing points (see `two_vp`), with σ from the noise of what was measured, the method's
+//! own assumptions taken as exact, and a check of the result against what was seen.
+
+use nalgebra::{Point2, Vector2};
+
+use super::sigma::{SHIFT, TURN, corner_modes, sigmas};
+use super::{focal, pose, rectified_pattern, vanishing_points, vanishing_points_of_quad};
+use crate::calibrate::assemble::{projected_corners, projector_distance, rms};
+use crate::calibrate::config::CalibrateConfig;
+use crate::calibrate::joint::model::principal_point;
+use crate::calibrate::joint::residual::lit_point;
+use crate::calibrate::judge::verdict::{WEAK, verdict, warning};
+use crate::calibrate::plan::advice::percent;
+use crate::calibrate::start::{robust_homography, sheet_corners};
+use crate::calibrate::{Calibration, CalibrationReport};
+use crate::error::{Error, Result};
+use crate::geometry::{Camera, Distortion, Homography, Intrinsics, Pose, RectangleSize};
+use crate::observations::{Observations, SheetObservation, ViewObservation};
+use crate::rig::{Device, DeviceSigma, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning};
+use crate::solve::homography_from_points;
+
+pub(crate) type Quad = [Point2<f64>; 4];
+
+/// Residuals this many times the noise say that the assumptions (centred principal points, no distortion) do not hold.
+const MISFIT: f64 = 10.0;
+
+const ADVICE: &str = "use the maximum-likelihood method: its σ covers principal points and distortion";
+const ADVICE_WEAK: &str = "tilt the sheet about both axes, or use the maximum-likelihood method";
+
+/// What the closed form starts from, in square, undistorted camera pixels.
+#[derive(Clone)]
+pub(crate) struct Input {
+    pub(crate) corners: Quad,
+    /// The pattern's outer corners in the camera image (through the homography) and in the projector.
+    pub(crate) outline: Option<(Quad, Quad)>,
+    pub(crate) size: RectangleSize,
+    pub(crate) camera: [u32; 2],
+    pub(crate) camera_pp: Point2<f64>,
+    pub(crate) known_focal: Option<f64>,
+    pub(crate) projector: Option<([u32; 2], Point2<f64>)>,
+}
+
+/// What it answers.
+pub(crate) struct Output {
+    pub(crate) camera: Camera,
+    pub(crate) sheet: Pose,
+    pub(crate) projector: Option<(Camera, Pose)>,
+}
+
+fn pinhole([width, height]: [u32; 2], f: f64, pp: Point2<f64>) -> Camera {
+    Camera { width, height, intrinsics: Intrinsics::square(f, pp), distortion: Distortion::NONE }
+}
+
+/// The published method.
+pub(crate) fn closed_form(input: &Input) -> Result<Output> {
+    let v = vanishing_points_of_quad(&input.corners);
+    let f = match input.known_focal {
+        Some(f) => f,
+        None => focal(&v, input.camera_pp, "camera")?,
+    };
+    let camera = pinhole(input.camera, f, input.camera_pp);
+    let sheet = pose(&camera, &v, &input.corners, input.size)?;
+    let (Some((panel, pp)), Some((seen, drawn))) = (input.projector, input.outline) else {
+        return Ok(Output { camera, sheet, projector: None });
+    };
+    let pairs: Vec<_> = seen.into_iter().zip(drawn).collect();
+    let projector_from_camera = homography_from_points(&pairs)?;
+    let v = vanishing_points(&rectified_pattern(&seen, &v, &projector_from_camera));
+    let projector = pinhole(panel, focal(&v, pp, "projector")?, pp);
+    let mut corners = input.corners;
+    for c in &mut corners {
+        *c = projector_from_camera.map(*c).ok_or_else(|| {
+            Error::invalid("the sheet in the projector's image", "finite corners", "a corner at infinity")
+        })?;
+    }
+    let projector_from_sheet = pose(&projector, &v, &corners, input.size)?;
+    Ok(Output { camera, sheet, projector: Some((projector, projector_from_sheet.compose(&sheet.inverse()))) })
+}
+
+/// A known camera's pixel as one of square pixels without distortion and skew, of the same fx and principal point.
+fn square_pixel(known: Option<&Camera>, p: Point2<f64>) -> Option<Point2<f64>> {
+    let Some(c) = known else { return Some(p) };
+    c.undistort(p).map(|x| c.intrinsics.principal_point() + x * c.intrinsics.fx)
+}
+
+fn squared(view: &ViewObservation, known: Option<&Camera>) -> Result<ViewObservation> {
+    let beyond =
+        || Error::invalid("observed points", "pixels inside the range of the lens model", "pixels beyond it");
+    let mut view = view.clone();
+    match &mut view.sheet {
+        SheetObservation::Corners { corners, .. } => {
+            for c in corners {
+                *c = square_pixel(known, *c).ok_or_else(beyond)?;
+            }
+        }
+        SheetObservation::Edges(sides) => {
+            for p in sides.iter_mut().flatten() {
+                p.position = square_pixel(known, p.position).ok_or_else(beyond)?;
+            }
+        }
+    }
+    for p in &mut view.pairs {
+        p.camera = square_pixel(known, p.camera).ok_or_else(beyond)?;
+    }
+    Ok(view)
+}
+
+/// The extent of the pattern in the projector, and where the homography puts it in the camera image.
+fn outline(view: &ViewObservation) -> Result<(Quad, Quad, Homography)> {
+    let pairs: Vec<_> = view.pairs.iter().map(|p| (p.projector, p.camera)).collect();
+    let camera_from_projector = robust_homography(&pairs)?;
+    let range = |get: fn(&Point2<f64>) -> f64| {
+        let values = pairs.iter().map(|p| get(&p.0));
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
+    };
+    let ((x0, x1), (y0, y1)) = (range(|p| p.x), range(|p| p.y));
+    let drawn = [Point2::new(x0, y0), Point2::new(x1, y0), Point2::new(x1, y1), Point2::new(x0, y1)];
+    let mut seen = drawn;
+    for p in &mut seen {
+        *p = camera_from_projector.map(*p).ok_or_else(|| {
+            Error::invalid("the projected pattern", "an outline in the image", "a corner at infinity")
+        })?;
+    }
+    Ok((seen, drawn, camera_from_projector))
+}
+
+/// The rig by two vanishing points.
+pub(crate) fn calibrate(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
+    let [view] = observations.views.as_slice() else {
+        return Err(Error::invalid(
+            "photographs for the two-vp method",
+            "exactly one view (the maximum-likelihood method takes any number)",
+            observations.views.len(),
+        ));
+    };
+    let known = config.known_camera.as_ref();
+    let view = squared(view, known)?;
+    let [w, h] = observations.camera;
+    let panel = observations.projector;
+    let seen = panel.map(|_| outline(&view)).transpose()?;
+    let input = Input {
+        corners: sheet_corners(&view, None)?,
+        outline: seen.map(|(seen, drawn, _)| (seen, drawn)),
+        size: view.size,
+        camera: observations.camera,
+        camera_pp: known.map_or(principal_point(config.camera_pp, w, h), |c| c.intrinsics.principal_point()),
+        known_focal: known.map(|c| c.intrinsics.fx),
+        projector: panel.map(|p| (p, principal_point(config.projector_pp, p[0], p[1]))),
+    };
+    let output = closed_form(&input)?;
+    let sigma = sigmas(&input, &output, &view);
+    judge(&input, &output, &sigma, &view, config)
+}
+
+/// Reprojection in camera pixels: rms of the sheet's corners and of the pairs, and of the pairs in projector pixels.
+fn reprojection(output: &Output, input: &Input, view: &ViewObservation) -> ViewRms {
+    let corners = projected_corners(&output.camera, &output.sheet, input.size);
+    let edges = rms(corners.iter().zip(&input.corners).map(|(a, b)| (a - b).norm())).unwrap_or(0.0);
+    let Some((projector, stereo)) = &output.projector else {
+        return ViewRms { edges, corners: None, projector: None };
+    };
+    let far = f64::from(input.camera[0].max(input.camera[1]));
+    let of_pair = |p: &crate::observations::CornerPair| {
+        let lit = lit_point(projector, stereo, &output.sheet, p.projector);
+        // Light that misses the sheet's plane altogether is as wrong as the image is wide.
+        lit.and_then(|x| output.camera.project(&x)).map_or(far, |q| (q - p.camera).norm())
+    };
+    let on_panel = view.pairs.iter().filter_map(|p| {
+        projector_distance(&output.camera, projector, stereo, &output.sheet, p.camera, p.projector)
+    });
+    ViewRms { edges, corners: rms(view.pairs.iter().map(of_pair)), projector: rms(on_panel) }
+}
+
+/// What the method's assumptions make wrong, where that is seen; and whether it is the sheet that does not fit.
+fn misfit(found: &ViewRms, view: &ViewObservation, input: &Input) -> Option<Warning> {
+    let sheet = match &view.sheet {
+        SheetObservation::Corners { sigma_px, .. } => *sigma_px,
+        SheetObservation::Edges(_) => {
+            let modes = corner_modes(view, &input.corners);
+            (modes.iter().flatten().map(Vector2::norm_squared).sum::<f64>() / 8.0).sqrt()
+        }
+    };
+    let noise = view.pairs.iter().map(|p| p.sigma_px).fold(sheet, f64::max);
+    let pairs = found.corners.unwrap_or(0.0);
+    if found.edges.max(pairs) <= MISFIT * noise {
+        return None;
+    }
+    let (name, off, why, advice) = if found.edges > MISFIT * noise {
+        (
+            "sheet's corners",
+            found.edges,
+            "the sheet's size is not as given, or the camera's principal point is not where it was assumed",
+            "check width and height of the sheet, or use the maximum-likelihood method",
+        )
+    } else {
+        (
+            "projected corners",
+            pairs,
+            "the projector's principal point is not where it was assumed (lens shift is usual)",
+            "use the maximum-likelihood method, or give the projector's principal point",
+        )
+    };
+    Some(warning(
+        "two-vp-misfit",
+        format!(
+            "this result is wrong: by it the {name} should lie {off:.1} px (rms) from where they were seen, and noise \
+             explains {noise:.2} px; {why}"
+        ),
+        advice,
+    ))
+}
+
+fn judge(
+    input: &Input,
+    output: &Output,
+    sigma: &[f64; 8],
+    view: &ViewObservation,
+    config: &CalibrateConfig,
+) -> Result<Calibration> {
+    let known = config.known_camera;
+    let camera_sigma = if known.is_some() { 0.0 } else { sigma[0] };
+    let projector_sigma = output.projector.as_ref().map(|_| sigma[1]);
+    let worst = camera_sigma.max(projector_sigma.unwrap_or(0.0));
+    let found = reprojection(output, input, view);
+    let mut verdict = verdict(worst);
+    let mut cause = format!(
+        "σ of the focal length by two vanishing points is {}, with principal points taken as exact",
+        percent(worst)
+    );
+    let mut warnings = vec![warning(
+        "two-vp-assumptions",
+        "σ is the measured points' noise propagated through the method; that principal points are exact and lenses \
+         undistorted is assumed, not checked"
+            .into(),
+        ADVICE,
+    )];
+    let advice = if verdict <= Verdict::Fair { ADVICE } else { ADVICE_WEAK }.to_owned();
+    if let Some(w) = misfit(&found, view, input) {
+        verdict = verdict.max(Verdict::Weak);
+        cause = format!("what was seen does not fit this result; {cause} and the misfit left out");
+        warnings.insert(0, w);
+    }
+    if verdict == Verdict::Degenerate && !config.allow_degenerate {
+        let advice = format!("{cause}; {advice}");
+        return Err(Error::Degenerate { what: "the focal length", measure: worst, limit: WEAK, advice });
+    }
+    let rig = assemble(output, sigma, input, found, known, verdict, warnings);
+    Ok(Calibration {
+        rig,
+        report: CalibrationReport { iterations: 0, edge_inliers: 1.0, corner_inliers: 1.0, cause, advice },
+    })
+}
+
+fn assemble(
+    output: &Output,
+    sigma: &[f64; 8],
+    input: &Input,
+    found: ViewRms,
+    known: Option<Camera>,
+    verdict: Verdict,
+    warnings: Vec<Warning>,
+) -> Rig {
+    let device = |model: Camera, s: f64| Device {
+        sigma: Some(DeviceSigma {
+            focal_px: s * model.intrinsics.fx,
+            cx_px: 0.0,
+            cy_px: 0.0,
+            distortion: [0.0; 5],
+        }),
+        model,
+    };
+    let camera_sigma = if known.is_some() { 0.0 } else { sigma[0] };
+    let camera = known.unwrap_or(output.camera);
+    let stereo = output.projector.map(|(_, pose)| StereoPose {
+        projector_from_camera: pose,
+        sigma_r_rad: Some(std::array::from_fn(|k| sigma[TURN + k])),
+        sigma_t_mm: Some(std::array::from_fn(|k| sigma[SHIFT + k])),
+    });
+    let projector_from_sheet = output.projector.map(|(_, pose)| pose.compose(&output.sheet));
+    Rig {
+        camera: device(camera, camera_sigma),
+        projector: output.projector.map(|(p, _)| device(p, sigma[1])),
+        stereo,
+        views: vec![View {
+            photo: None,
+            size: input.size,
+            camera_from_sheet: output.sheet,
+            projector_from_sheet,
+            camera_vanishing_points: camera.vanishing_points(&output.sheet),
+            projector_vanishing_points: output
+                .projector
+                .zip(projector_from_sheet)
+                .map(|((p, _), pose)| p.vanishing_points(&pose)),
+            corners_px: projected_corners(&camera, &output.sheet, input.size),
+            rms_px: Some(found),
+        }],
+        method: "two-vp".into(),
+        quality: Some(Quality {
+            verdict,
+            focal_sigma_percent_camera: 100.0 * camera_sigma,
+            focal_sigma_percent_projector: output.projector.map(|_| 100.0 * sigma[1]),
+            expected_point_sigma_mm: None,
+            warnings,
+        }),
+        covariance: None,
+    }
+}
