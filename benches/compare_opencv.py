@@ -7,10 +7,11 @@
 The photograph is fixtures/tilted_half.jpg enlarged to 4000x3000 with a little noise, as PNG and as JPEG. `slcal calibrate` is
 timed as a whole process: start, reading the file, finding sheet and checkerboard, camera and projector with their
 uncertainty, writing rig.json. OpenCV is timed inside a process that is up already: reading and turning grey, finding and
-refining the corners, calibrateCamera; the sums are given with reading and without. Repetitions are interleaved, medians
-are printed, of wall-clock and of processor time (the one to trust on a busy machine). Exit code 1 when slcal misses its bounds: a tenth of
-findChessboardCornersSB with CALIB_CB_ACCURACY, no longer than findChessboardCorners with cornerSubPix, both with reading,
-and ten photographs in no more than twelve times the time of one.
+refining the corners, calibrateCamera. Repetitions are interleaved, and every bound is held against medians of one clock,
+user and system time of the process: with one thread on either side it is what the wall shows on an idle machine, and other
+work does not add to it. Wall-clock and OpenCV without its reading are printed for the record. Exit code 1 when slcal misses
+its bounds: a tenth of findChessboardCornersSB with CALIB_CB_ACCURACY, no longer than findChessboardCorners with
+cornerSubPix, both with reading and calibrateCamera, and ten photographs in no more than twelve times the time of one.
 """
 
 import argparse
@@ -35,6 +36,7 @@ NOISE_CODES = 1.5
 SHARE_OF_ACCURATE = 0.1
 SHARE_OF_PLAIN = 1.0
 TIMES_ONE_VIEW = 12.0
+WALL, PROCESSOR = 0, 1
 
 
 def clocks():
@@ -140,15 +142,15 @@ def report(t):
         best, quick = t["accurate, PNG"], t[f"plain, {kind}"]
         rows += [
             (f"{kind}: slcal / (reading + SB, accuracy + calibrateCamera)", mine / (reading + best), SHARE_OF_ACCURATE),
-            (f"{kind}: slcal / (SB, accuracy + calibrateCamera)", mine / best, SHARE_OF_ACCURATE),
+            (f"{kind}: slcal / (SB, accuracy + calibrateCamera)", mine / best, None),
             (f"{kind}: slcal / (reading + corners + subpix + calibrateCamera)", mine / (reading + quick), SHARE_OF_PLAIN),
             (f"{kind}: slcal / (corners + subpix + calibrateCamera)", mine / quick, None),
         ]
     rows.append(("PNG: ten views / one view", t["slcal, ten views"] / t["slcal, PNG"], TIMES_ONE_VIEW))
     for what, ratio, bound in rows:
-        asked = f"asked: <= {bound:g}" if bound else "for the record"
+        asked = f"asked of processor time: <= {bound:g}" if bound else "for the record"
         print(f"{what:58s} {ratio[0]:9.3f} {ratio[1]:10.3f}   {asked}")
-        if bound and min(ratio) > bound:
+        if bound and ratio[PROCESSOR] > bound:
             missed.append(what)
     return missed
 

@@ -21,8 +21,16 @@ const WINDOW_FRACTION: f64 = 0.4;
 const MAX_RADIUS_SAMPLES: f64 = 12.0;
 /// Windows below this radius hold too few samples for eleven parameters.
 const MIN_RADIUS_SAMPLES: f64 = 2.5;
-/// The pixel is integrated over this many points per side, each standing for its part of the pixel.
+/// The pixel is integrated over this many points per side, each standing for its part of the pixel, where edges are sharp.
 const SUBSAMPLES: usize = 4;
+/// Gauss's two points per side lie this far from the centre: they integrate cubics exactly, and an edge of the least blur
+/// given to 5e-4 of its step, with either sign along it.
+const GAUSS_OFFSET: f64 = 0.288_675_134_594_812_9;
+const GAUSS_POINTS: usize = 4;
+/// Blur in samples from which they do.
+const GAUSS_BLUR: f64 = 0.7;
+/// With them the blur's variance stays above that of half their distance.
+const GAUSS_LEAST_VARIANCE: f64 = 0.07;
 const POINTS: usize = SUBSAMPLES * SUBSAMPLES;
 /// A blur of half their distance joins the subsamples: without it a sharp edge between two of them has no slope.
 const SUBSAMPLE_VARIANCE: f64 = 0.25 / POINTS as f64;
@@ -42,7 +50,9 @@ const MODEL_SIGMA_SAMPLES: f64 = 0.003;
 /// pixel: more steps would only follow that.
 const MAX_STEPS: usize = 30;
 /// A step that moves the corner by less than this many samples ends the fit: a tenth of what the model leaves.
-const LAST_STEP: f64 = 1e-4;
+const LAST_STEP: f64 = 3e-4;
+/// The same for the approach to where the final fit starts: one step from there it has converged.
+const LAST_STEP_OF_APPROACH: f64 = 1e-2;
 const INITIAL_DAMPING: f64 = 1e-4;
 /// A step takes the blur's variance no further down than this part of itself: at next to no blur the cost is rough, and a
 /// step that lands there stays.
@@ -98,7 +108,9 @@ impl<'a> Refiner<'a> {
         p[3] = steps[1].y.atan2(steps[1].x);
         p[4] = 0.6;
         self.window.solve_light(&self.erf, &mut p);
-        let fit = self.window.fit(&self.erf, p)?;
+        let near = self.window.fit(&self.erf, p, Rule::Gauss, LAST_STEP_OF_APPROACH)?.params;
+        let rule = if near[4] >= GAUSS_BLUR * GAUSS_BLUR { Rule::Gauss } else { Rule::Even };
+        let fit = self.window.fit(&self.erf, near, rule, LAST_STEP)?;
         let c = Vector2::new(fit.params[0], fit.params[1]);
         // A fit that ran away from its start, or whose edges collapsed into one, has fitted something else.
         let crossing = (fit.params[2] - fit.params[3]).sin().abs();
@@ -143,7 +155,7 @@ impl Window {
 
     /// Mean and amplitude by linear least squares for the given edges: the sign of the corner comes out of it.
     fn solve_light(&self, erf: &ErfTable, p: &mut Params) {
-        let model = Model::new(erf, p);
+        let model = Model::new(erf, p, Rule::Gauss);
         let (mut n, mut e, mut ee, mut l, mut le) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for &(at, light) in &self.samples {
             let edge = model.sample(at).1[8];
@@ -161,8 +173,8 @@ impl Window {
     }
 
     /// The least squares of the window at some parameters.
-    fn equations(&self, erf: &ErfTable, p: &Params) -> Equations {
-        let model = Model::new(erf, p);
+    fn equations(&self, erf: &ErfTable, p: &Params, rule: Rule) -> Equations {
+        let model = Model::new(erf, p, rule);
         let mut e = Equations { normal: Normal::zeros(), gradient: Params::zeros(), cost: 0.0 };
         for &(at, light) in &self.samples {
             let (value, derivative) = model.sample(at);
@@ -180,23 +192,23 @@ impl Window {
         e
     }
 
-    fn fit(&self, erf: &ErfTable, start: Params) -> Option<Fit> {
+    fn fit(&self, erf: &ErfTable, start: Params, rule: Rule, last_step: f64) -> Option<Fit> {
         let freedom = self.samples.len() as f64 - N as f64;
         if freedom <= 0.0 {
             return None;
         }
         let mut params = start;
-        let mut at = self.equations(erf, &params);
+        let mut at = self.equations(erf, &params, rule);
         let mut damping = INITIAL_DAMPING;
         for _ in 0..MAX_STEPS {
             let step = at.step(damping)?;
             let mut next = params + step;
             let sharpest = MAX_SHARPENING * (params[4] + SUBSAMPLE_VARIANCE) - SUBSAMPLE_VARIANCE;
-            next[4] = next[4].max(sharpest).max(LEAST_VARIANCE);
+            next[4] = next[4].max(sharpest).max(rule.least_variance());
             // A corner that leaves its window, or is blurred beyond it, is none.
             let inside = next.fixed_rows::<2>(0).norm() < self.radius && next[4] < self.radius.powi(2);
-            let small = step.fixed_rows::<2>(0).norm() < LAST_STEP;
-            let tried = inside.then(|| self.equations(erf, &next)).filter(|e| e.cost < at.cost);
+            let small = step.fixed_rows::<2>(0).norm() < last_step;
+            let tried = inside.then(|| self.equations(erf, &next, rule)).filter(|e| e.cost < at.cost);
             if let Some(better) = tried {
                 (params, at) = (next, better);
                 damping *= 0.1;
@@ -239,6 +251,39 @@ impl Equations {
     }
 }
 
+/// The points that a pixel is integrated over, all of one weight.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Rule {
+    Gauss,
+    Even,
+}
+
+impl Rule {
+    fn least_variance(self) -> f64 {
+        match self {
+            Self::Gauss => GAUSS_LEAST_VARIANCE,
+            Self::Even => LEAST_VARIANCE,
+        }
+    }
+
+    fn points(self) -> usize {
+        match self {
+            Self::Gauss => GAUSS_POINTS,
+            Self::Even => POINTS,
+        }
+    }
+
+    fn offset(self, k: usize) -> Vector2<f64> {
+        let at = |k: usize| (k as f64 + 0.5) / SUBSAMPLES as f64 - 0.5;
+        match self {
+            Self::Gauss => {
+                Vector2::new(k as f64 % 2.0 * 2.0 - 1.0, (k / 2) as f64 * 2.0 - 1.0) * GAUSS_OFFSET
+            }
+            Self::Even => Vector2::new(at(k % SUBSAMPLES), at(k / SUBSAMPLES)),
+        }
+    }
+}
+
 /// A point of a pixel, relative to its centre, and its distances from there across and along the two edges.
 struct Subsample {
     offset: Vector2<f64>,
@@ -257,6 +302,7 @@ struct Model<'a> {
     along: [Vector2<f64>; 2],
     normals: [Vector2<f64>; 2],
     points: [Subsample; POINTS],
+    rule: Rule,
 }
 
 /// Means over a pixel.
@@ -274,18 +320,16 @@ struct Means {
 }
 
 impl<'a> Model<'a> {
-    fn new(erf: &'a ErfTable, p: &'a Params) -> Self {
+    fn new(erf: &'a ErfTable, p: &'a Params, rule: Rule) -> Self {
         let sigma = (p[4] + SUBSAMPLE_VARIANCE).sqrt();
         let along = [2, 3].map(|i| Vector2::new(p[i].cos(), p[i].sin()));
         let normals = along.map(|t| Vector2::new(-t.y, t.x));
-        let step = 1.0 / SUBSAMPLES as f64;
         let points = std::array::from_fn(|k| {
-            let at = |k: usize| (k as f64 + 0.5) * step - 0.5;
-            let offset = Vector2::new(at(k % SUBSAMPLES), at(k / SUBSAMPLES));
+            let offset = rule.offset(k);
             let of = |v: [Vector2<f64>; 2]| v.map(|v| v.dot(&offset));
             Subsample { offset, across: of(normals), along: of(along) }
         });
-        Self { erf, p, sigma, root: 1.0 / (std::f64::consts::SQRT_2 * sigma), along, normals, points }
+        Self { erf, p, sigma, root: 1.0 / (std::f64::consts::SQRT_2 * sigma), along, normals, points, rule }
     }
 
     /// The light of the sample centred at `at`, and its derivatives by the parameters. The amplitude is taken
@@ -324,7 +368,8 @@ impl<'a> Model<'a> {
             sum.edge = distances[0].signum() * distances[1].signum();
             return sum;
         }
-        for point in &self.points {
+        let count = self.rule.points();
+        for point in &self.points[..count] {
             let edge = |k: usize| {
                 let d = distances[k] + point.across[k];
                 if near[k] {
@@ -345,7 +390,7 @@ impl<'a> Model<'a> {
             }
             sum.blur += d1 * slopes[0] + d2 * slopes[1];
         }
-        let scale = 1.0 / POINTS as f64;
+        let scale = 1.0 / count as f64;
         sum.edge *= scale;
         sum.edge_offset *= scale;
         sum.slopes = sum.slopes.map(|s| s * scale);
@@ -415,12 +460,12 @@ mod tests {
         let p = Params::from_column_slice(&[0.2, -0.3, 0.3, 1.7, 0.4, 0.4, 0.01, -0.02, 0.3, 0.004, 0.006]);
         for at in [(0.0, 1.0), (2.0, -1.0), (-3.0, 0.0), (5.0, 6.0)] {
             let at = Vector2::new(at.0, at.1);
-            let (_, derivative) = Model::new(&erf, &p).sample(at);
+            let (_, derivative) = Model::new(&erf, &p, Rule::Even).sample(at);
             for i in 0..N {
                 let light = |h: f64| {
                     let mut p = p;
                     p[i] += h;
-                    Model::new(&erf, &p).sample(at).0
+                    Model::new(&erf, &p, Rule::Even).sample(at).0
                 };
                 let slope = (light(1e-4) - light(-1e-4)) / 2e-4;
                 assert!((slope - derivative[i]).abs() < 4e-3 * (1.0 + slope.abs()), "{at} {i}: {slope}");

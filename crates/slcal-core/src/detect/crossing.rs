@@ -10,7 +10,7 @@ pub(super) const CURVE_DEGREE: usize = 3;
 /// Crossings further from the curve than this many robust standard deviations are not the side's.
 const REJECT_SIGMAS: f64 = 3.5;
 /// Points per side, each the mean over neighbouring crossings: more would say nothing new.
-const MAX_POINTS: usize = 80;
+const MAX_POINTS: usize = 48;
 /// Standard deviation that no point goes below, px: what remains of the light's bleeding and shading on
 /// rendered sheets with exact truth.
 const FLOOR_SIGMA_PX: f64 = 0.004;

@@ -8,8 +8,9 @@ use nalgebra::{Point2, Vector2};
 use super::crossing::{CURVE_DEGREE, Crossing, condense, robust_curve};
 use super::erf::ErfTable;
 use super::light_field::Light;
-use super::profile::{Common, Profiles};
+use super::profile::Profiles;
 use super::scan::Scan;
+use super::step::Common;
 use crate::observations::EdgePoint;
 use crate::photo::LinearPhoto;
 use crate::solve::Polynomial;
@@ -17,10 +18,16 @@ use crate::solve::Polynomial;
 /// Part of a side next to each corner that is left out: there the other side's blur shines in.
 const CORNER_MARGIN: f64 = 0.02;
 /// A first look takes at most about as many lines of a side.
-const COARSE_LINES: usize = 400;
+const COARSE_LINES: usize = 160;
+/// Neighbouring lines are averaged before the fit while about as many profiles remain of a side: the noise of their
+/// mean is theirs, and the fit, which is the work, is done once for all of them.
+const MIN_PROFILES: usize = 240;
+/// Averaged lines spread the side by at most this part of its blur. A box of this width adds 2 % to the blur, and a
+/// symmetric blur does not move the crossing.
+const MAX_SPREAD_BLURS: f64 = 0.7;
 /// Steps of the fit across the side, from nothing and from what the first pass found.
 const FIRST_ROUNDS: usize = 5;
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 2;
 /// A side needs this many crossings, and this share of those that were tried.
 const MIN_CROSSINGS: usize = 12;
 const MIN_SHARE: f64 = 0.3;
@@ -56,17 +63,19 @@ pub(super) fn measure_side(
     let (mut crossings, mut tried, mut common_sigma) = (Vec::new(), 0, 0.0);
     let mut common = Common::start(transition);
     // The second pass has its windows where the first found the side, and starts from what that found common to it.
-    for (lines, rounds) in [(&some, FIRST_ROUNDS), (&lines, ROUNDS)] {
+    for (lines, rounds, average) in [(&some, FIRST_ROUNDS, false), (&lines, ROUNDS, true)] {
         let clear =
             |line: f64| light.leaves_clear(scan.join(line, curve.value(line)), toward_sheet, clearance);
         // Beyond the crossings it was fitted to, the curve may leave the path: there the side is not seen.
         let near = |line: f64, expected: f64| (curve.value(line) - expected).abs() <= uncertainty_px + 1.0;
-        let seen = lines
+        let seen: Vec<(usize, f64)> = lines
             .iter()
             .filter(|&&(line, expected)| near(line as f64, expected) && clear(line as f64))
-            .map(|&(line, _)| (line, curve.value(line as f64)));
-        let located =
-            Profiles::take(photo, scan, seen, transition, plateau).locate(&erf, &curve, common, rounds)?;
+            .map(|&(line, _)| (line, curve.value(line as f64)))
+            .collect();
+        let together = if average { averaged(&seen, common.blur) } else { 1 };
+        let located = Profiles::take(photo, scan, &seen, [transition, plateau], together)
+            .locate(&erf, &curve, common, rounds)?;
         (crossings, tried, common_sigma) = (located.crossings, located.tried, located.common_sigma);
         common = located.common;
         curve = robust_curve(&mut crossings)?;
@@ -76,6 +85,16 @@ pub(super) fn measure_side(
     }
     let across = if scan.along_x { inward.x.abs() } else { inward.y.abs() } / inward.norm();
     Some(condense(scan, &crossings, &curve, across, common_sigma))
+}
+
+/// How many neighbouring lines of a side may be averaged. Shifted by whole pixels they spread it by at most one, and by
+/// less when it runs so steeply along them that it does not shift by one.
+fn averaged(lines: &[(usize, f64)], blur: f64) -> usize {
+    let most = (lines.len() / MIN_PROFILES).max(1);
+    let (Some(a), Some(b)) = (lines.first(), lines.last()) else { return 1 };
+    let slope = (b.1 - a.1).abs() / (b.0 as f64 - a.0 as f64).max(1.0);
+    let spread = MAX_SPREAD_BLURS * blur;
+    if spread >= 1.0 { most } else { ((spread / slope.max(1e-9)) as usize).clamp(1, most) }
 }
 
 /// Width of the plateaus, px: the wider one unless the frame ends within it along much of the side.

@@ -20,6 +20,7 @@ mod profile;
 mod quad;
 mod scan;
 mod sheet;
+mod step;
 #[cfg(test)]
 mod tests;
 mod working;

@@ -4,25 +4,20 @@
 //! the step, belong to each crossing; the blur s of B = Φ(d/s) averaged over the pixel and the relative slopes a and b of
 //! the light on either side belong to the whole side. A symmetric blur of another shape does not move the crossing.
 
-use nalgebra::{Matrix3, RowVector3, Vector3};
-
 use super::crossing::Crossing;
 use super::erf::ErfTable;
 use super::scan::Scan;
+use super::step::{Common, Equations, MIN_BLUR_PX, Noise, Profile, State, Summary};
 use crate::photo::LinearPhoto;
 use crate::solve::{Polynomial, median};
 
 /// Weakest step, as a part of the side's median step, that is still measured (an unlit part of the sheet).
 const MIN_RELATIVE_STEP: f64 = 0.1;
-/// Sharper sides than this cannot be told from perfect ones, px.
-const MIN_BLUR_PX: f64 = 0.12;
 /// Lines are taken together until a crossing is known to this part of the blur: beyond it the fit is not linear in the
 /// noise, and noise that differs between dark and bright would pull it.
 const LINEAR_PART: f64 = 0.25;
 /// Fewest crossings that bundling leaves of a side.
 const MIN_BUNDLES: usize = 48;
-/// Crossings whose residuals exceed this many times the median have no say in what the side has in common.
-const MAX_CHI: f64 = 2.0;
 /// Noise is never taken for less than this, linear light: a thousandth of the range of a dark photograph.
 const MIN_NOISE: f64 = 1e-5;
 
@@ -34,33 +29,10 @@ pub(super) struct Profiles {
     half: usize,
     /// Pixels at each end that are beyond the transition.
     plateau: usize,
-    /// Row or column, position of the boundary between the middle two pixels, position expected of the side.
-    lines: Vec<[f64; 3]>,
+    /// Row or column (their mean), position expected of the side from the boundary between the middle two pixels.
+    lines: Vec<[f64; 2]>,
     /// 2·half values per line.
     light: Vec<f64>,
-}
-
-/// What a side's crossings have in common.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Common {
-    blur: f64,
-    slopes: [f64; 2],
-}
-
-/// A crossing: its offset from where it is expected, towards the sheet; dark level; step.
-#[derive(Debug, Clone, Copy)]
-struct State {
-    offset: f64,
-    dark: f64,
-    step: f64,
-}
-
-/// Variance of a pixel in the dark and beside the typical step.
-#[derive(Debug, Clone, Copy)]
-struct Noise {
-    dark: f64,
-    bright: f64,
-    typical_step: f64,
 }
 
 /// Crossings of a side.
@@ -74,37 +46,58 @@ pub(super) struct Located {
     pub(super) common_sigma: f64,
 }
 
-impl Common {
-    /// A guess from half the width of the transition, px.
-    pub(super) fn start(half_transition_px: f64) -> Self {
-        Self { blur: (half_transition_px / 4.0).max(MIN_BLUR_PX), slopes: [0.0; 2] }
-    }
-}
-
 impl Profiles {
-    /// Reads the lines whose numbers and expected positions are given, as far as they lie in the photograph.
+    /// Reads the lines whose numbers and expected positions are given, as far as they lie in the photograph, and takes the
+    /// mean over as many neighbouring ones as `together` says, each shifted by whole pixels along the side.
     pub(super) fn take(
         photo: &LinearPhoto<'_>,
         scan: Scan,
-        lines: impl Iterator<Item = (usize, f64)>,
-        transition: f64,
-        plateau: f64,
+        lines: &[(usize, f64)],
+        [transition, plateau]: [f64; 2],
+        together: usize,
     ) -> Self {
         let half = (transition + plateau).ceil() as usize;
-        let reach = half as isize;
         let mut all = Self { scan, half, plateau: plateau as usize, lines: Vec::new(), light: Vec::new() };
-        for (line, position) in lines {
-            let base = position.round() - 0.5 * scan.toward;
-            let start = all.light.len();
-            let at = |k: isize| (base + scan.toward * (k as f64 + 0.5)).round() as isize;
-            all.light.extend((-reach..reach).map_while(|k| scan.pixel(photo, line, at(k))));
-            if all.light.len() == start + 2 * half {
-                all.lines.push([line as f64, base, position]);
-            } else {
-                all.light.truncate(start);
-            }
+        let mut rest = lines;
+        while let Some(&(first, _)) = rest.first() {
+            let near = rest.iter().take(together).take_while(|l| l.0 < first + together).count();
+            let (group, others) = rest.split_at(near.max(1));
+            all.add(photo, group);
+            rest = others;
         }
         all
+    }
+
+    /// The mean profile of some lines.
+    fn add(&mut self, photo: &LinearPhoto<'_>, group: &[(usize, f64)]) {
+        let (scan, reach, start) = (self.scan, self.half as isize, self.light.len());
+        self.light.resize(start + 2 * self.half, 0.0);
+        let from = group.first().map_or(0.0, |l| l.1);
+        let (mut count, mut line_sum, mut expected) = (0.0, 0.0, 0.0);
+        for &(line, position) in group {
+            let base = from.round() - 0.5 * scan.toward + (position - from).round();
+            let pixel =
+                |k: isize| scan.pixel(photo, line, (base + scan.toward * (k as f64 + 0.5)).round() as isize);
+            if pixel(-reach).is_none() || pixel(reach - 1).is_none() {
+                continue;
+            }
+            for (sum, k) in self.light[start..].iter_mut().zip(-reach..) {
+                *sum += pixel(k).unwrap_or(0.0);
+            }
+            count += 1.0;
+            line_sum += line as f64;
+            expected += scan.toward * (position - base);
+        }
+        if count > 0.0 {
+            self.light[start..].iter_mut().for_each(|sum| *sum /= count);
+            self.lines.push([line_sum / count, expected / count]);
+        } else {
+            self.light.truncate(start);
+        }
+    }
+
+    fn profile(&self, i: usize) -> Profile<'_> {
+        Profile { light: self.light(i), middle: self.half as f64, expected: self.lines[i][1] }
     }
 
     fn light(&self, i: usize) -> &[f64] {
@@ -153,7 +146,8 @@ impl Profiles {
         let mut summary = Summary::default();
         for _ in 0..rounds {
             for ((equations, state), bundle) in own.iter_mut().zip(&states).zip(&bundles) {
-                *equations = self.equations(erf, bundle, state, &shared, &noise);
+                let profiles = bundle.iter().map(|&i| self.profile(i));
+                *equations = Equations::of(erf, profiles, state, &shared, &noise);
             }
             summary = Summary::of(&own)?;
             self.update(&mut shared, &mut states, &own, &summary);
@@ -204,56 +198,6 @@ impl Profiles {
         Some(Noise { dark: variance(&mut dark)?, bright: variance(&mut bright)?, typical_step })
     }
 
-    /// The least squares of one crossing. All pixels count alike although bright ones are noisier: with even weights,
-    /// what the true blur differs from the model in has no side to pull to.
-    fn equations(
-        &self,
-        erf: &ErfTable,
-        bundle: &[usize],
-        state: &State,
-        shared: &Common,
-        noise: &Noise,
-    ) -> Equations {
-        let bright =
-            noise.dark + (noise.bright - noise.dark) * (state.step / noise.typical_step).clamp(0.0, 4.0);
-        let bright = bright.max(0.25 * noise.bright.min(noise.dark));
-        let mut e = Equations::default();
-        let (mut cost, mut count) = (0.0, 0.0);
-        for &i in bundle {
-            let [_, base, expected] = self.lines[i];
-            let side = state.offset + self.scan.toward * (expected - base);
-            let boundary = |k: usize| Boundary::at(erf, k as f64 - self.half as f64 - side, shared.blur);
-            let mut before = boundary(0);
-            for (k, light) in self.light(i).iter().enumerate() {
-                let after = boundary(k + 1);
-                let (b, slope) = (after.integral - before.integral, after.value - before.value);
-                let by_blur = after.by_blur - before.by_blur;
-                before = after;
-                let d = k as f64 + 0.5 - self.half as f64 - side;
-                let [low, high] = shared.slopes;
-                let shape = b + d * (low * (1.0 - b) + high * b);
-                let variance = noise.dark + (bright - noise.dark) * b;
-                let residual = state.dark + state.step * shape - light;
-                let bend = 1.0 + d * (high - low);
-                let by_side = -state.step * (slope * bend + low * (1.0 - b) + high * b);
-                let own = Vector3::new(by_side, 1.0, shape);
-                let common =
-                    Vector3::new(state.step * by_blur * bend, state.step * d * (1.0 - b), state.step * d * b);
-                e.own += own * own.transpose();
-                e.scatter += own * own.transpose() * variance;
-                e.cross += own * common.transpose();
-                e.common += common * common.transpose();
-                e.own_gradient += own * residual;
-                e.common_gradient += common * residual;
-                cost += residual * residual / variance;
-                count += 1.0;
-            }
-        }
-        e.chi = (cost / (count - 3.0_f64).max(1.0)).sqrt();
-        e.own_inverse = e.own.try_inverse();
-        e
-    }
-
     fn update(&self, shared: &mut Common, states: &mut [State], own: &[Equations], summary: &Summary) {
         let step = summary.step;
         let reach = (self.half - self.plateau) as f64;
@@ -280,75 +224,4 @@ fn bundle_size(noise: &Noise, blur: f64, lines: usize) -> usize {
         * (2.0 * std::f64::consts::PI.sqrt() * blur.max(0.5)).sqrt();
     let wanted = (single / (LINEAR_PART * blur.max(0.5))).powi(2).ceil().min(1e6);
     (wanted as usize).clamp(1, (lines / MIN_BUNDLES).max(1))
-}
-
-/// The step's distribution function F and its integral at a boundary between pixels.
-struct Boundary {
-    value: f64,
-    integral: f64,
-    by_blur: f64,
-}
-
-impl Boundary {
-    fn at(erf: &ErfTable, u: f64, blur: f64) -> Self {
-        let root = 1.0 / (std::f64::consts::SQRT_2 * blur);
-        let (e, slope) = erf.at(u * root);
-        let (value, density) = (0.5 * (1.0 + e), 0.5 * slope * root);
-        Self { value, integral: u * value + blur * blur * density, by_blur: blur * density }
-    }
-}
-
-/// Normal equations of one crossing: its own unknowns (offset, dark, step), the common ones (blur, slopes), and both.
-#[derive(Debug, Clone, Copy, Default)]
-struct Equations {
-    own: Matrix3<f64>,
-    cross: Matrix3<f64>,
-    common: Matrix3<f64>,
-    own_gradient: Vector3<f64>,
-    common_gradient: Vector3<f64>,
-    own_inverse: Option<Matrix3<f64>>,
-    /// Σ variance·J·Jᵀ of its own unknowns.
-    scatter: Matrix3<f64>,
-    /// Root of χ² per degree of freedom.
-    chi: f64,
-}
-
-impl Equations {
-    /// Variance of the offset by the noise of its pixels.
-    fn offset_variance(&self) -> Option<f64> {
-        let inverse = self.own_inverse?;
-        Some((inverse * self.scatter * inverse)[(0, 0)])
-    }
-}
-
-/// The common unknowns' step, and what their uncertainty does to all crossings.
-#[derive(Debug, Default)]
-struct Summary {
-    step: Vector3<f64>,
-    common_sigma: f64,
-}
-
-impl Summary {
-    fn of(all: &[Equations]) -> Option<Self> {
-        let mut chis: Vec<f64> = all.iter().map(|e| e.chi).collect();
-        let limit = MAX_CHI * median(&mut chis)?;
-        let (mut normal, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
-        let (mut lever, mut scatter, mut weights) = (RowVector3::zeros(), 0.0, 0.0);
-        for e in all.iter().filter(|e| e.chi <= limit) {
-            let Some(inverse) = e.own_inverse else { continue };
-            let through = e.cross.transpose() * inverse;
-            normal += e.common - through * e.cross;
-            gradient += e.common_gradient - through * e.own_gradient;
-            let weight = e.offset_variance().unwrap_or(f64::INFINITY).recip();
-            scatter += e.scatter.trace() / e.own.trace() * weight;
-            lever += (inverse * e.cross).row(0) * weight;
-            weights += weight;
-        }
-        let covariance = normal.try_inverse()?;
-        let lever = lever / weights;
-        let common_sigma = ((lever * covariance * lever.transpose())[0] * scatter / weights).max(0.0).sqrt();
-        let step = -(covariance * gradient);
-        (step.iter().all(|x| x.is_finite()) && common_sigma.is_finite())
-            .then_some(Self { step, common_sigma })
-    }
 }

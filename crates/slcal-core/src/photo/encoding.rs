@@ -78,6 +78,11 @@ impl LinearTable {
     pub fn light(&self, code: usize) -> f32 {
         self.0[code]
     }
+
+    /// The light of all 256 codes of 8 bit.
+    pub(super) fn of_bytes(&self) -> Option<&[f32; 256]> {
+        self.0.first_chunk()
+    }
 }
 
 #[cfg(test)]

@@ -183,22 +183,22 @@ impl<'a> PhotoView<'a> {
 
     /// Adds the light of `factor` neighbouring pixels of a row to each of `sums`.
     pub(super) fn add_block_sums(&self, y: usize, factor: usize, table: &LinearTable, sums: &mut [f32]) {
-        match self.samples {
-            Samples::U8(s) => self.add_blocks(&s[y * self.row_stride..], factor, table, sums),
-            Samples::U16(s) => self.add_blocks(&s[y * self.row_stride..], factor, table, sums),
+        let start = y * self.row_stride;
+        match (self.samples, table.of_bytes()) {
+            // No index can lie outside this table: nothing is checked per sample.
+            (Samples::U8(s), Some(t)) => self.add_blocks(&s[start..], factor, |c| t[usize::from(c)], sums),
+            (Samples::U8(s), None) => {
+                self.add_blocks(&s[start..], factor, |c| table.light(usize::from(c)), sums);
+            }
+            (Samples::U16(s), _) => {
+                self.add_blocks(&s[start..], factor, |c| table.light(usize::from(c)), sums);
+            }
         }
     }
 
-    fn add_blocks<T: Copy + Into<usize>>(
-        &self,
-        row: &[T],
-        factor: usize,
-        table: &LinearTable,
-        sums: &mut [f32],
-    ) {
+    fn add_blocks<T: Copy>(&self, row: &[T], factor: usize, light: impl Fn(T) -> f32, sums: &mut [f32]) {
         let channels = self.layout.channels();
         let blocks = row.chunks(factor * channels);
-        let light = |c: T| table.light(c.into());
         if channels == 3 || channels == 1 {
             // Three running sums keep the additions apart; which channel is which does not matter.
             for (sum, block) in sums.iter_mut().zip(blocks) {
