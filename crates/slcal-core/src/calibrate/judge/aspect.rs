@@ -122,10 +122,12 @@ pub(crate) fn hint(
     let size = observations.views.first()?.size;
     let given = size.width_mm / size.height_mm;
     let fits = given * change.exp();
+    // As many digits as σ has something to say about.
+    let decimals = (1.0 - (fits * sigma).max(1e-9).log10().floor()).clamp(4.0, 9.0) as usize;
     Some(warning(
         "aspect-doubtful",
         format!(
-            "width to height of the sheet is {fits:.4} ± {:.4} as it is seen, {given:.4} as it was given ({beats:.0} σ apart)",
+            "width to height of the sheet is {fits:.decimals$} ± {:.decimals$} as it is seen, {given:.4} as it was given ({beats:.0} σ apart)",
             fits * sigma
         ),
         format!(
