@@ -84,6 +84,26 @@ pub enum Verdict {
     Degenerate,
 }
 
+impl Verdict {
+    /// Good below this relative σ of the focal length, the larger one of the two devices.
+    pub const GOOD_BELOW: f64 = 0.04;
+    /// Fair below this one.
+    pub const FAIR_BELOW: f64 = 0.10;
+    /// Weak below this one, and degenerate from it on.
+    pub const WEAK_BELOW: f64 = 0.25;
+
+    /// The verdict on a relative σ of the focal length; NaN is degenerate.
+    #[must_use]
+    pub fn of_focal_sigma(share: f64) -> Self {
+        match share {
+            s if s < Self::GOOD_BELOW => Self::Good,
+            s if s < Self::FAIR_BELOW => Self::Fair,
+            s if s < Self::WEAK_BELOW => Self::Weak,
+            _ => Self::Degenerate,
+        }
+    }
+}
+
 /// Something the user should know about a result, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Warning {

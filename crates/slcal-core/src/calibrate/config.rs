@@ -96,7 +96,7 @@ pub struct CalibrateConfig {
     /// Distortion of the camera; default [`DistortionModel::Auto`]. Ignored when the camera is known;
     /// [`Method::TwoVp`], which knows none, refuses anything but `Auto` and `None`.
     pub distortion: DistortionModel,
-    /// Distortion of the projector; default [`DistortionModel::None`]. It bends the same residuals as a wrong principal
+    /// Distortion of the projector; default [`DistortionModel::Auto`]. It bends the same residuals as a wrong principal
     /// point and the camera's own distortion, so that coefficients ask for three photographs or more; `Auto` estimates
     /// none with fewer. Ignored without a projector; [`Method::TwoVp`] refuses it as for the camera.
     pub projector_distortion: DistortionModel,
@@ -122,7 +122,7 @@ impl Default for CalibrateConfig {
             projector_pp: PrincipalPointRule::Shift,
             method: Method::Ml,
             distortion: DistortionModel::Auto,
-            projector_distortion: DistortionModel::None,
+            projector_distortion: DistortionModel::Auto,
             focal_prior: None,
             known_camera: None,
             allow_degenerate: false,

@@ -18,11 +18,6 @@ const SAID_BY_CAUSE: [&str; 5] = [
     "poses-alike",
 ];
 
-/// Limits of the larger relative σ of the focal lengths.
-pub(crate) const GOOD: f64 = 0.04;
-pub(crate) const FAIR: f64 = 0.10;
-pub(crate) const WEAK: f64 = 0.25;
-
 /// Below this tilt the sheet is called almost face-on, rad (15°).
 const FACE_ON: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Residuals this many times their σ mean that the model misses something (distortion, a bent sheet, wrong corners).
@@ -39,16 +34,6 @@ const ALIKE: f64 = std::f64::consts::PI / 180.0;
 const FAR_FROM_PRIOR: f64 = 3.0;
 /// Beyond this distance, in σ, prior and photographs contradict each other, and σ of the result means little.
 const AGAINST_PRIOR: f64 = 6.0;
-
-/// The verdict on a relative σ.
-pub(crate) fn verdict(worst: f64) -> Verdict {
-    match worst {
-        s if s < GOOD => Verdict::Good,
-        s if s < FAIR => Verdict::Fair,
-        s if s < WEAK => Verdict::Weak,
-        _ => Verdict::Degenerate,
-    }
-}
 
 pub(crate) fn warning(code: &str, message: String, advice: impl Into<String>) -> Warning {
     Warning { code: code.into(), message, advice: advice.into() }
@@ -78,12 +63,17 @@ impl Judgement {
                 format!(
                     "{}, where {} is the most that is accepted; {}",
                     self.cause,
-                    percent(WEAK),
+                    percent(Verdict::WEAK_BELOW),
                     self.advice
                 )
             }
         };
-        Error::Degenerate { what: "the focal length", measure: self.sigma.worst(), limit: WEAK, advice }
+        Error::Degenerate {
+            what: "the focal length",
+            measure: self.sigma.worst(),
+            limit: Verdict::WEAK_BELOW,
+            advice,
+        }
     }
 }
 
@@ -117,7 +107,7 @@ fn cause(solved: &Solved, sigma: &FocalSigma, config: &CalibrateConfig) -> Strin
 pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
     let Solved { joint, fit } = solved;
     let sigma = focal_sigma(&fit.covariance, &joint.layout);
-    let mut verdict = verdict(sigma.worst());
+    let mut verdict = Verdict::of_focal_sigma(sigma.worst());
     let mut warnings = Vec::new();
     if let Some(w) = outlandish(solved) {
         verdict = Verdict::Degenerate;

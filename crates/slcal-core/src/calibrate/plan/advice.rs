@@ -5,8 +5,8 @@ use nalgebra::{Unit, Vector3};
 use super::predict::{MORE_TILT, predict, reversed, tilt, turned};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::joint::refine::Fit;
-use crate::calibrate::judge::verdict::{FAIR, WEAK};
 use crate::geometry::Pose;
+use crate::rig::Verdict;
 
 /// With several photographs one more is advised when it brings σ below this part of itself.
 const WORTH_ANOTHER: f64 = 0.5;
@@ -61,8 +61,8 @@ pub(crate) fn advise(joint: &Joint, fit: &Fit, sigma: f64) -> String {
     let another = if others.is_empty() { "a second photograph" } else { "another photograph" };
     let second =
         with_reversed(pose).filter(|s| *s < if others.is_empty() { 1.0 } else { WORTH_ANOTHER } * sigma);
-    let tilt_more = || best_tilt(joint, fit).filter(|t| t.sigma < sigma.min(WEAK));
-    if sigma >= FAIR
+    let tilt_more = || best_tilt(joint, fit).filter(|t| t.sigma < sigma.min(Verdict::WEAK_BELOW));
+    if sigma >= Verdict::FAIR_BELOW
         && others.is_empty()
         && let Some(t) = tilt_more()
     {
@@ -81,7 +81,7 @@ pub(crate) fn advise(joint: &Joint, fit: &Fit, sigma: f64) -> String {
             "σ of the focal length is {now}; {another} with the tilt reversed brings it to {}",
             percent(s)
         ),
-        None if sigma >= FAIR => {
+        None if sigma >= Verdict::FAIR_BELOW => {
             "give the principal points or a known camera, or photograph the sheet in other poses".into()
         }
         None => format!("σ of the focal length is {now}; more photographs would change little"),

@@ -9,7 +9,7 @@ use crate::calibrate::assemble::{projected_corners, projector_distance, rms};
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::joint::model::principal_point;
 use crate::calibrate::joint::residual::lit_point;
-use crate::calibrate::judge::verdict::{WEAK, verdict, warning};
+use crate::calibrate::judge::verdict::warning;
 use crate::calibrate::plan::advice::percent;
 use crate::calibrate::start::{robust_homography, sheet_corners};
 use crate::calibrate::{Calibration, CalibrationReport};
@@ -222,7 +222,7 @@ fn judge(
     let projector_sigma = output.projector.as_ref().map(|_| sigma[1]);
     let worst = camera_sigma.max(projector_sigma.unwrap_or(0.0));
     let found = reprojection(output, input, view);
-    let mut verdict = verdict(worst);
+    let mut verdict = Verdict::of_focal_sigma(worst);
     let mut cause = format!(
         "σ of the focal length by two vanishing points is {}, with principal points taken as exact",
         percent(worst)
@@ -242,7 +242,12 @@ fn judge(
     }
     if verdict == Verdict::Degenerate && !config.allow_degenerate {
         let advice = format!("{cause}; {advice}");
-        return Err(Error::Degenerate { what: "the focal length", measure: worst, limit: WEAK, advice });
+        return Err(Error::Degenerate {
+            what: "the focal length",
+            measure: worst,
+            limit: Verdict::WEAK_BELOW,
+            advice,
+        });
     }
     let rig = assemble(output, sigma, input, found, known, verdict, warnings);
     Ok(Calibration {
