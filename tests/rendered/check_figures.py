@@ -59,6 +59,7 @@ REAL_FACE_ON = ["01", "03"]
 # Figures that are missed, and why: printed as missed, counted apart, and no failure of the run. One that holds again is named,
 # so that its row here goes.
 KNOWN_SHORTFALLS = {
+    "real sheet 02: f_cam": "3.1 %: all five lie low by 0.6 to 3 %; the sheet bends in some, which no lens takes up",
     "real sheets together: f_cam / sigma": "sigma takes the sheet for flat; with the published lens removed its sides still bow by up to "
     "1.6 px, opposite ones the same way (12, 10), as a bent sheet's do",
 }

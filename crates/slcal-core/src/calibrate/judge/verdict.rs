@@ -35,6 +35,9 @@ const FAR_FROM_PRIOR: f64 = 3.0;
 /// Beyond this distance, in σ, prior and photographs contradict each other, and σ of the result means little.
 const AGAINST_PRIOR: f64 = 6.0;
 
+/// The same for a coefficient of distortion: no ordinary lens has a k1 of 0.5.
+const NO_SUCH_LENS: f64 = 5.0;
+
 pub(crate) fn warning(code: &str, message: String, advice: impl Into<String>) -> Warning {
     Warning { code: code.into(), message, advice: advice.into() }
 }
@@ -114,9 +117,13 @@ pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
         warnings.push(w);
     }
     let misfits = misfits(solved);
-    let far: Vec<_> = far_from_prior(solved).into_iter().chain(focal_far_from_prior(solved)).collect();
+    let far: Vec<_> =
+        [far_from_prior(solved), distortion_far_from_prior(solved), focal_far_from_prior(solved)]
+            .into_iter()
+            .flatten()
+            .collect();
     // Corners are too few to widen their own σ, and a prior never does: what they miss by is not in σ of the focal length.
-    if misfits.iter().any(|w| w.code == CORNERS_OFF) || far.iter().any(|(_, off)| *off > AGAINST_PRIOR) {
+    if misfits.iter().any(|w| w.code == CORNERS_OFF) || far.iter().any(|(_, against)| *against) {
         verdict = verdict.max(Verdict::Weak);
     }
     let cause = cause(solved, &sigma, config);
@@ -189,8 +196,8 @@ fn shift_undetermined(solved: &Solved, config: &CalibrateConfig) -> Option<Warni
     })
 }
 
-/// The principal point that lies furthest from its prior, if far, and its distance in σ.
-fn far_from_prior(solved: &Solved) -> Option<(Warning, f64)> {
+/// The principal point that lies furthest from its prior, if far, and whether the two contradict each other.
+fn far_from_prior(solved: &Solved) -> Option<(Warning, bool)> {
     let model = &solved.fit.model;
     let offs = solved.joint.priors.iter().filter(|p| p.index == 1 || p.index == 2).filter_map(|p| {
         let lens = if p.of_projector { model.projector? } else { model.camera };
@@ -209,13 +216,36 @@ fn far_from_prior(solved: &Solved) -> Option<(Warning, f64)> {
             ),
             "check the sheet's size, and whether the photograph was cropped or the lens distorts",
         );
-        (told, off.abs())
+        (told, off.abs() > AGAINST_PRIOR)
+    })
+}
+
+/// The distortion coefficient that lies furthest from its prior, if far, and whether no lens has it: a bent sheet seen face-on
+/// passes for one.
+fn distortion_far_from_prior(solved: &Solved) -> Option<(Warning, bool)> {
+    const NAMES: [&str; 5] = ["k1", "k2", "p1", "p2", "k3"];
+    let model = &solved.fit.model;
+    let offs = solved.joint.priors.iter().filter_map(|p| {
+        let name = NAMES.get(p.index.checked_sub(3)?)?;
+        let lens = if p.of_projector { model.projector? } else { model.camera };
+        let value = lens_values(&lens)[p.index];
+        Some((name, p, value, ((value - p.mean) / p.sigma).abs()))
+    });
+    let (name, prior, value, off) = offs.max_by(|a, b| a.3.total_cmp(&b.3))?;
+    let device = if prior.of_projector { "projector" } else { "camera" };
+    (off > FAR_FROM_PRIOR).then(|| {
+        let told = warning(
+            "distortion-far",
+            format!("{name} of the {device} came out as {value:.2}, {off:.1} σ from what lenses have"),
+            "is the sheet flat? tilt it more, or give --distortion none if the lens is good",
+        );
+        (told, off > NO_SUCH_LENS)
     })
 }
 
 /// The camera's focal length against what was expected of it. Of an estimate that contains the prior, the distance from
 /// the prior's mean has the variance σ² of the prior less that of the estimate.
-fn focal_far_from_prior(solved: &Solved) -> Option<(Warning, f64)> {
+fn focal_far_from_prior(solved: &Solved) -> Option<(Warning, bool)> {
     let Solved { joint, fit } = solved;
     let prior = joint.priors.iter().find(|p| p.index == 0 && !p.of_projector)?;
     let place = joint.layout.camera[0]?;
@@ -235,7 +265,7 @@ fn focal_far_from_prior(solved: &Solved) -> Option<(Warning, f64)> {
             "check the sheet's size, whether the photograph was cropped or scaled after it was taken, and whether the \
              expected focal length is that of this lens at this zoom",
         );
-        (told, off)
+        (told, off > AGAINST_PRIOR)
     })
 }
 
