@@ -23,8 +23,10 @@ pub struct CloudPoint {
     pub pixel: Point2<f64>,
     /// sRGB.
     pub color: [u8; 3],
-    /// 1σ along the camera's ray, mm.
+    /// 1σ along the camera's ray, mm: of the match and of the rig together.
     pub sigma_mm: f64,
+    /// The part of it that differs from point to point, mm: the noise of the match. The rest is common to the whole cloud.
+    pub noise_mm: f64,
     /// Index of the slit; 0 when the match did not come from stripes.
     pub slit: u16,
     /// Between 0 and 1.

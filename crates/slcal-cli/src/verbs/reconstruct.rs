@@ -55,9 +55,9 @@ pub(super) fn run(args: &ReconstructArgs, printer: Printer) -> Outcome {
         }
         write_all(&files)?;
         if !args.json {
-            report(path, output, &result, args.images.len() > 1, printer)?;
+            report(path, output, result, args.images.len() > 1, printer)?;
         }
-        reports.push(Report::of(path, output, &result));
+        reports.push(Report::of(path, output, result));
     }
     if args.json {
         return print_json(&Reports { schema: "slcal-reconstruct/1", clouds: reports });

@@ -105,6 +105,7 @@ pub(super) mod tests {
             pixel: nalgebra::Point2::origin(),
             color: [0; 3],
             sigma_mm: 0.0,
+            noise_mm: 0.0,
             slit: 0,
             confidence: 1.0,
         };

@@ -26,6 +26,7 @@ fn test_cloud() -> crate::cloud::PointCloud {
         pixel: nalgebra::Point2::new(f64::NAN, f64::NAN),
         color: [i as u8, 2, 255],
         sigma_mm: 0.125,
+        noise_mm: 0.0625,
         slit: 60_000 + i,
         confidence: 0.75,
     };

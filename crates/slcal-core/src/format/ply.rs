@@ -15,7 +15,8 @@ fn malformed(detail: impl Into<String>) -> Error {
     Error::Malformed { what: WHAT, detail: detail.into() }
 }
 
-/// Writes a cloud as `binary_little_endian` 1.0: vertices with position, colour, σ, slit and confidence; faces when the
+/// Writes a cloud as `binary_little_endian` 1.0: vertices with position, colour, σ, slit, confidence and the
+/// noise that is part of σ; faces when the
 /// cloud has triangles. Positions are 32-bit floats.
 ///
 /// # Errors
@@ -38,6 +39,7 @@ fn write(cloud: &PointCloud, output: impl Write) -> std::io::Result<()> {
     writeln!(out, "property float x\nproperty float y\nproperty float z")?;
     writeln!(out, "property uchar red\nproperty uchar green\nproperty uchar blue")?;
     writeln!(out, "property float sigma\nproperty ushort slit\nproperty float confidence")?;
+    writeln!(out, "property float noise")?;
     if !cloud.triangles.is_empty() {
         writeln!(out, "element face {}\nproperty list uchar int vertex_indices", cloud.triangles.len())?;
     }
@@ -50,6 +52,7 @@ fn write(cloud: &PointCloud, output: impl Write) -> std::io::Result<()> {
         out.write_all(&(p.sigma_mm as f32).to_le_bytes())?;
         out.write_all(&p.slit.to_le_bytes())?;
         out.write_all(&(p.confidence as f32).to_le_bytes())?;
+        out.write_all(&(p.noise_mm as f32).to_le_bytes())?;
     }
     for t in &cloud.triangles {
         out.write_all(&[3])?;
@@ -308,13 +311,14 @@ fn read_vertices<R: BufRead>(
     let rgb = [["red", "r"], ["green", "g"], ["blue", "b"]].map(|n| find(&n));
     let float_color = rgb[0].is_some_and(|i| matches!(element.properties[i].kind, Type::F32 | Type::F64));
     let color_scale = if float_color { 255.0 } else { 1.0 };
-    let [sigma, slit, confidence] = ["sigma", "slit", "confidence"].map(|n| find(&[n]));
+    let [sigma, slit, confidence, noise] = ["sigma", "slit", "confidence", "noise"].map(|n| find(&[n]));
     for _ in 0..element.count {
         let mut p = CloudPoint {
             position: Point3::origin(),
             pixel: Point2::new(f64::NAN, f64::NAN),
             color: [0; 3],
             sigma_mm: 0.0,
+            noise_mm: 0.0,
             slit: 0,
             confidence: 1.0,
         };
@@ -329,6 +333,8 @@ fn read_vertices<R: BufRead>(
                 p.slit = v as u16;
             } else if confidence == Some(i) {
                 p.confidence = v;
+            } else if noise == Some(i) {
+                p.noise_mm = v;
             }
         })?;
         cloud.points.push(p);
@@ -378,7 +384,8 @@ mod tests {
             && a.points.iter().zip(&b.points).all(|(p, q)| {
                 p.position == q.position
                     && p.color == q.color
-                    && (p.sigma_mm, p.slit, p.confidence) == (q.sigma_mm, q.slit, q.confidence)
+                    && (p.sigma_mm, p.noise_mm, p.slit, p.confidence)
+                        == (q.sigma_mm, q.noise_mm, q.slit, q.confidence)
             })
     }
 

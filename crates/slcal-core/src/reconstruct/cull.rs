@@ -232,6 +232,7 @@ mod tests {
                     pixel: nalgebra::Point2::new(x, y),
                     color: [0; 3],
                     sigma_mm: 0.1,
+                    noise_mm: 0.1,
                     slit: k as u16,
                     confidence: 1.0,
                 });

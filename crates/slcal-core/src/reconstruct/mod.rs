@@ -39,7 +39,7 @@ pub struct ReconstructConfig {
 }
 
 /// A cloud and what happened on the way.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reconstruction {
     /// The points, and triangles if asked for.
     pub cloud: PointCloud,
@@ -57,6 +57,7 @@ pub struct Reconstructor {
     rig: Rig,
     pattern: StripePattern,
     config: ReconstructConfig,
+    result: Reconstruction,
 }
 
 impl Reconstructor {
@@ -87,14 +88,14 @@ impl Reconstructor {
         if config.frame == Frame::Plane {
             first_view(rig)?;
         }
-        Ok(Self { rig: rig.clone(), pattern: pattern.clone(), config })
+        Ok(Self { rig: rig.clone(), pattern: pattern.clone(), config, result: Reconstruction::default() })
     }
 
-    /// The cloud of one photograph.
+    /// The cloud of one photograph. It is the reconstructor's own, valid until the next photograph; clone it to keep it.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a photograph of another size than the rig's camera; what [`crate::decode::decode`] says.
-    pub fn reconstruct(&mut self, photo: PhotoView<'_>) -> Result<Reconstruction> {
+    pub fn reconstruct(&mut self, photo: PhotoView<'_>) -> Result<&Reconstruction> {
         self.reconstruct_frames(&DecodeInput { photo, black: None, white: None })
     }
 
@@ -102,7 +103,7 @@ impl Reconstructor {
     ///
     /// # Errors
     /// As [`Reconstructor::reconstruct`].
-    pub fn reconstruct_frames(&mut self, input: &DecodeInput<'_>) -> Result<Reconstruction> {
+    pub fn reconstruct_frames(&mut self, input: &DecodeInput<'_>) -> Result<&Reconstruction> {
         let camera = &self.rig.camera.model;
         let found = (input.photo.width(), input.photo.height());
         if found != (camera.width as usize, camera.height as usize) {
@@ -113,10 +114,10 @@ impl Reconstructor {
             ));
         }
         let decoding = decode_frames(input, &self.pattern, &self.config.decode)?;
-        let mut result = cloud_from_matches(&self.rig, &decoding.matches, &self.config)?;
-        check_possible(&result.triangulate, decoding.matches.items.len())?;
-        result.decode = Some(decoding.report);
-        Ok(result)
+        self.result = cloud_from_matches(&self.rig, &decoding.matches, &self.config)?;
+        check_possible(&self.result.triangulate, decoding.matches.items.len())?;
+        self.result.decode = Some(decoding.report);
+        Ok(&self.result)
     }
 }
 
@@ -130,7 +131,9 @@ pub fn reconstruct(
     input: &DecodeInput<'_>,
     config: &ReconstructConfig,
 ) -> Result<Reconstruction> {
-    Reconstructor::new(rig, pattern, *config)?.reconstruct_frames(input)
+    let mut scanner = Reconstructor::new(rig, pattern, *config)?;
+    scanner.reconstruct_frames(input)?;
+    Ok(scanner.result)
 }
 
 /// The cloud of matches from any decoder: triangulated, culled, in the frame asked for.

@@ -172,6 +172,7 @@ impl Pair {
             pixel: m.camera,
             color: m.color,
             sigma_mm,
+            noise_mm: sigma_mm,
             slit: m.slit.unwrap_or(0),
             confidence: m.confidence,
         })
