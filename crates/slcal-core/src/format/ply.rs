@@ -404,10 +404,10 @@ mod tests {
         write_ply(&cloud(Frame::Camera), &mut bytes).unwrap();
         let header = "ply\nformat binary_little_endian 1.0\ncomment units mm\ncomment frame camera\nelement vertex 4\n";
         assert!(bytes.starts_with(header.as_bytes()));
-        // x y z, rgb, sigma, slit, confidence: 12 + 3 + 4 + 2 + 4 bytes; a face: 1 + 12.
+        // x y z, rgb, sigma, slit, confidence, noise: 12 + 3 + 4 + 2 + 4 + 4 bytes; a face: 1 + 12.
         let end = b"end_header\n";
         let at = bytes.windows(end.len()).position(|w| w == end).unwrap() + end.len();
-        assert_eq!(bytes.len() - at, 4 * 25 + 2 * 13);
+        assert_eq!(bytes.len() - at, 4 * 29 + 2 * 13);
         assert_eq!(bytes[at + 8..at + 12], 1000.25_f32.to_le_bytes());
     }
 
