@@ -1,0 +1,7 @@
+"""Figures that are known to be missed."""
+
+# Figures that are missed, and why: printed as missed, counted apart, and no failure of the run. One that holds again is named,
+# so that its row here goes.
+KNOWN_SHORTFALLS = {
+    "real sheet 02: f_cam": "3.1 %: all five lie low by 0.6 to 3 %; the sheet bends in some, which no lens takes up",
+}
