@@ -112,7 +112,7 @@ fn the_name_tells_the_format_of_a_cloud() {
     let _ = bench.run("triangulate --rig rig.json m.csv -o t.xyz").ok();
     assert!(bench.text("t.xyz").lines().count() >= points);
     for line in [&format!("{line} -o c.stl"), "triangulate --rig rig.json m.csv -o t"] {
-        bench.run(line).fails(2, &[".ply, .xyz or .obj"]);
+        bench.run(line).fails(2, &[".ply, .pcd, .xyz, .obj or .glb"]);
     }
 }
 

@@ -24,7 +24,7 @@ pub(crate) struct ReconstructArgs {
     #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value = "auto",
           allow_hyphen_values = true)]
     pub(crate) cull: CullArg,
-    /// Where to write the cloud of one IMAGE: .ply, .xyz or .obj by the name; `-` for a PLY on stdout.
+    /// Where to write the cloud of one IMAGE: .ply, .pcd, .xyz, .obj or .glb by the name; `-` for a PLY on stdout.
     #[arg(short, long, value_name = "CLOUD.ply", group = "place")]
     pub(crate) output: Option<PathBuf>,
     /// Where to write the clouds, each named after its IMAGE; made when it does not exist.

@@ -19,7 +19,7 @@ pub(crate) struct TriangulateArgs {
     #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value = "off",
           allow_hyphen_values = true)]
     pub(crate) cull: CullArg,
-    /// Where to write the cloud: .ply, .xyz or .obj by the name; `-` for a PLY on stdout.
+    /// Where to write the cloud: .ply, .pcd, .xyz, .obj or .glb by the name; `-` for a PLY on stdout.
     #[arg(short, long, value_name = "CLOUD.ply")]
     pub(crate) output: PathBuf,
     /// Replace files that exist.

@@ -1,19 +1,23 @@
 //! Rigs, observations, patterns, matches and clouds as text and binary files, on any `Read` and `Write`.
 
 mod camera;
+mod glb;
 mod matches_csv;
 mod obj;
 mod observations_json;
 mod pattern_json;
+mod pcd;
 mod ply;
 mod rig_json;
 mod xyz;
 
 pub use camera::{KnownCamera, read_camera};
+pub use glb::write_glb;
 pub use matches_csv::{read_matches, write_matches};
 pub use obj::write_obj;
 pub use observations_json::{read_observations, write_observations};
 pub use pattern_json::{read_pattern, write_pattern};
+pub use pcd::write_pcd;
 pub use ply::{read_ply, write_ply};
 pub use rig_json::{read_rig, write_rig};
 pub use xyz::write_xyz;
