@@ -1,6 +1,6 @@
 //! Lens distortion: OpenCV's `plumb_bob` (Brown–Conrady) model.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix2, SMatrix, Vector2};
 use serde::{Deserialize, Serialize};
 
 /// Radial (k1, k2, k3) and tangential (p1, p2) coefficients on normalized image coordinates (x/z, y/z).
@@ -69,6 +69,20 @@ impl Distortion {
             cross,
             radial + x.y * x.y * slope + 6.0 * self.p1 * x.y + 2.0 * self.p2 * x.x,
         )
+    }
+
+    /// d(distorted)/d(k1, k2, p1, p2, k3) at an ideal point; the model is linear in its coefficients.
+    #[must_use]
+    pub fn coefficient_jacobian(x: Vector2<f64>) -> SMatrix<f64, 2, 5> {
+        let r2 = x.norm_squared();
+        let xy2 = 2.0 * x.x * x.y;
+        SMatrix::from_columns(&[
+            x * r2,
+            x * r2 * r2,
+            Vector2::new(xy2, r2 + 2.0 * x.y * x.y),
+            Vector2::new(r2 + 2.0 * x.x * x.x, xy2),
+            x * r2 * r2 * r2,
+        ])
     }
 
     /// The ideal position of a distorted normalized point, by Newton's method; `None` when there is none on the

@@ -1,10 +1,14 @@
 //! Matches + [`Rig`] → [`PointCloud`]: triangulation, removal of outliers, mesh.
 
 mod cull;
+mod light;
+mod sigma;
 mod triangulate;
+#[cfg(test)]
+mod triangulate_tests;
 
 pub use cull::{CullReport, CullRule, cull};
-pub use triangulate::{TriangulateConfig, TriangulateReport, triangulate};
+pub use triangulate::{TriangulateConfig, TriangulateReport, Triangulator, triangulate};
 
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};

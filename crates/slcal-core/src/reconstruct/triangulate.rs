@@ -1,13 +1,16 @@
-//! Camera ray ∩ projector light plane.
+//! Camera ray ∩ light of the projector.
 
-use nalgebra::{Matrix3, Point2, Point3, RowVector3, Vector3};
+use nalgebra::{Matrix2, Point3, Vector2};
 use serde::{Deserialize, Serialize};
 
+use super::light::{Hit, Light};
+use super::sigma::{CameraRay, RigSigma};
 use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::error::{Error, Result};
-use crate::geometry::{Camera, Pose};
+use crate::geometry::Camera;
 use crate::matches::{Match, Matches};
 use crate::rig::Rig;
+use crate::solve::median;
 
 /// Which intersections are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -15,16 +18,20 @@ use crate::rig::Rig;
 pub struct TriangulateConfig {
     /// Smallest angle between the camera's ray and the plane of light, rad; below, the point slides along the ray.
     pub min_angle_rad: f64,
-    /// 1σ of the projected position of a slit's centre, projector px (the projector's own pixels and optics).
+    /// 1σ of the projected position of a slit's centre, projector px, beside the noise of the match; different from slit to
+    /// slit. Zero unless it is known: the drawn centre is exact, and what the optics do belongs to the rig.
     pub projector_sigma_px: f64,
     /// How far outside the panel, as a share of its sides, the light of a point may come from before the match must be
     /// wrong.
     pub panel_margin: f64,
+    /// Whether to use several threads (where the crate was built with its feature `rayon`; without it, one thread does
+    /// the same). No bit of the result depends on it.
+    pub parallel: bool,
 }
 
 impl Default for TriangulateConfig {
     fn default() -> Self {
-        Self { min_angle_rad: 0.005, projector_sigma_px: 0.05, panel_margin: 0.05 }
+        Self { min_angle_rad: 0.005, projector_sigma_px: 0.0, panel_margin: 0.05, parallel: false }
     }
 }
 
@@ -46,8 +53,9 @@ impl TriangulateConfig {
     }
 }
 
-/// Matches that became no point, by reason.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+/// Points made, and matches that became no point, by reason.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct TriangulateReport {
     /// Points made.
     pub points: usize,
@@ -59,304 +67,337 @@ pub struct TriangulateReport {
     pub behind: usize,
     /// The light would come from outside the panel.
     pub outside_panel: usize,
+    /// Whether the rig has a covariance, so that its share is part of the points' σ; otherwise σ is noise alone.
+    pub rig_sigma_known: bool,
+    /// Median 1σ of a point along the camera's ray, mm.
+    pub median_sigma_mm: f64,
+    /// Median of the part of it that differs from point to point, mm.
+    pub median_noise_mm: f64,
+}
+
+impl TriangulateReport {
+    fn count(&mut self, refused: Refused) {
+        match refused {
+            Refused::Invalid => self.invalid += 1,
+            Refused::Grazing => self.grazing += 1,
+            Refused::Behind => self.behind += 1,
+            Refused::OutsidePanel => self.outside_panel += 1,
+        }
+    }
+
+    #[cfg(feature = "rayon")]
+    fn add(&mut self, other: &Self) {
+        self.invalid += other.invalid;
+        self.grazing += other.grazing;
+        self.behind += other.behind;
+        self.outside_panel += other.outside_panel;
+    }
 }
 
 /// Why a match is no point.
-enum Refused {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Refused {
     Invalid,
     Grazing,
     Behind,
     OutsidePanel,
 }
 
-/// Steps of the fixed-point iteration for the projector's distortion; each gains two or more digits.
-const DISTORTION_STEPS: usize = 20;
+/// Matches that are worked on in one go; what is carried from match to match never crosses the end of such a part, so that
+/// threads change nothing.
+const PART: usize = 4096;
+/// The rig's share of σ is computed anew for a slit once its crossing has moved by this share of the image's longer side.
+const SAME_SHARE: f64 = 1.0 / 128.0;
+/// Slits whose last share is remembered; patterns have fewer, and others only compute it more often.
+const REMEMBERED: usize = 128;
+/// The median σ is that of about so many points, spread evenly.
+const SAMPLE: usize = 1024;
+/// Coordinates of neighbouring slits tell the surface's slope when those to the left and to the right of a crossing agree
+/// to this factor; otherwise one of them lies on another surface.
+const SAME_SLOPE: f64 = 1.5;
 
-/// Intersects every match's camera ray with the light of its projector column, row, or both, in the camera's frame.
-///
-/// The camera's two equations and the projector's one form a 3×3 linear system per point (paper, eq. 17–19); with column
-/// and row, 4×3 in the least-squares sense. Lens distortion is undone first; that of the projector by iteration, since it
-/// depends on the coordinate that is not known.
+/// Intersects every match's camera ray with the light of its projector column, row, or both, in the camera's frame. See
+/// [`Triangulator`] for many frames.
 ///
 /// # Errors
-/// [`Error::Invalid`] for a rig without a projector or a configuration out of range.
+/// As [`Triangulator::new`].
 pub fn triangulate(
     rig: &Rig,
     matches: &Matches,
     config: &TriangulateConfig,
 ) -> Result<(PointCloud, TriangulateReport)> {
-    config.validate()?;
-    let (Some(projector), Some(stereo)) = (rig.projector, rig.stereo) else {
-        return Err(Error::invalid(
-            "rig",
-            "a calibrated projector (calibrate with --pattern)",
-            "a rig that holds the camera alone",
-        ));
-    };
-    let pair = Pair {
-        camera: rig.camera.model,
-        projector: projector.model,
-        pose: stereo.projector_from_camera,
-        config: *config,
-    };
-    let mut report = TriangulateReport::default();
-    let mut points = Vec::with_capacity(matches.items.len());
-    for m in &matches.items {
-        match pair.point(m) {
-            Ok(p) => points.push(p),
-            Err(Refused::Invalid) => report.invalid += 1,
-            Err(Refused::Grazing) => report.grazing += 1,
-            Err(Refused::Behind) => report.behind += 1,
-            Err(Refused::OutsidePanel) => report.outside_panel += 1,
-        }
-    }
-    report.points = points.len();
-    let cloud =
-        PointCloud { points, triangles: Vec::new(), frame: Frame::Camera, camera_centre: Point3::origin() };
+    let mut cloud = PointCloud::default();
+    let report = Triangulator::new(rig, *config)?.triangulate(matches, &mut cloud);
     Ok((cloud, report))
 }
 
-struct Pair {
-    camera: Camera,
-    projector: Camera,
-    pose: Pose,
+/// Matches → points with one rig; keeps its buffers.
+#[derive(Debug, Clone)]
+pub struct Triangulator {
     config: TriangulateConfig,
+    camera: Camera,
+    bent: bool,
+    /// d(x, y)/d(pixel) without distortion.
+    by_pixel: Matrix2<f64>,
+    light: Light,
+    rig: Option<RigSigma>,
+    same_px: f64,
+    sample: Vec<f64>,
+    #[cfg(feature = "rayon")]
+    parts: Vec<(Vec<CloudPoint>, TriangulateReport)>,
 }
 
-impl Pair {
-    fn point(&self, m: &Match) -> std::result::Result<CloudPoint, Refused> {
-        let finite = |x: Option<f64>| x.is_none_or(f64::is_finite);
-        if !(m.camera.x.is_finite()
-            && m.camera.y.is_finite()
-            && finite(m.projector_column)
-            && finite(m.projector_row))
-            || (m.projector_column.is_none() && m.projector_row.is_none())
-        {
-            return Err(Refused::Invalid);
-        }
-        let ray = self.camera.bearing(m.camera).ok_or(Refused::Invalid)?;
-        let (mut column, mut row) = (m.projector_column, m.projector_row);
-        let mut x = self.solve(&ray, column, row)?;
-        if !self.projector.distortion.is_none() {
-            for _ in 0..DISTORTION_STEPS {
-                // What the lens adds at the present estimate is taken off the coordinates that were observed.
-                let shift = self.lens_shift(&x).ok_or(Refused::Behind)?;
-                let corrected = |c: Option<f64>, s: f64| c.map(|c| c - s);
-                (column, row) = (corrected(m.projector_column, shift.x), corrected(m.projector_row, shift.y));
-                let next = self.solve(&ray, column, row)?;
-                let done = (next - x).norm() <= 1e-12 * next.coords.norm();
-                x = next;
-                if done {
-                    break;
-                }
-            }
-        }
-        let seen_by_projector = self.pose.transform(&x);
-        if !(x.z > 0.0 && seen_by_projector.z > 0.0) {
-            return Err(Refused::Behind);
-        }
-        let on_panel = self.projector.project(&seen_by_projector).ok_or(Refused::Behind)?;
-        let inside = |v: f64, size: u32| {
-            let margin = self.config.panel_margin * f64::from(size);
-            (-0.5 - margin..=f64::from(size) - 0.5 + margin).contains(&v)
+/// The rig's share of a slit's σ where it was last computed.
+#[derive(Clone, Copy)]
+struct Share {
+    at: Vector2<f64>,
+    coordinate: f64,
+    /// Over depth squared.
+    scaled: f64,
+}
+
+impl Triangulator {
+    /// Precomputes what does not change from frame to frame.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a rig without a projector or a configuration out of range.
+    pub fn new(rig: &Rig, config: TriangulateConfig) -> Result<Self> {
+        config.validate()?;
+        let (Some(projector), Some(stereo)) = (rig.projector, rig.stereo) else {
+            return Err(Error::invalid(
+                "rig",
+                "a calibrated projector (calibrate with --pattern)",
+                "a rig that holds the camera alone",
+            ));
         };
-        if !(inside(on_panel.x, self.projector.width) && inside(on_panel.y, self.projector.height)) {
-            return Err(Refused::OutsidePanel);
-        }
-        let sigma_mm = self.sigma(m, &ray, &x, column, row, seen_by_projector.z);
-        if !sigma_mm.is_finite() {
-            return Err(Refused::Grazing);
-        }
-        Ok(CloudPoint {
-            position: x,
-            pixel: m.camera,
-            color: m.color,
-            sigma_mm,
-            noise_mm: sigma_mm,
-            slit: m.slit.unwrap_or(0),
-            confidence: m.confidence,
+        let camera = rig.camera.model;
+        let k = &camera.intrinsics;
+        Ok(Self {
+            config,
+            camera,
+            bent: !camera.distortion.is_none(),
+            by_pixel: Matrix2::new(1.0 / k.fx, -k.skew / (k.fx * k.fy), 0.0, 1.0 / k.fy),
+            light: Light::new(
+                projector.model,
+                stereo.projector_from_camera,
+                config.min_angle_rad,
+                config.panel_margin,
+            ),
+            rig: RigSigma::of(rig),
+            same_px: SAME_SHARE * f64::from(camera.width.max(camera.height)),
+            sample: Vec::with_capacity(2 * SAMPLE),
+            #[cfg(feature = "rayon")]
+            parts: Vec::new(),
         })
     }
 
-    /// The plane of light of an ideal column or row c: n·X + d = 0 with (n, d) = row `axis` of K\[R|t\] less c times its last.
-    fn light_plane(&self, axis: usize, c: f64) -> (Vector3<f64>, f64) {
-        let k = self.projector.intrinsics.matrix();
-        let mut across = k.row(axis).into_owned();
-        across[2] -= c;
-        let across: RowVector3<f64> = across;
-        ((across * self.pose.rotation.matrix()).transpose(), (across * self.pose.translation)[0])
+    /// Replaces the content of `cloud` by the points of the matches, in the camera's frame and in their order.
+    ///
+    /// The camera's two equations and the projector's one form a 3×3 linear system per point (paper, eq. 17–19), which the
+    /// ray solves: a point at depth z on it satisfies the first two. Lens distortion is undone first; that of the projector
+    /// by Newton's method, since it depends on the coordinate that is not known. With column and row the point on the ray
+    /// is taken that lies nearest to both in projector pixels.
+    ///
+    /// σ of a point has two parts. That of the match is the noise of the camera position, carried to the panel by how fast
+    /// the projector's coordinate changes along the image there (measured between neighbouring slits of a line; where there
+    /// are none, as on a surface at constant depth) and from there along the ray. That of the rig follows from the
+    /// covariance of its parameters to first order; without a covariance it is left out and
+    /// [`TriangulateReport::rig_sigma_known`] is false.
+    pub fn triangulate(&mut self, matches: &Matches, cloud: &mut PointCloud) -> TriangulateReport {
+        cloud.frame = Frame::Camera;
+        cloud.camera_centre = Point3::origin();
+        cloud.triangles.clear();
+        cloud.points.clear();
+        cloud.points.reserve(matches.items.len());
+        let mut report = TriangulateReport::default();
+        self.all(&matches.items, &mut cloud.points, &mut report);
+        report.points = cloud.points.len();
+        report.rig_sigma_known = self.rig.is_some();
+        report.median_sigma_mm = self.middle(&cloud.points, |p| p.sigma_mm);
+        report.median_noise_mm = self.middle(&cloud.points, |p| p.noise_mm);
+        report
     }
 
-    fn solve(
+    fn all(&mut self, matches: &[Match], points: &mut Vec<CloudPoint>, report: &mut TriangulateReport) {
+        #[cfg(feature = "rayon")]
+        if self.config.parallel {
+            return self.in_threads(matches, points, report);
+        }
+        for start in (0..matches.len()).step_by(PART) {
+            self.part(matches, start, points, report);
+        }
+    }
+
+    #[cfg(feature = "rayon")]
+    fn in_threads(
+        &mut self,
+        matches: &[Match],
+        points: &mut Vec<CloudPoint>,
+        report: &mut TriangulateReport,
+    ) {
+        use rayon::prelude::*;
+        let mut parts = std::mem::take(&mut self.parts);
+        parts.resize_with(matches.len().div_ceil(PART), Default::default);
+        parts.par_iter_mut().enumerate().for_each(|(i, (points, report))| {
+            points.clear();
+            *report = TriangulateReport::default();
+            self.part(matches, i * PART, points, report);
+        });
+        for (of_part, count) in &parts {
+            points.extend_from_slice(of_part);
+            report.add(count);
+        }
+        self.parts = parts;
+    }
+
+    /// Appends the points of the matches from `start` on, [`PART`] at most.
+    fn part(
         &self,
-        ray: &Vector3<f64>,
-        column: Option<f64>,
-        row: Option<f64>,
-    ) -> std::result::Result<Point3<f64>, Refused> {
-        let mut normal = Matrix3::zeros();
-        let mut right = Vector3::zeros();
-        let f = self.camera.intrinsics.fx;
-        let light = [column.map(|c| self.light_plane(0, c)), row.map(|c| self.light_plane(1, c))];
-        let steepest = light
-            .iter()
-            .flatten()
-            .map(|(n, _)| (n.dot(ray) / (n.norm() * ray.norm())).abs())
-            .fold(0.0, f64::max);
-        if steepest.is_nan() || steepest < self.config.min_angle_rad.sin() {
-            return Err(Refused::Grazing);
-        }
-        if let [Some((n, d)), None] | [None, Some((n, d))] = light {
-            let a = Matrix3::new(1.0, 0.0, -ray.x, 0.0, 1.0, -ray.y, n.x, n.y, n.z);
-            let x = a.lu().solve(&Vector3::new(0.0, 0.0, -d)).ok_or(Refused::Grazing)?;
-            return Ok(Point3::from(x));
-        }
-        // Rows in pixels (times depth) of either device, so that their squares may be added.
-        let camera = [Vector3::new(f, 0.0, -f * ray.x), Vector3::new(0.0, f, -f * ray.y)];
-        for (n, d) in camera.into_iter().map(|n| (n, 0.0)).chain(light.into_iter().flatten()) {
-            normal += n * n.transpose();
-            right -= n * d;
-        }
-        normal.cholesky().map(|c| Point3::from(c.solve(&right))).ok_or(Refused::Grazing)
-    }
-
-    /// How far the projector's lens moves the pixel of a point, px.
-    fn lens_shift(&self, x: &Point3<f64>) -> Option<nalgebra::Vector2<f64>> {
-        let p = self.pose.transform(x);
-        let ideal = nalgebra::Vector2::new(p.x / p.z, p.y / p.z);
-        let k = &self.projector.intrinsics;
-        let shift = k.pixel(self.projector.distortion.distort(ideal)) - k.pixel(ideal);
-        (p.z > 0.0 && shift.x.is_finite() && shift.y.is_finite()).then_some(shift)
-    }
-
-    /// 1σ along the ray, mm: the camera position across the stripe and the slit's centre move the depth z of
-    /// n·(z·ray) + d = 0.
-    fn sigma(
-        &self,
-        m: &Match,
-        ray: &Vector3<f64>,
-        x: &Point3<f64>,
-        column: Option<f64>,
-        row: Option<f64>,
-        projector_depth: f64,
-    ) -> f64 {
-        let one = |axis: usize, c: f64| {
-            let (n, _) = self.light_plane(axis, c);
-            let step = Point2::new(f64::from(u8::from(axis == 0)), f64::from(u8::from(axis == 1)));
-            let moved = self.camera.bearing(m.camera + step.coords * 0.5);
-            let slope = moved.map_or(Vector3::zeros(), |r| (r - ray) * 2.0);
-            let along = n.dot(ray);
-            let by_camera = x.z * n.dot(&slope) / along * m.sigma_px;
-            let by_projector = projector_depth / along * self.config.projector_sigma_px;
-            (by_camera * by_camera + by_projector * by_projector).sqrt() * ray.norm()
-        };
-        match (column.map(|c| one(0, c)), row.map(|c| one(1, c))) {
-            (Some(a), Some(b)) => (a.powi(-2) + b.powi(-2)).powf(-0.5),
-            (a, b) => a.or(b).unwrap_or(f64::NAN),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::{Distortion, Intrinsics};
-    use crate::reconstruct::test_rig;
-
-    fn distorted() -> Rig {
-        let mut rig = test_rig();
-        rig.camera.model.distortion = Distortion { k1: -0.12, k2: 0.03, p1: 1e-3, p2: -5e-4, k3: 0.0 };
-        rig.camera.model.intrinsics = Intrinsics { fx: 1500.0, fy: 1480.0, skew: 1.5, cx: 700.0, cy: 420.0 };
-        let projector = &mut rig.projector.as_mut().unwrap().model;
-        projector.distortion = Distortion { k1: 0.05, k2: -0.02, p1: 1e-3, p2: 1e-3, k3: 0.0 };
-        projector.intrinsics = Intrinsics { fx: 1700.0, fy: 1690.0, skew: -0.7, cx: 511.5, cy: 768.0 };
-        rig
-    }
-
-    fn world() -> Vec<Point3<f64>> {
-        (0..60)
-            .map(|i| {
-                let i = f64::from(i);
-                Point3::new(
-                    (i * 1.7).sin() * 150.0,
-                    (i * 0.9).cos() * 40.0 - 30.0,
-                    1000.0 + (i * 0.37).sin() * 120.0,
-                )
-            })
-            .collect()
-    }
-
-    fn see(rig: &Rig, x: &Point3<f64>) -> Match {
-        let p = rig.stereo.unwrap().projector_from_camera.transform(x);
-        let on_panel = rig.projector.unwrap().model.project(&p).unwrap();
-        Match {
-            camera: rig.camera.model.project(x).unwrap(),
-            projector_column: Some(on_panel.x),
-            projector_row: Some(on_panel.y),
-            slit: None,
-            confidence: 1.0,
-            sigma_px: 0.1,
-            color: [0; 3],
-        }
-    }
-
-    #[test]
-    fn points_come_back_from_column_row_or_both_for_any_lens() {
-        let config = TriangulateConfig { panel_margin: 5.0, ..TriangulateConfig::default() };
-        for rig in [test_rig(), distorted()] {
-            let exact: Vec<Match> = world().iter().map(|x| see(&rig, x)).collect();
-            let column = exact.iter().map(|m| Match { projector_row: None, ..*m }).collect();
-            let row = exact.iter().map(|m| Match { projector_column: None, ..*m }).collect();
-            for items in [exact, column, row] {
-                let (cloud, report) = triangulate(&rig, &Matches { items }, &config).unwrap();
-                assert_eq!(report.points, 60);
-                for (p, x) in cloud.points.iter().zip(world()) {
-                    assert!((p.position - x).norm() < 1e-6, "{} for {x}", p.position);
-                }
+        matches: &[Match],
+        start: usize,
+        points: &mut Vec<CloudPoint>,
+        report: &mut TriangulateReport,
+    ) {
+        let nowhere = Share { at: Vector2::new(f64::INFINITY, 0.0), coordinate: f64::NAN, scaled: f64::NAN };
+        let mut shares = [nowhere; REMEMBERED];
+        for i in start..matches.len().min(start + PART) {
+            match self.point(matches, i, &mut shares) {
+                Ok(p) => points.push(p),
+                Err(refused) => report.count(refused),
             }
         }
     }
 
-    #[test]
-    fn sigma_is_the_scatter_of_noisy_matches() {
-        use rand::SeedableRng;
-        use rand_distr::{Distribution, Normal};
-        let rig = distorted();
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(3);
-        let config = TriangulateConfig { panel_margin: 5.0, ..TriangulateConfig::default() };
-        let x = Point3::new(40.0, -20.0, 950.0);
-        let truth = Match { projector_row: None, ..see(&rig, &x) };
-        let (camera, centre) = (Normal::new(0.0, 0.1).unwrap(), Normal::new(0.0, 0.05).unwrap());
-        let items: Vec<Match> = (0..4000)
-            .map(|_| {
-                let mut m = truth;
-                m.camera.x += camera.sample(&mut rng);
-                m.projector_column = m.projector_column.map(|c| c + centre.sample(&mut rng));
-                m
-            })
-            .collect();
-        let (cloud, _) = triangulate(&rig, &Matches { items }, &config).unwrap();
-        let direction = x.coords.normalize();
-        let variance =
-            cloud.points.iter().map(|p| (p.position - x).dot(&direction).powi(2)).sum::<f64>() / 4000.0;
-        let predicted = cloud.points[0].sigma_mm;
-        // 4000 draws know a σ to 1.1 %.
-        assert!((variance.sqrt() / predicted - 1.0).abs() < 0.05, "{} for {predicted}", variance.sqrt());
+    #[inline]
+    fn point(
+        &self,
+        matches: &[Match],
+        i: usize,
+        shares: &mut [Share; REMEMBERED],
+    ) -> std::result::Result<CloudPoint, Refused> {
+        let m = &matches[i];
+        let wanted = [m.projector_column, m.projector_row];
+        let known = wanted.iter().flatten();
+        if !(m.camera.x.is_finite() && m.camera.y.is_finite() && known.clone().all(|c| c.is_finite()))
+            || known.count() == 0
+            || !(m.sigma_px.is_finite() && m.sigma_px >= 0.0)
+        {
+            return Err(Refused::Invalid);
+        }
+        let ray = self.ray(m)?;
+        let hit = self.light.meet(&ray.in_projector, wanted)?;
+        let z = 1.0 / hit.inverse_depth;
+        let noise_mm = self.noise(matches, i, &ray, &hit);
+        let of_rig = self.rig_share(m, &ray, &hit, shares);
+        let sigma_mm = noise_mm.hypot(of_rig);
+        let position = Point3::from(ray.bearing * z);
+        if !(sigma_mm.is_finite() && z.is_finite()) {
+            return Err(Refused::Grazing);
+        }
+        let confidence = if m.confidence.is_finite() { m.confidence } else { 0.0 };
+        Ok(CloudPoint {
+            position,
+            pixel: m.camera,
+            color: m.color,
+            sigma_mm,
+            noise_mm,
+            slit: m.slit.unwrap_or(0),
+            confidence,
+        })
     }
 
-    #[test]
-    fn what_cannot_be_is_refused_and_counted() {
-        let rig = test_rig();
-        let good = Match { projector_row: None, ..see(&rig, &Point3::new(0.0, 0.0, 1000.0)) };
-        let none = Match { projector_column: None, ..good };
-        let nan = Match { camera: Point2::new(f64::NAN, 0.0), ..good };
-        // A column on the other side: the light meets the ray behind the camera.
-        let behind = Match { projector_column: good.projector_column.map(|c| c + 600.0), ..good };
-        let items = vec![good, none, nan, behind];
-        let (_, report) = triangulate(&rig, &Matches { items }, &TriangulateConfig::default()).unwrap();
-        assert_eq!((report.points, report.invalid), (1, 2));
-        assert_eq!(report.behind + report.outside_panel, 1);
-        let mut alone = rig;
-        alone.projector = None;
-        assert!(triangulate(&alone, &Matches::default(), &TriangulateConfig::default()).is_err());
+    #[inline]
+    fn ray(&self, m: &Match) -> std::result::Result<CameraRay, Refused> {
+        let bearing = self.camera.bearing(m.camera).ok_or(Refused::Invalid)?;
+        let by_pixel = if self.bent {
+            let unbent = self.camera.distortion.jacobian(bearing.xy()).try_inverse();
+            unbent.ok_or(Refused::Invalid)? * self.by_pixel
+        } else {
+            self.by_pixel
+        };
+        let in_projector = self.light.pose.rotation.matrix() * bearing;
+        Ok(CameraRay { bearing, in_projector, by_pixel, length: bearing.norm() })
+    }
+
+    /// 1σ along the ray from the noise of the match, mm.
+    #[inline]
+    fn noise(&self, matches: &[Match], i: usize, ray: &CameraRay, hit: &Hit) -> f64 {
+        let m = &matches[i];
+        let rotation = self.light.pose.rotation.matrix();
+        let mut variance = 0.0;
+        for c in hit.coordinates() {
+            // At constant depth, by either image coordinate, px per px.
+            let facing = [0, 1].map(|k| {
+                let step = ray.by_pixel.column(k);
+                c.h.dot(&(rotation.column(0) * step.x + rotation.column(1) * step.y)) / hit.depth_ratio
+            });
+            let across = across(m, facing);
+            let slope = surface_slope(matches, i, c.axis, across).unwrap_or(facing[across]);
+            let on_panel = (slope * m.sigma_px).powi(2) + self.config.projector_sigma_px.powi(2);
+            variance += on_panel * (c.weight / c.slope).powi(2);
+        }
+        variance.sqrt() * ray.length / (hit.inverse_depth * hit.inverse_depth)
+    }
+
+    /// 1σ along the ray from the rig, mm. Over the square of the depth it changes little along a slit, whose light is (nearly)
+    /// a plane: the last one is taken where it was computed close by.
+    #[inline]
+    fn rig_share(&self, m: &Match, ray: &CameraRay, hit: &Hit, shares: &mut [Share; REMEMBERED]) -> f64 {
+        let Some(rig) = &self.rig else { return 0.0 };
+        let z2 = 1.0 / (hit.inverse_depth * hit.inverse_depth);
+        let exact = || rig.along_ray(&self.camera, &self.light, ray, hit);
+        let (Some(slit), Some(coordinate), 1) =
+            (m.slit, m.projector_column.or(m.projector_row), hit.coordinates().count())
+        else {
+            return exact();
+        };
+        let last = &mut shares[usize::from(slit) % REMEMBERED];
+        let moved = (m.camera.coords - last.at).amax();
+        if last.coordinate.to_bits() != coordinate.to_bits() || moved > self.same_px {
+            *last = Share { at: m.camera.coords, coordinate, scaled: exact() / z2 };
+        }
+        last.scaled * z2
+    }
+
+    /// The median of some quantity over a sample of the points; 0 for none.
+    fn middle(&mut self, points: &[CloudPoint], what: impl Fn(&CloudPoint) -> f64) -> f64 {
+        self.sample.clear();
+        self.sample.extend(points.iter().step_by(points.len().div_ceil(SAMPLE).max(1)).map(what));
+        median(&mut self.sample).unwrap_or(0.0)
+    }
+}
+
+/// The image coordinate that was measured: stripes are found on lines of pixels, so that the other one is an integer. Where
+/// both are or neither is, the one by which the panel's coordinate changes faster.
+fn across(m: &Match, facing: [f64; 2]) -> usize {
+    let whole = [m.camera.x.fract() == 0.0, m.camera.y.fract() == 0.0];
+    match whole {
+        [false, true] => 0,
+        [true, false] => 1,
+        _ => usize::from(facing[1].abs() > facing[0].abs()),
+    }
+}
+
+/// How fast the panel's coordinate changes along a line of the image, px per px, from the neighbouring slits on it.
+fn surface_slope(matches: &[Match], i: usize, axis: usize, across: usize) -> Option<f64> {
+    let m = &matches[i];
+    let coordinate = |m: &Match| if axis == 0 { m.projector_column } else { m.projector_row };
+    let (slit, here) = (m.slit?, coordinate(m)?);
+    let to = |j: usize| {
+        let other = matches.get(j)?;
+        let same_line = other.camera[1 - across].to_bits() == m.camera[1 - across].to_bits();
+        let step = other.camera[across] - m.camera[across];
+        let slope = (coordinate(other)? - here) / step;
+        (same_line && other.slit?.abs_diff(slit) == 1 && slope.is_finite() && slope != 0.0)
+            .then_some((slope, step.abs()))
+    };
+    let (before, after) = (i.checked_sub(1).and_then(to), to(i + 1));
+    match (before, after) {
+        (Some((a, da)), Some((b, db))) if (1.0 / SAME_SLOPE..=SAME_SLOPE).contains(&(a / b)) => {
+            // Of the parabola through all three, here.
+            Some((a * db + b * da) / (da + db))
+        }
+        (Some(_), Some(_)) => None,
+        (one, other) => one.or(other).map(|(slope, _)| slope),
     }
 }

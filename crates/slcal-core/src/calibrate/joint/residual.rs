@@ -37,19 +37,6 @@ fn cross_matrix(v: &Vector3<f64>) -> Matrix3<f64> {
     v.cross_matrix()
 }
 
-/// d(distorted)/d(k1, k2, p1, p2, k3).
-fn coefficient_jacobian(x: Vector2<f64>) -> SMatrix<f64, 2, 5> {
-    let r2 = x.norm_squared();
-    let xy2 = 2.0 * x.x * x.y;
-    SMatrix::from_columns(&[
-        x * r2,
-        x * r2 * r2,
-        Vector2::new(xy2, r2 + 2.0 * x.y * x.y),
-        Vector2::new(r2 + 2.0 * x.x * x.x, xy2),
-        x * r2 * r2 * r2,
-    ])
-}
-
 /// Derivatives of m·D(x)·u by x and by (k1, k2, p1, p2, k3), where D is the distortion's Jacobian at x.
 fn slope_jacobian(
     d: &Distortion,
@@ -92,7 +79,7 @@ fn project(camera: &Camera, p: &Point3<f64>) -> Option<(Point2<f64>, Matrix2x3<f
     let mut lens = Lens2::zeros();
     lens.set_column(0, &(k * xd));
     lens.fixed_view_mut::<2, 2>(0, 1).fill_with_identity();
-    lens.fixed_view_mut::<2, 5>(0, 3).copy_from(&(k * coefficient_jacobian(x)));
+    lens.fixed_view_mut::<2, 5>(0, 3).copy_from(&(k * Distortion::coefficient_jacobian(x)));
     Some((camera.intrinsics.pixel(xd), by_ideal * ideal_by_point, lens))
 }
 
@@ -109,7 +96,7 @@ fn unproject(camera: &Camera, p: Point2<f64>) -> Option<(Vector2<f64>, Matrix2<f
     let mut lens = Lens2::zeros();
     lens.set_column(0, &(-(inverse * xd)));
     lens.fixed_view_mut::<2, 2>(0, 1).copy_from(&-by_pixel);
-    lens.fixed_view_mut::<2, 5>(0, 3).copy_from(&-(inverse * coefficient_jacobian(x)));
+    lens.fixed_view_mut::<2, 5>(0, 3).copy_from(&-(inverse * Distortion::coefficient_jacobian(x)));
     Some((x, by_pixel, lens))
 }
 

@@ -1,0 +1,195 @@
+//! Where a camera's ray meets the light of a projector column or row.
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+
+use super::triangulate::Refused;
+use crate::geometry::{Camera, Pose};
+
+/// Newton's iteration has converged when a step is below this share of the inverse depth; as every step squares the
+/// error, what is left is rounding.
+const CONVERGED: f64 = 1e-10;
+/// Three or four steps do for any lens; more are needed where column and row contradict each other.
+const MAX_STEPS: usize = 30;
+
+/// The projector as a source of light, in the camera's frame.
+#[derive(Debug, Clone)]
+pub(super) struct Light {
+    pub(super) projector: Camera,
+    pub(super) pose: Pose,
+    bent: bool,
+    least_sin2: f64,
+    panel: [std::ops::RangeInclusive<f64>; 2],
+}
+
+/// A coordinate on the panel as a function of the point, to first order: its gradient by the point in the projector's
+/// frame is `h`/(depth), and `h` is perpendicular to the ray from the projector.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Coordinate {
+    /// 0 for a column, 1 for a row.
+    pub(super) axis: usize,
+    /// Gradient times depth, px.
+    pub(super) h: Vector3<f64>,
+    /// Change with the inverse depth at a fixed ray, px·mm.
+    pub(super) slope: f64,
+    /// Its part in the result: one, or two that sum to one.
+    pub(super) weight: f64,
+}
+
+/// A point of light on a ray.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Hit {
+    /// 1/z in the camera's frame, 1/mm.
+    pub(super) inverse_depth: f64,
+    /// Where the light leaves the projector: ideal normalized point.
+    pub(super) ideal: Vector2<f64>,
+    /// Depth in the projector over depth in the camera.
+    pub(super) depth_ratio: f64,
+    /// By column and by row.
+    pub(super) of: [Option<Coordinate>; 2],
+}
+
+impl Hit {
+    pub(super) fn coordinates(&self) -> impl Iterator<Item = &Coordinate> {
+        self.of.iter().flatten()
+    }
+}
+
+impl Light {
+    pub(super) fn new(projector: Camera, pose: Pose, min_angle_rad: f64, panel_margin: f64) -> Self {
+        let side = |size: u32| {
+            let margin = panel_margin * f64::from(size);
+            -0.5 - margin..=f64::from(size) - 0.5 + margin
+        };
+        Self {
+            projector,
+            pose,
+            bent: !projector.distortion.is_none(),
+            least_sin2: min_angle_rad.sin().powi(2),
+            panel: [side(projector.width), side(projector.height)],
+        }
+    }
+
+    /// The point of the ray `q` (the camera's (x, y, 1) turned into the projector's frame) that is lit by the given
+    /// column, row, or both.
+    ///
+    /// Of an ideal column c the light is the plane h·X = 0 through the projector's centre with h = (fx, s, cx − c), so that
+    /// h·(z·q + t) = 0 gives the depth z in closed form (paper, eq. 17–19, solved on the ray). Where the lens bends it, or
+    /// column and row overdetermine the depth, Newton (Gauss–Newton on the residuals in px) goes on from there. The unknown
+    /// is 1/z, in which a coordinate on the panel is nearly linear, and which passes through zero at infinity.
+    #[inline]
+    pub(super) fn meet(&self, q: &Vector3<f64>, wanted: [Option<f64>; 2]) -> Result<Hit, Refused> {
+        let mut inverse_depth = self.start(q, wanted);
+        if !inverse_depth.is_finite() {
+            return Err(Refused::Grazing);
+        }
+        let mut hit = self.at(q, inverse_depth, wanted)?;
+        if self.bent || (wanted[0].is_some() && wanted[1].is_some()) {
+            let mut steps = 0;
+            loop {
+                let step = self.step(&hit, wanted);
+                inverse_depth -= step;
+                if !inverse_depth.is_finite() {
+                    return Err(Refused::Grazing);
+                }
+                hit = self.at(q, inverse_depth, wanted)?;
+                if step.abs() <= CONVERGED * inverse_depth.abs() {
+                    break;
+                }
+                steps += 1;
+                if steps == MAX_STEPS {
+                    return Err(Refused::Invalid);
+                }
+            }
+        }
+        self.check(q, &hit)?;
+        Ok(hit)
+    }
+
+    /// Behind, grazing and outside the panel.
+    #[inline]
+    fn check(&self, q: &Vector3<f64>, hit: &Hit) -> Result<(), Refused> {
+        let least = self.least_sin2 * q.norm_squared();
+        if !hit.coordinates().any(|c| c.h.dot(q).powi(2) >= least * c.h.norm_squared()) {
+            return Err(Refused::Grazing);
+        }
+        if !(hit.inverse_depth > 0.0 && hit.depth_ratio > 0.0) {
+            return Err(Refused::Behind);
+        }
+        let lit = self.pixel(hit.ideal);
+        if !(self.panel[0].contains(&lit.x) && self.panel[1].contains(&lit.y)) {
+            return Err(Refused::OutsidePanel);
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn pixel(&self, ideal: Vector2<f64>) -> Vector2<f64> {
+        let at = if self.bent { self.projector.distortion.distort(ideal) } else { ideal };
+        self.projector.intrinsics.pixel(at).coords
+    }
+
+    /// The rows of K's 2×2 part.
+    pub(super) fn k_row(&self, axis: usize) -> Vector2<f64> {
+        let k = &self.projector.intrinsics;
+        if axis == 0 { Vector2::new(k.fx, k.skew) } else { Vector2::new(0.0, k.fy) }
+    }
+
+    /// 1/z without distortion, by the coordinate that shows it better.
+    #[inline]
+    fn start(&self, q: &Vector3<f64>, wanted: [Option<f64>; 2]) -> f64 {
+        let centre = self.projector.intrinsics.principal_point();
+        let (mut best, mut inverse_depth) = (0.0, f64::NAN);
+        for (axis, c) in wanted.into_iter().enumerate() {
+            let Some(c) = c else { continue };
+            let k = self.k_row(axis);
+            let h = Vector3::new(k.x, k.y, centre[axis] - c);
+            let by_translation = h.dot(&self.pose.translation);
+            if by_translation.abs() > best {
+                best = by_translation.abs();
+                inverse_depth = -h.dot(q) / by_translation;
+            }
+        }
+        inverse_depth
+    }
+
+    /// What is seen from the projector of the ray's point at an inverse depth.
+    #[inline]
+    fn at(&self, q: &Vector3<f64>, inverse_depth: f64, wanted: [Option<f64>; 2]) -> Result<Hit, Refused> {
+        let t = &self.pose.translation;
+        let p = q + t * inverse_depth;
+        if p.z.is_nan() || p.z <= 0.0 {
+            return Err(Refused::Behind);
+        }
+        let ideal = p.xy() / p.z;
+        let bend = if self.bent { self.projector.distortion.jacobian(ideal) } else { Matrix2::identity() };
+        let turned_over = bend.determinant();
+        if turned_over.is_nan() || turned_over <= 0.0 {
+            // Beyond the fold of the model: no light leaves there.
+            return Err(Refused::OutsidePanel);
+        }
+        let coordinate = |axis: usize| {
+            let k = self.k_row(axis);
+            let by_ideal = if self.bent { bend.tr_mul(&k) } else { k };
+            let h = Vector3::new(by_ideal.x, by_ideal.y, -by_ideal.dot(&ideal));
+            Coordinate { axis, h, slope: h.dot(t) / p.z, weight: 1.0 }
+        };
+        let mut of = [wanted[0].map(|_| coordinate(0)), wanted[1].map(|_| coordinate(1))];
+        if let [Some(a), Some(b)] = &mut of {
+            let sum = a.slope * a.slope + b.slope * b.slope;
+            a.weight = a.slope * a.slope / sum;
+            b.weight = b.slope * b.slope / sum;
+        }
+        Ok(Hit { inverse_depth, ideal, depth_ratio: p.z, of })
+    }
+
+    /// The step of 1/z that brings the coordinates nearest to those observed.
+    fn step(&self, hit: &Hit, wanted: [Option<f64>; 2]) -> f64 {
+        let lit = self.pixel(hit.ideal);
+        let off = |axis: usize| {
+            hit.of[axis]
+                .zip(wanted[axis])
+                .map_or(0.0, |(of, wanted)| of.weight * (lit[axis] - wanted) / of.slope)
+        };
+        off(0) + off(1)
+    }
+}

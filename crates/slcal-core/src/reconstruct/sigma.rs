@@ -1,0 +1,136 @@
+//! The rig's share of a point's σ.
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+
+use super::light::{Hit, Light};
+use crate::geometry::{Camera, Distortion};
+use crate::rig::Rig;
+
+const LENS: usize = 8;
+const LENS_NAMES: [&str; LENS] = ["focal_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2", "k3"];
+const POSE_NAMES: [&str; 6] = ["rx_rad", "ry_rad", "rz_rad", "tx_mm", "ty_mm", "tz_mm"];
+const ALL: usize = 2 * LENS + POSE_NAMES.len();
+
+/// A camera's ray: what the rig's share needs of it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CameraRay {
+    /// (x, y, 1) in the camera's frame.
+    pub(super) bearing: Vector3<f64>,
+    /// The same in the projector's.
+    pub(super) in_projector: Vector3<f64>,
+    /// d(x, y)/d(pixel).
+    pub(super) by_pixel: Matrix2<f64>,
+    pub(super) length: f64,
+}
+
+/// The covariance of the devices and of the transform between them.
+#[derive(Debug, Clone)]
+pub(super) struct RigSigma {
+    /// Which of the parameters (camera, projector, transform) row i belongs to.
+    parameters: Vec<usize>,
+    /// Row by row.
+    matrix: Vec<f64>,
+}
+
+/// The place of a parameter by its name; `None` for unknown names.
+fn place(name: &str) -> Option<usize> {
+    let (of, name) = name.split_once('.')?;
+    let find = |names: &[&str]| names.iter().position(|n| *n == name);
+    match of {
+        "camera" => find(&LENS_NAMES),
+        "projector" => find(&LENS_NAMES).map(|i| LENS + i),
+        "projector_from_camera" => find(&POSE_NAMES).map(|i| 2 * LENS + i),
+        _ => None,
+    }
+}
+
+impl RigSigma {
+    /// From the rig's covariance; `None` where it has none, or one of parameters that are not known here, or one that is
+    /// no matrix of finite numbers.
+    pub(super) fn of(rig: &Rig) -> Option<Self> {
+        let covariance = rig.covariance.as_ref()?;
+        // Poses of the sheet play no part.
+        let names = covariance.parameters.iter().enumerate().filter(|(_, n)| !n.starts_with("views["));
+        let places: Vec<(usize, usize)> =
+            names.map(|(row, n)| place(n).map(|p| (row, p))).collect::<Option<_>>()?;
+        let mut matrix = Vec::with_capacity(places.len() * places.len());
+        for (i, _) in &places {
+            for (j, _) in &places {
+                matrix.push(*covariance.matrix.get((*i, *j)).filter(|x| x.is_finite())?);
+            }
+        }
+        let parameters: Vec<usize> = places.iter().map(|(_, p)| *p).collect();
+        (!parameters.is_empty()).then_some(Self { parameters, matrix })
+    }
+
+    /// 1σ along the camera's ray, mm, to first order.
+    pub(super) fn along_ray(&self, camera: &Camera, light: &Light, ray: &CameraRay, hit: &Hit) -> f64 {
+        let all = gradient(camera, light, ray, hit);
+        let n = self.parameters.len();
+        let mut g = [0.0; ALL];
+        for (to, from) in g.iter_mut().zip(&self.parameters) {
+            *to = all[*from];
+        }
+        let g = &g[..n.min(ALL)];
+        let rows = self.matrix.chunks_exact(n);
+        let row = |row: &[f64]| row.iter().zip(g).map(|(m, x)| m * x).sum::<f64>();
+        let variance: f64 = rows.zip(g).map(|(r, x)| row(r) * x).sum();
+        variance.max(0.0).sqrt()
+    }
+}
+
+/// Derivatives of a point's position along its ray by all parameters, mm per unit.
+///
+/// The camera's parameters move the ray (by δb), and the point stays on it and in the light: with the light's coordinate
+/// u(X) and the point z·b, ∇u·δ(z·b) + δu = 0. The displacement along the ray is that of the depth and that of the ray
+/// itself, |b|·δz + z·(b·δb)/|b|.
+fn gradient(camera: &Camera, light: &Light, ray: &CameraRay, hit: &Hit) -> [f64; ALL] {
+    let z = 1.0 / hit.inverse_depth;
+    let (b, q) = (&ray.bearing, &ray.in_projector);
+    // What a displacement of the ray's direction, per unit of (x, y), does to the result.
+    let mut by_ray = b.xy() * (z / ray.length);
+    let mut out = [0.0; ALL];
+    for c in hit.coordinates() {
+        let factor = -c.weight * ray.length / c.h.dot(q);
+        by_ray += light.pose.rotation.matrix().tr_mul(&c.h).xy() * (z * factor);
+        // Times the depth in the projector, as are the gradients of the lens.
+        let depth = hit.depth_ratio * z;
+        let of_lens = lens_gradient(light, hit.ideal, c.axis);
+        for (o, g) in out[LENS..2 * LENS].iter_mut().zip(of_lens) {
+            *o += factor * depth * g;
+        }
+        let turn = q.cross(&c.h) * z;
+        for k in 0..3 {
+            out[2 * LENS + k] += factor * turn[k];
+            out[2 * LENS + 3 + k] += factor * c.h[k];
+        }
+    }
+    let ideal = b.xy();
+    let (distorted, unbent) = if camera.distortion.is_none() {
+        (ideal, Matrix2::identity())
+    } else {
+        let k = &camera.intrinsics;
+        (camera.distortion.distort(ideal), ray.by_pixel * Matrix2::new(k.fx, k.skew, 0.0, k.fy))
+    };
+    let by_distorted = -unbent.tr_mul(&by_ray);
+    out[0] = by_distorted.dot(&distorted) / camera.intrinsics.fx;
+    let by_centre = -ray.by_pixel.tr_mul(&by_ray);
+    (out[1], out[2]) = (by_centre.x, by_centre.y);
+    let coefficients = Distortion::coefficient_jacobian(ideal);
+    for (i, column) in coefficients.column_iter().enumerate() {
+        out[3 + i] = by_distorted.dot(&column);
+    }
+    out
+}
+
+/// Derivatives of one coordinate of the pixel of an ideal point by the projector's lens.
+fn lens_gradient(light: &Light, ideal: Vector2<f64>, axis: usize) -> [f64; LENS] {
+    let row = light.k_row(axis);
+    let mut out = [0.0; LENS];
+    out[0] = row.dot(&light.projector.distortion.distort(ideal)) / light.projector.intrinsics.fx;
+    out[1 + axis] = 1.0;
+    for (o, column) in out[3..].iter_mut().zip(Distortion::coefficient_jacobian(ideal).column_iter()) {
+        *o = row.dot(&column);
+    }
+    out
+}
