@@ -19,7 +19,7 @@ const MAY_USE: [(&str, &[&str]); 12] = [
     ("evaluate", &["geometry", "solve"]),
     ("format", &["geometry", "pattern"]),
     // Runs the estimators and compares with the truth; nothing depends on it.
-    ("simulate", &["geometry", "solve", "pattern", "calibrate", "reconstruct"]),
+    ("simulate", &["geometry", "solve", "photo", "pattern", "calibrate", "reconstruct"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

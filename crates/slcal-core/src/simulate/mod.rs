@@ -3,14 +3,16 @@
 //! [`RigConfig`] describes a camera, a projector and a sheet; [`Scene`] is that rig in given poses and makes
 //! [`Observations`](crate::Observations) with seeded noise; [`NoiseExperiment`] is the synthetic experiment of
 //! R. Orghidan, J. Salvi, M. Gordan, C. Florea, J. Batlle, "Structured light self-calibration with vanishing points",
-//! Machine Vision and Applications 25:489-500 (2014), Fig. 7–11, with the Cramér–Rao bound beside. Compiled with the
-//! feature `simulate`.
+//! Machine Vision and Applications 25:489-500 (2014), Fig. 7–11, with the Cramér–Rao bound beside.
+//! [`Photographer`] takes photographs of a rig before surfaces, with the truth of every pixel. Compiled with the feature
+//! `simulate`.
 
 mod bound;
 mod csv;
 mod cube;
 mod draws;
 mod experiment;
+mod photograph;
 mod poses;
 mod rig_config;
 mod scene;
@@ -24,6 +26,7 @@ pub use experiment::{
     LevelReport, MethodName, MethodReport, NoiseConfig, NoiseExperiment, NoiseReport, PrincipalPoints,
     TrueValues,
 };
+pub use photograph::{Photographer, RenderConfig, Seen, Shape, Shown, Surface, TriangleMesh, Truth};
 pub use poses::{PoseConfig, SpreadConfig, spread_poses};
 pub use rig_config::RigConfig;
 pub use scene::{NoiseModel, Scene};

@@ -1,0 +1,131 @@
+//! How a photograph is taken: light, lens blur, sensor.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::photo::Encoding;
+
+/// Blur beyond this leaves nothing of any pattern, px.
+const MOST_BLUR_PX: f64 = 50.0;
+/// Noise beyond the whole range is no photograph, grey levels of 255.
+const MOST_NOISE_LEVELS: f64 = 255.0;
+/// Exposure and ambient light beyond this saturate everything, or show nothing, whatever the scene.
+const MOST_LIGHT: f64 = 1000.0;
+/// More samples per side of a pixel than this change nothing that 16 bit would show.
+const MOST_SAMPLES: u32 = 16;
+
+/// Light, lens and sensor. The default is a good photograph: sharp to a pixel, a grey level of noise.
+///
+/// Linear light of a pixel before the lens's blur: exposure · crosstalk · (albedo ∘ (ambient + E · (black + (1 − black) · P))),
+/// where P is what the projector shows (0–1), and E the cosine of the angle at which its light falls in, times the
+/// square of (reference distance / distance from the projector). One is full scale.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RenderConfig {
+    /// Linear light, as a share of full scale, of a white surface that faces the projector at the reference distance under
+    /// full light; default 0.8.
+    pub exposure: f64,
+    /// Distance from the projector at which its light is one, mm; default `None`: the median distance of all lit pixels.
+    pub reference_mm: Option<f64>,
+    /// Light that falls on everything from everywhere, red, green, blue, as a share of the projector's; default 0.03.
+    pub ambient: [f64; 3],
+    /// Light of pixels that see no surface, on the scale of albedo · (light), red, green, blue; default 0.01.
+    pub background: [f64; 3],
+    /// What the projector sends out where it shows black, as a share of full light; default 0.
+    pub projector_black: f64,
+    /// σ of the projector's Gaussian blur, panel px; default 0: its pixels are sharp squares.
+    pub projector_blur_px: f64,
+    /// Light of each channel of the camera (rows) by channel of the light (columns); default the identity.
+    pub crosstalk: [[f64; 3]; 3],
+    /// σ of the camera's Gaussian blur, px, on top of the square pixels themselves; default 0.6.
+    pub blur_px: f64,
+    /// σ of the Gaussian noise of every sample, in grey levels (of 255, also with 16 bit) of the encoded picture; default 1.
+    pub noise_levels: f64,
+    /// Seed of the noise; default 1.
+    pub seed: u64,
+    /// Transfer curve of the picture; default sRGB.
+    pub encoding: Encoding,
+    /// 8 or 16 bit per sample; default 8.
+    pub bits: u8,
+    /// Rays per side of those pixels that hold an edge of something; smooth ones are averaged exactly. Default 4.
+    pub samples: u32,
+}
+
+impl Default for RenderConfig {
+    fn default() -> Self {
+        Self {
+            exposure: 0.8,
+            reference_mm: None,
+            ambient: [0.03; 3],
+            background: [0.01; 3],
+            projector_black: 0.0,
+            projector_blur_px: 0.0,
+            crosstalk: Self::neighbour_crosstalk(0.0),
+            blur_px: 0.6,
+            noise_levels: 1.0,
+            seed: 1,
+            encoding: Encoding::Srgb,
+            bits: 8,
+            samples: 4,
+        }
+    }
+}
+
+fn within(what: &str, value: f64, [least, most]: [f64; 2], unit: &str) -> Result<()> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::invalid(what, format!("{least} to {most}{unit}"), format!("{value}{unit}")))
+}
+
+impl RenderConfig {
+    /// No blur, no noise, no crosstalk, 16 bit: what the geometry alone makes.
+    #[must_use]
+    pub fn exact() -> Self {
+        Self { blur_px: 0.0, noise_levels: 0.0, bits: 16, ..Self::default() }
+    }
+
+    /// The crosstalk matrix in which each channel gets `share` of the light of each channel next to it in the order red,
+    /// green, blue. Its rows are normalised: white stays white.
+    #[must_use]
+    pub fn neighbour_crosstalk(share: f64) -> [[f64; 3]; 3] {
+        let row = |r: [f64; 3]| r.map(|c| c / r.iter().sum::<f64>());
+        [row([1.0, share, 0.0]), row([share, 1.0, share]), row([0.0, share, 1.0])]
+    }
+
+    /// Checks the values.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the value, its range and what was given.
+    pub fn validate(&self) -> Result<()> {
+        let light = [0.0, MOST_LIGHT];
+        if !(self.exposure > 0.0 && self.exposure <= MOST_LIGHT) {
+            return Err(Error::invalid(
+                "exposure",
+                format!("more than 0, at most {MOST_LIGHT}"),
+                self.exposure,
+            ));
+        }
+        if let Some(d) = self.reference_mm.filter(|d| !(d.is_finite() && *d > 0.0)) {
+            return Err(Error::invalid("reference distance", "a positive length", format!("{d} mm")));
+        }
+        for channel in 0..3 {
+            within("ambient light", self.ambient[channel], light, "")?;
+            within("background", self.background[channel], light, "")?;
+        }
+        for m in self.crosstalk.as_flattened() {
+            within("crosstalk", *m, [0.0, 1.0], "")?;
+        }
+        within("the projector's black", self.projector_black, [0.0, 1.0], "")?;
+        within("the projector's blur", self.projector_blur_px, [0.0, MOST_BLUR_PX], " px")?;
+        within("blur", self.blur_px, [0.0, MOST_BLUR_PX], " px")?;
+        within("noise", self.noise_levels, [0.0, MOST_NOISE_LEVELS], " grey levels")?;
+        if ![8, 16].contains(&self.bits) {
+            return Err(Error::invalid("bits per sample", "8 or 16", self.bits));
+        }
+        if !(1..=MOST_SAMPLES).contains(&self.samples) {
+            return Err(Error::invalid("samples per side", format!("1 to {MOST_SAMPLES}"), self.samples));
+        }
+        self.encoding.validate()
+    }
+}

@@ -1,0 +1,175 @@
+//! Triangle meshes, with a tree of boxes so that a ray asks a few triangles only.
+
+use nalgebra::{Point3, Vector3};
+
+use super::surface::Hit;
+use crate::error::{Error, Result};
+use crate::geometry::{Pose, Ray};
+
+/// Triangles in a leaf of the tree: below, boxes cost more than triangles.
+const LEAF: usize = 4;
+/// Deeper than any tree of halves over 2³² triangles.
+const DEPTH: usize = 64;
+/// Rays through an edge hit both triangles rather than none.
+const EDGE: f64 = 1e-12;
+
+/// A mesh in the camera's frame, mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TriangleMesh {
+    pub(super) vertices: Vec<Point3<f64>>,
+    /// In the order of the tree's leaves.
+    pub(super) triangles: Vec<[u32; 3]>,
+    nodes: Vec<Node>,
+}
+
+/// A box around the triangles from `start` on: a leaf when `count` is not zero, else its children are the next node and
+/// the one at `start`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Node {
+    least: Point3<f64>,
+    most: Point3<f64>,
+    start: u32,
+    count: u32,
+}
+
+impl TriangleMesh {
+    /// A mesh of vertices and triples of their numbers. Triangles without area are left out.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for numbers of vertices that there are not, coordinates that are not finite, and when no triangle
+    /// is left.
+    pub fn new(vertices: Vec<Point3<f64>>, mut triangles: Vec<[u32; 3]>) -> Result<Self> {
+        if vertices.iter().any(|v| !v.iter().all(|x| x.is_finite())) {
+            return Err(Error::invalid("mesh", "finite coordinates", "a vertex that has none"));
+        }
+        if let Some(i) = triangles.as_flattened().iter().find(|&&i| i as usize >= vertices.len()) {
+            let expected = format!("triangles of its {} vertices", vertices.len());
+            return Err(Error::invalid("mesh", expected, format!("one with vertex {i}")));
+        }
+        triangles.retain(|t| {
+            let [a, b, c] = t.map(|i| vertices[i as usize]);
+            (b - a).cross(&(c - a)).norm_squared() > 0.0
+        });
+        if triangles.is_empty() {
+            return Err(Error::invalid(
+                "mesh",
+                "triangles (a cloud of points alone has no surface: reconstruct it with --mesh)",
+                format!("{} vertices and no triangle with an area", vertices.len()),
+            ));
+        }
+        let mut mesh = Self { vertices, triangles, nodes: Vec::new() };
+        let mut triangles = std::mem::take(&mut mesh.triangles);
+        mesh.build(&mut triangles, 0);
+        mesh.triangles = triangles;
+        Ok(mesh)
+    }
+
+    /// Number of triangles.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Opposite corners of the smallest upright box around the mesh.
+    #[must_use]
+    pub fn bounds(&self) -> [Point3<f64>; 2] {
+        self.nodes.first().map_or([Point3::origin(); 2], |n| [n.least, n.most])
+    }
+
+    /// The same mesh, its coordinates multiplied by `scale` and then moved.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when that leaves nothing of it.
+    pub fn placed(&self, scale: f64, camera_from_mesh: &Pose) -> Result<Self> {
+        let vertices = self.vertices.iter().map(|v| camera_from_mesh.transform(&(v * scale))).collect();
+        Self::new(vertices, self.triangles.clone())
+    }
+
+    /// Sorts `triangles` (from number `start` on) into a subtree.
+    fn build(&mut self, triangles: &mut [[u32; 3]], start: usize) {
+        let corner = |t: &[u32; 3], k: usize| self.vertices[t[k] as usize];
+        let mut least = Point3::from(Vector3::repeat(f64::INFINITY));
+        let mut most = Point3::from(Vector3::repeat(f64::NEG_INFINITY));
+        for t in triangles.iter() {
+            for k in 0..3 {
+                least = least.inf(&corner(t, k));
+                most = most.sup(&corner(t, k));
+            }
+        }
+        let here = self.nodes.len();
+        let leaf = Node { least, most, start: start as u32, count: triangles.len() as u32 };
+        if triangles.len() <= LEAF {
+            self.nodes.push(leaf);
+            return;
+        }
+        let axis = (most - least).imax();
+        let middle = |t: &[u32; 3]| (0..3).map(|k| corner(t, k)[axis]).sum::<f64>();
+        let half = triangles.len() / 2;
+        triangles.select_nth_unstable_by(half, |a, b| middle(a).total_cmp(&middle(b)));
+        self.nodes.push(Node { count: 0, ..leaf });
+        let (left, right) = triangles.split_at_mut(half);
+        self.build(left, start);
+        self.nodes[here].start = self.nodes.len() as u32;
+        self.build(right, start + half);
+    }
+
+    /// The nearest triangle on a ray.
+    pub(super) fn meet(&self, ray: &Ray, [after, before]: [f64; 2]) -> Option<Hit> {
+        let inverse = ray.direction.map(f64::recip);
+        let mut best: Option<Hit> = None;
+        let mut limit = before;
+        let (mut stack, mut height) = ([0_u32; DEPTH], 1);
+        while height > 0 {
+            height -= 1;
+            let index = stack[height];
+            let Some(node) = self.nodes.get(index as usize) else { continue };
+            if !node.crosses(ray, &inverse, [after, limit]) {
+                continue;
+            }
+            if node.count == 0 && height + 2 <= DEPTH {
+                stack[height] = node.start;
+                stack[height + 1] = index + 1;
+                height += 2;
+                continue;
+            }
+            let leaf = node.start as usize..(node.start + node.count) as usize;
+            for t in self.triangles.get(leaf).unwrap_or_default() {
+                if let Some(hit) = self.triangle(t, ray, [after, limit]) {
+                    limit = hit.distance;
+                    best = Some(hit);
+                }
+            }
+        }
+        best
+    }
+
+    /// T. Möller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", J. Graphics Tools 2:21-28 (1997).
+    fn triangle(&self, t: &[u32; 3], ray: &Ray, [after, before]: [f64; 2]) -> Option<Hit> {
+        let [a, b, c] = t.map(|i| self.vertices[i as usize]);
+        let (ab, ac) = (b - a, c - a);
+        let across = ray.direction.cross(&ac);
+        let volume = ab.dot(&across);
+        let from = ray.origin - a;
+        let u = from.dot(&across) / volume;
+        let turned = from.cross(&ab);
+        let v = ray.direction.dot(&turned) / volume;
+        let distance = ac.dot(&turned) / volume;
+        let hit = u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE && distance > after && distance < before;
+        hit.then(|| Hit { distance, normal: ab.cross(&ac) })
+    }
+}
+
+impl Node {
+    /// Whether the ray passes the box; where a direction is zero, the infinities of its inverse do what they should.
+    fn crosses(&self, ray: &Ray, inverse: &Vector3<f64>, [after, before]: [f64; 2]) -> bool {
+        let (mut enter, mut leave) = (after, before);
+        for k in 0..3 {
+            let a = (self.least[k] - ray.origin[k]) * inverse[k];
+            let b = (self.most[k] - ray.origin[k]) * inverse[k];
+            // min and max pass over the NaN of a ray within the box's side.
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+        enter <= leave * (1.0 + 4.0 * f64::EPSILON)
+    }
+}

@@ -1,0 +1,131 @@
+//! A rig before its surfaces: which ray meets what, and what the projector throws there.
+
+use nalgebra::{Point2, Point3, Vector2, Vector3};
+
+use super::surface::Surface;
+use super::truth::TruePixel;
+use crate::error::{Error, Result};
+use crate::geometry::{Camera, Plane, Pose, Ray};
+use crate::rig::Rig;
+
+/// A shadow ends this share of the light's way before the point itself, which would else shade itself by rounding.
+const OWN_SHADOW: f64 = 1e-7;
+/// How well a lens that is undone and done again must return to the pixel, normalised coordinates: far below any pixel,
+/// far above rounding. Beyond where its model folds over, it returns elsewhere.
+const SAME_RAY: f64 = 1e-6;
+
+/// Camera, projector and surfaces.
+pub(super) struct Stage {
+    pub(super) camera: Camera,
+    pub(super) projector: Camera,
+    pub(super) projector_from_camera: Pose,
+    /// The projector's centre in the camera's frame.
+    pub(super) lamp: Point3<f64>,
+    pub(super) surfaces: Vec<Surface>,
+}
+
+/// What a ray of the camera meets.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Look {
+    pub(super) point: Point3<f64>,
+    /// Not normalised, of either sign.
+    pub(super) normal: Vector3<f64>,
+    pub(super) surface: usize,
+    /// The panel position whose light falls there.
+    pub(super) panel: Option<Point2<f64>>,
+}
+
+impl Stage {
+    pub(super) fn new(rig: &Rig, surfaces: &[Surface]) -> Result<Self> {
+        let (Some(projector), Some(stereo)) = (&rig.projector, &rig.stereo) else {
+            return Err(Error::invalid(
+                "rig",
+                "one with a projector (calibrate with a pattern)",
+                "the camera alone",
+            ));
+        };
+        surfaces.iter().try_for_each(Surface::validate)?;
+        let projector_from_camera = stereo.projector_from_camera;
+        Ok(Self {
+            camera: rig.camera.model,
+            projector: projector.model,
+            projector_from_camera,
+            lamp: projector_from_camera.centre(),
+            surfaces: surfaces.to_vec(),
+        })
+    }
+
+    /// The nearest surface on a ray: its number, the distance in lengths of the direction, the normal.
+    pub(super) fn nearest(&self, ray: &Ray) -> Option<(usize, f64, Vector3<f64>)> {
+        let mut best: Option<(usize, f64, Vector3<f64>)> = None;
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            let limit = best.map_or(f64::INFINITY, |b| b.1);
+            if let Some(hit) = surface.meet(ray, [0.0, limit]) {
+                best = Some((i, hit.distance, hit.normal));
+            }
+        }
+        best
+    }
+
+    /// What the camera sees at a pixel position.
+    pub(super) fn look(&self, p: Point2<f64>) -> Option<Look> {
+        let ray = Ray { origin: Point3::origin(), direction: self.camera.bearing(p)? };
+        let (surface, distance, normal) = self.nearest(&ray)?;
+        let point = ray.origin + ray.direction * distance;
+        let same_side = normal.dot(&(self.lamp - point)) * normal.dot(&-point.coords) > 0.0;
+        let panel = if same_side { self.panel(&point).filter(|_| !self.shaded(&point)) } else { None };
+        Some(Look { point, normal, surface, panel })
+    }
+
+    /// The panel position that shines towards a point; `None` beside the panel.
+    pub(super) fn panel(&self, point: &Point3<f64>) -> Option<Point2<f64>> {
+        let local = self.projector_from_camera.transform(point);
+        let q = self.projector.project(&local)?;
+        let inside = |v: f64, n: u32| v >= -0.5 && v <= f64::from(n) - 0.5;
+        if !(inside(q.x, self.projector.width) && inside(q.y, self.projector.height)) {
+            return None;
+        }
+        if !self.projector.distortion.is_none() {
+            let back = self.projector.undistort(q)?;
+            let ideal = Vector2::new(local.x / local.z, local.y / local.z);
+            return ((back - ideal).norm() <= SAME_RAY * (1.0 + ideal.norm())).then_some(q);
+        }
+        Some(q)
+    }
+
+    fn shaded(&self, point: &Point3<f64>) -> bool {
+        let ray = Ray { origin: self.lamp, direction: point - self.lamp };
+        self.surfaces.iter().any(|s| s.meet(&ray, [0.0, 1.0 - OWN_SHADOW]).is_some())
+    }
+
+    /// Cosine of the angle at which the projector's light falls in over the square of its way, 1/mm².
+    pub(super) fn irradiance(&self, look: &Look) -> f64 {
+        let way = self.lamp - look.point;
+        let (d2, n) = (way.norm_squared(), look.normal.norm());
+        let e = look.normal.dot(&way).abs() / (n * d2 * d2.sqrt());
+        if e.is_finite() { e } else { 0.0 }
+    }
+
+    /// How the panel position changes for a step of `step` camera pixels along x and along y on the surface's tangent plane.
+    pub(super) fn slope(&self, p: Point2<f64>, look: &Look, step: f64) -> Option<[Vector2<f64>; 2]> {
+        let tangent = Plane::from_point_normal(&look.point, look.normal)?;
+        let at = |offset: Vector2<f64>| {
+            let ray = Ray { origin: Point3::origin(), direction: self.camera.bearing(p + offset)? };
+            self.projector.project(&self.projector_from_camera.transform(&ray.meet(&tangent)?))
+        };
+        let half = step / 2.0;
+        let [x, y] = [Vector2::new(half, 0.0), Vector2::new(0.0, half)];
+        Some([at(x)? - at(-x)?, at(y)? - at(-y)?])
+    }
+
+    /// The truth of a pixel.
+    pub(super) fn pixel(&self, x: usize, y: usize) -> TruePixel {
+        let Some(look) = self.look(Point2::new(x as f64, y as f64)) else { return TruePixel::EMPTY };
+        TruePixel {
+            point: look.point.into(),
+            panel: look.panel.map_or([f64::NAN; 2], Into::into),
+            irradiance: if look.panel.is_some() { self.irradiance(&look) as f32 } else { 0.0 },
+            surface: look.surface as u32,
+        }
+    }
+}
