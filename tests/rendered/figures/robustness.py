@@ -17,8 +17,8 @@ FOUND_PERCENT = 93.0
 # Percentage points that right and found may lose beside the photograph as rendered.
 CHANGE_POINTS = 1.0
 REFERENCE = "as rendered"
-HARDER = ("noise 3", "blur 1.5 px", *variants.CROSSTALK, "coloured object", "all coloured", "JPEG 90", "middle half", "middle quarter")
-THE_SAME = ("half size", "double size", "turned 90", "turned 180", "turned 270", "mirrored", "16 bit")
+HARDER = ("noise 3", "blur 1.5 px", *variants.CROSSTALK, "coloured object", "all coloured", "JPEG 90", "middle half", "middle quarter", "strong + frames")
+THE_SAME = ("half size", "double size", "turned 90", "turned 180", "turned 270", "mirrored", "16 bit", "with frames")
 # A crossing nearer to the border of a part than this may be cut, px.
 BORDER_PX = 12
 
@@ -50,11 +50,23 @@ def score_matches_of(ctx, scene, view, file):
     return truths.score_matches(truth, truth.crossings(), truths.read_matches(file))
 
 
+def frames_of(scene, view):
+    """Option -> photograph of the dark and of the white projector; None when the view has none."""
+    frames = {f"--{light}": scene / f"{view}_{light}.png" for light in ("black", "white")}
+    return frames if all(f.exists() for f in frames.values()) else None
+
+
 def score_variant(slcal, scene, view, name, truth, crossings, folder):
+    frames = frames_of(scene, view) if name in variants.WITH_FRAMES else {}
+    if frames is None:
+        return {}
     image, mapping = variants.make(name, scene / f"{view}.png", truth)
+    more = []
+    for option, frame in frames.items():
+        more += [option, variants.write(variants.make(name, frame, truth)[0], folder / f"{scene.name}_{frame.name}")]
     photo = variants.write(image, folder / f"{scene.name}_{view}{'.jpg' if 'JPEG' in name else '.png'}")
     out = photo.with_suffix(".csv")
-    r = run(slcal, "decode", "--pattern", scene / "patterns/stripes.json", photo, "-o", out, "--force")
+    r = run(slcal, "decode", "--pattern", scene / "patterns/stripes.json", photo, *more, "-o", out, "--force")
     if r.returncode:
         said = r.stderr.strip().splitlines()
         return {"error": f"exit {r.returncode}: {said[0].split(photo.name + ': ')[-1] if said else ''}"}
@@ -84,7 +96,7 @@ def print_matrix(scores, names):
         cells = []
         for by_name in scores.values():
             r = by_name[name]
-            cells.append(f"{r['error'][:6]:>14s}" if "error" in r else f"{r['right']:7.2f}/{r['found']:6.2f}")
+            cells.append(f"{r['right']:7.2f}/{r['found']:6.2f}" if "right" in r else f"{r.get('error', '-')[:6]:>14s}")
         print(f"     {name:18s}" + "".join(cells), flush=True)
     said = Counter(by_name[name]["error"][:150] for by_name in scores.values() for name in names if "error" in by_name[name])
     for line, times in said.most_common(6):
@@ -92,10 +104,12 @@ def print_matrix(scores, names):
 
 
 def worst(scores, name, figure, beside=None):
-    """The smallest value over the views, beside that of another variant when one is named; None when a view has none."""
+    """The smallest value over the views, beside that of another variant when one is named; None when one was not decoded."""
     values = []
     for by_name in scores.values():
         r, base = by_name[name], by_name[beside] if beside else {figure: 0.0}
+        if not r:  # no frames of this view
+            continue
         values.append(r[figure] - base[figure] if figure in r and figure in base else math.nan)
     return None if any(math.isnan(v) for v in values) else min(values)
 

@@ -12,10 +12,12 @@ from PIL import Image
 NOISE_CODES = 3.0
 BLUR_PX = 1.5
 ALBEDO = (0.7, 0.35, 0.25)
+# Too strong for the stripes' photograph alone.
+STRONG_ALBEDO = (0.8, 0.2, 0.1)
 # A fifth of the neighbouring channels' light: taken from the channel's own, and on top of it.
 CROSSTALK = {
-    "crosstalk, mixed": [[0.8, 0.2, 0.0], [0.1, 0.8, 0.1], [0.0, 0.2, 0.8]],
-    "crosstalk, added": [[1.0, 0.2, 0.0], [0.2, 1.0, 0.2], [0.0, 0.2, 1.0]],
+    "crosstalk mixed": [[0.8, 0.2, 0.0], [0.1, 0.8, 0.1], [0.0, 0.2, 0.8]],
+    "crosstalk added": [[1.0, 0.2, 0.0], [0.2, 1.0, 0.2], [0.0, 0.2, 1.0]],
 }
 JPEG_QUALITY = 90
 
@@ -64,10 +66,24 @@ def resized(light, size):
     return np.stack([np.asarray(p) for p in planes], 2)
 
 
+def signed_distance(inside):
+    """Pixels to the outline along a row, positive inside; far away where a row has none."""
+    n = inside.shape[1]
+    at, far = np.arange(n), 4 * n
+    distance = []
+    for wanted in (inside, ~inside):
+        last = np.maximum.accumulate(np.where(wanted, at, -far), 1)
+        following = np.minimum.accumulate(np.where(wanted, at, far)[:, ::-1], 1)[:, ::-1]
+        distance.append(np.minimum(at - last, following - at))
+    return distance[1] - distance[0]
+
+
 def object_mask(truth, height):
-    """Pixels of the object; between the rows whose truth is known, the nearer one's."""
-    nearest = np.abs(np.arange(height)[:, None] - truth.rows[None, :]).argmin(1)
-    return truth.obj[nearest]
+    """Pixels of the object; between the rows whose truth is known its outline runs straight."""
+    distance, rows = signed_distance(truth.obj), truth.rows
+    above = np.clip(np.searchsorted(rows, np.arange(height), "right") - 1, 0, len(rows) - 2)
+    w = np.clip((np.arange(height) - rows[above]) / (rows[above + 1] - rows[above]), 0.0, 1.0)[:, None]
+    return (1 - w) * distance[above] + w * distance[above + 1] > 0
 
 
 def noise(image, _):
@@ -79,9 +95,16 @@ def crosstalk(matrix, image, _):
     return encoded(linear(image) @ np.array(matrix).T), Mapping()
 
 
-def albedo_object(image, truth):
+def albedo_object(albedo, image, truth):
     mask = object_mask(truth, image.shape[0])[:, :, None]
-    return encoded(linear(image) * np.where(mask, ALBEDO, 1.0)), Mapping()
+    return encoded(linear(image) * np.where(mask, albedo, 1.0)), Mapping()
+
+
+def all_at_once(image, truth):
+    """Coloured object, crosstalk and blur, then noise."""
+    mask = object_mask(truth, image.shape[0])[:, :, None]
+    light = linear(image) * np.where(mask, ALBEDO, 1.0) @ np.array(CROSSTALK["crosstalk mixed"]).T
+    return noise(encoded(blurred(light, BLUR_PX)), truth)
 
 
 def scaled(factor, image, _):
@@ -123,7 +146,7 @@ VARIANTS = {
     "noise 3": noise,
     "blur 1.5 px": lambda image, _: (encoded(blurred(linear(image), BLUR_PX)), Mapping()),
     **{name: functools.partial(crosstalk, matrix) for name, matrix in CROSSTALK.items()},
-    "coloured object": albedo_object,
+    "coloured object": functools.partial(albedo_object, ALBEDO),
     "all coloured": lambda image, _: (encoded(linear(image) * ALBEDO), Mapping()),
     "half size": functools.partial(scaled, 0.5),
     "double size": functools.partial(scaled, 2.0),
@@ -137,7 +160,12 @@ VARIANTS = {
     "middle quarter": functools.partial(cropped, (0.25, 0.5)),
     "exposure x0.25": functools.partial(exposed, 0.25),
     "exposure x2": functools.partial(exposed, 2.0),
+    "all at once": all_at_once,
+    "with frames": lambda image, _: (image, Mapping()),
+    "strong + frames": functools.partial(albedo_object, STRONG_ALBEDO),
 }
+# Those that are decoded with photographs of the dark and of the white projector beside the striped one, where there are any.
+WITH_FRAMES = ("with frames", "strong + frames")
 
 
 def make(name, photo, truth):
