@@ -7,6 +7,7 @@ mod general;
 mod known_lens;
 mod observations;
 mod pattern;
+mod reconstruct;
 mod rendered;
 mod simulate;
 mod verify;

@@ -33,7 +33,7 @@ impl From<ErrorClass> for Exit {
 }
 
 /// Why a run ended early.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) enum Failure {
     /// An error to be shown.
     Error {
@@ -42,6 +42,8 @@ pub(crate) enum Failure {
         /// What was expected, what was found, what to do.
         message: String,
     },
+    /// Errors that were shown when they happened; the work went on, and this is the code of the first.
+    Told(u8),
     /// The reader of stdout went away; nobody is left to tell.
     ClosedPipe,
 }
@@ -70,6 +72,7 @@ impl Failure {
     pub(crate) fn code(&self) -> u8 {
         match self {
             Self::Error { exit, .. } => *exit as u8,
+            Self::Told(code) => *code,
             Self::ClosedPipe => 0,
         }
     }
@@ -85,7 +88,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Error { message, .. } => f.write_str(message),
-            Self::ClosedPipe => Ok(()),
+            Self::Told(_) | Self::ClosedPipe => Ok(()),
         }
     }
 }

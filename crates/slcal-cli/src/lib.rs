@@ -38,10 +38,11 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         (_, true) => Verbosity::Verbose,
         _ => Verbosity::Normal,
     });
+    io::end_whole_on_interrupt();
     match verbs::run(cli.verb, printer) {
         Ok(()) => 0,
         Err(failure) => {
-            if !matches!(failure, Failure::ClosedPipe) {
+            if !matches!(failure, Failure::ClosedPipe | Failure::Told(_)) {
                 printer.error(&failure);
             }
             failure.code()

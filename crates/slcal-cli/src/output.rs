@@ -2,7 +2,9 @@
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
+use std::time::Duration;
 
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use crate::exit::{Exit, Failure, Outcome};
@@ -16,6 +18,49 @@ pub(crate) enum Verbosity {
     Normal,
     /// Details as well.
     Verbose,
+}
+
+/// How often a progress bar is drawn anew while nothing happens.
+const TICK: Duration = Duration::from_millis(200);
+
+/// Messages of work that is done beside other work: kept until it is their turn to be printed.
+#[derive(Debug, Default)]
+pub(crate) struct Remarks(Vec<(Verbosity, String)>);
+
+impl Remarks {
+    /// See [`Printer::note`].
+    pub(crate) fn note(&mut self, message: impl Into<String>) {
+        self.0.push((Verbosity::Normal, message.into()));
+    }
+
+    /// See [`Printer::detail`].
+    pub(crate) fn detail(&mut self, message: impl Into<String>) {
+        self.0.push((Verbosity::Verbose, message.into()));
+    }
+}
+
+/// How far many frames have come.
+#[derive(Debug)]
+pub(crate) struct Progress {
+    bar: ProgressBar,
+}
+
+impl Progress {
+    /// One frame more is done.
+    pub(crate) fn step(&self) {
+        self.bar.inc(1);
+    }
+
+    /// Runs what prints, with the bar out of its way.
+    pub(crate) fn around<T>(&self, print: impl FnOnce() -> T) -> T {
+        self.bar.suspend(print)
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
 }
 
 /// The one place that prints messages.
@@ -42,6 +87,33 @@ impl Printer {
     /// Why the run ended; always said.
     pub(crate) fn error(self, message: impl Display) {
         self.to_stderr(Verbosity::Quiet, "slcal: ", message);
+    }
+
+    /// What was kept for later.
+    pub(crate) fn remarks(self, remarks: &Remarks) {
+        for (from, message) in &remarks.0 {
+            self.to_stderr(*from, "", message);
+        }
+    }
+
+    /// A progress bar on stderr, for `frames` frames where their number is known; invisible where stderr is no terminal.
+    pub(crate) fn progress(self, frames: Option<usize>) -> Progress {
+        let bar = match frames {
+            _ if self.verbosity == Verbosity::Quiet => ProgressBar::hidden(),
+            Some(0 | 1) => ProgressBar::hidden(),
+            Some(n) => ProgressBar::new(n as u64).with_style(
+                ProgressStyle::with_template("{bar:30} {pos} of {len} frames, {per_sec}, {eta} left")
+                    .unwrap_or_else(|_| ProgressStyle::default_bar()),
+            ),
+            None => ProgressBar::no_length().with_style(
+                ProgressStyle::with_template("{spinner} {pos} frames, {per_sec}")
+                    .unwrap_or_else(|_| ProgressStyle::default_spinner()),
+            ),
+        };
+        if !bar.is_hidden() {
+            bar.enable_steady_tick(TICK);
+        }
+        Progress { bar }
     }
 
     fn to_stderr(self, from: Verbosity, prefix: &str, message: impl Display) {

@@ -149,22 +149,43 @@ pub(crate) fn decoding(report: &DecodeReport) -> String {
         "dropped",
         &format!("{} weak, {} ambiguous, {} cut, {} unsure", d.weak, d.ambiguous, d.cut, d.unsure),
     );
+    for (label, remark) in remarks(report) {
+        line(&mut text, label, &remark);
+    }
+    text
+}
+
+/// What the user should know or do about a photograph of stripes: "warning" or "note", and the sentence.
+fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
+    let mut remarks = Vec::new();
     if report.saturated > SATURATED_SHARE {
-        line(
-            &mut text,
-            "warning",
-            &format!(
-                "{:.0} % of the crossings are overexposed and their colours unreliable: expose less",
-                100.0 * report.saturated
-            ),
+        let percent = 100.0 * report.saturated;
+        let sentence = format!(
+            "{percent:.0} % of the crossings are overexposed and their colours unreliable: expose less"
         );
+        remarks.push(("warning", sentence));
     }
     if report.reversed {
-        line(
-            &mut text,
-            "note",
-            "the slits run backwards: the projector stands upside down or behind a mirror",
-        );
+        let sentence = "the slits run backwards: the projector stands upside down or behind a mirror";
+        remarks.push(("note", sentence.to_owned()));
+    }
+    remarks
+}
+
+/// One cloud of many: decoding and points in a line.
+pub(crate) fn cloud_in_a_line(result: &Reconstruction) -> String {
+    let mut text = format!("{} points", result.cloud.points.len());
+    if !result.cloud.triangles.is_empty() {
+        let _ = write!(text, ", {} triangles", result.cloud.triangles.len());
+    }
+    if let Some((near, _, far)) = distances(&result.cloud) {
+        let _ = write!(text, ", {near:.0} to {far:.0} mm from the camera");
+    }
+    if let Some(report) = &result.decode {
+        let _ = write!(text, "; {} of {} crossings decoded", report.decoded, report.crossings);
+        for (label, remark) in remarks(report) {
+            let _ = write!(text, "; {label}: {remark}");
+        }
     }
     text
 }

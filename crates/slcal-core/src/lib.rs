@@ -4,7 +4,7 @@
 //! [`pattern`] (what is projected), [`detect`] (photograph → [`Observations`]), [`mod@calibrate`] (observations → [`Rig`]),
 //! [`decode`] (photograph → [`Matches`]), [`reconstruct`] (matches + rig → [`PointCloud`]), [`evaluate`] (cloud → plane,
 //! sphere). They meet in the plain types at the top of the crate and rest on [`geometry`] (values) and [`solve`]
-//! (numerics). `simulate` (a cargo feature) makes observations with known truth. [`mod@format`] reads and writes those types as JSON, CSV and PLY on any `Read` and `Write`.
+//! (numerics). `simulate` (a cargo feature) makes observations with known truth. [`mod@format`] reads and writes those types as JSON, CSV and clouds (PLY, PCD, XYZ, OBJ, GLB) on any `Read` and `Write`.
 //!
 //! The crate opens no files, prints nothing, starts no threads, reads no clock and keeps no global state. Lengths are
 //! millimetres, angles radians, pixels have integer centres; see [`geometry`] for the frames.

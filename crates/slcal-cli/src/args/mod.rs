@@ -106,7 +106,9 @@ pub(crate) enum Verb {
     /// Photographs of an object under the stripes in, point clouds out.
     #[command(
         after_help = "Examples:\n  slcal reconstruct --rig rig.json --pattern stripes.json object.jpg -o cloud.ply --mesh\n  \
-                            slcal reconstruct --rig rig.json --pattern stripes.json *.jpg --out-dir clouds"
+                            slcal reconstruct --rig rig.json --pattern stripes.json *.jpg --out-dir clouds --resume\n  \
+                            ffmpeg -i scan.mkv -f rawvideo -pix_fmt rgb24 - | slcal reconstruct --rig rig.json \\\n    \
+                            --pattern stripes.json --raw 1280x960:rgb24 --out-dir clouds"
     )]
     Reconstruct(ReconstructArgs),
     /// Fit a plane or a sphere to a cloud and say how far the points lie from it.
@@ -158,6 +160,13 @@ mod tests {
             "slcal reconstruct --rig r --pattern p a.png",
             "slcal reconstruct --rig r --pattern p a.png -o c.ply --out-dir d",
             "slcal reconstruct --rig r --pattern p a.png -o c.ply --cull -1",
+            "slcal reconstruct --rig r --pattern p --out-dir d",
+            "slcal reconstruct --rig r --pattern p --raw 64x48:gray --out-dir d",
+            "slcal reconstruct --rig r --pattern p --raw 64x48:rgb24 -o c.ply",
+            "slcal reconstruct --rig r --pattern p a.png --out-dir d --resume --force",
+            "slcal reconstruct --rig r --pattern p a.png --out-dir d --jobs 0",
+            "slcal reconstruct --rig r --pattern p a.png -o c.ply --resume",
+            "slcal reconstruct --rig r --pattern p a.png -o c.ply --format obj",
             "slcal rectify --rig r -o a.png",
         ] {
             assert!(Cli::try_parse_from(line.split(' ')).is_err(), "{line}");

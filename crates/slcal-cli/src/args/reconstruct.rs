@@ -1,17 +1,19 @@
 //! `slcal reconstruct`.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
 
 use super::cloud::{CloudArgs, CullArg, parse_cull};
 use super::decode::DecodeInput;
+use crate::io::{CloudFormat, RawFormat};
 
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("place").required(true))]
 pub(crate) struct ReconstructArgs {
-    /// Photographs of the object under the stripes; `-` for stdin.
-    #[arg(required = true, value_name = "IMAGE")]
+    /// Photographs of the object under the stripes; `-` for one on stdin.
+    #[arg(required_unless_present = "raw", value_name = "IMAGE")]
     pub(crate) images: Vec<PathBuf>,
     /// The calibrated rig.
     #[arg(long, value_name = "RIG.json")]
@@ -30,6 +32,26 @@ pub(crate) struct ReconstructArgs {
     /// Where to write the clouds, each named after its IMAGE; made when it does not exist.
     #[arg(long, value_name = "DIR", group = "place")]
     pub(crate) out_dir: Option<PathBuf>,
+    /// What the clouds in DIR are.
+    #[arg(
+        long,
+        value_enum,
+        default_value_t,
+        conflicts_with = "output",
+        hide_possible_values = true,
+        value_name = "ply|pcd|xyz|obj|glb"
+    )]
+    pub(crate) format: CloudFormat,
+    /// Read frames without a file format from stdin, pixels as rgb24, bgr24 or rgb48le; the clouds are frame_000000 and on.
+    #[arg(long, value_name = "WxH:rgb24", value_parser = RawFormat::parse, conflicts_with = "output",
+          allow_hyphen_values = true)]
+    pub(crate) raw: Option<RawFormat>,
+    /// How many frames are worked on at a time; as many as the machine has cores when not given.
+    #[arg(long, value_name = "N")]
+    pub(crate) jobs: Option<NonZeroUsize>,
+    /// Leave out frames whose cloud is in DIR already, complete.
+    #[arg(long, conflicts_with_all = ["force", "output"])]
+    pub(crate) resume: bool,
     /// Draw the stripes that were decoded on the photograph (one IMAGE only).
     #[arg(long, value_name = "FILE.png")]
     pub(crate) overlay: Option<PathBuf>,

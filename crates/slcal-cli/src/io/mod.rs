@@ -3,6 +3,7 @@
 mod cloud;
 mod exif;
 mod photo;
+mod raw;
 mod text;
 mod write;
 
@@ -12,9 +13,12 @@ use std::path::Path;
 
 pub(crate) use cloud::CloudFormat;
 pub(crate) use exif::focal_35mm;
-pub(crate) use photo::{decode_photo, load_photo, load_photo_and_file};
+pub(crate) use photo::{decode_photo, load_photo, load_photo_and_file, read_photo};
+pub(crate) use raw::{RawFormat, RawFrame};
 pub(crate) use text::{check_panel, load_camera, load_checker, load_observations, load_rig, load_stripes};
-pub(crate) use write::{Destination, check_distinct, check_spares, png_bytes, write_all};
+pub(crate) use write::{
+    Destination, check_distinct, check_spares, end_whole_on_interrupt, png_bytes, write_all,
+};
 
 use crate::exit::{Exit, Failure, Outcome};
 

@@ -8,14 +8,14 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::{input_name, read_bytes};
 use crate::exit::{Exit, Failure, Outcome};
-use crate::output::Printer;
+use crate::output::{Printer, Remarks};
 
 /// What a photograph may be.
 const FORMATS: &str = "PNG, JPEG or TIFF, 8 or 16 bit, grey or RGB(A)";
 
 /// Photographs above this are refused before a pixel is decoded: larger than any camera's, smaller than what a file made
 /// to exhaust the memory announces.
-const MAX_PIXELS: u64 = 250_000_000;
+pub(super) const MAX_PIXELS: u64 = 250_000_000;
 
 /// What decoding may allocate: 16 bit RGB of [`MAX_PIXELS`].
 const MAX_DECODED_BYTES: u64 = MAX_PIXELS * 6;
@@ -31,6 +31,14 @@ pub(crate) fn load_photo(path: &Path, printer: Printer) -> Outcome<DynamicImage>
 
 /// Reads a photograph and returns its file's bytes, too.
 pub(crate) fn load_photo_and_file(path: &Path, printer: Printer) -> Outcome<(DynamicImage, Vec<u8>)> {
+    let mut remarks = Remarks::default();
+    let loaded = read_photo(path, &mut remarks);
+    printer.remarks(&remarks);
+    loaded
+}
+
+/// The same for work that must not print.
+pub(crate) fn read_photo(path: &Path, remarks: &mut Remarks) -> Outcome<(DynamicImage, Vec<u8>)> {
     let name = input_name(path);
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     if RAW_EXTENSIONS.contains(&extension.as_str()) {
@@ -46,13 +54,13 @@ pub(crate) fn load_photo_and_file(path: &Path, printer: Printer) -> Outcome<(Dyn
     let bytes = read_bytes(path, "a photograph")?;
     let (photo, orientation) = decode_photo(&bytes, &name)?;
     if orientation != Orientation::NoTransforms {
-        printer.note(format!(
+        remarks.note(format!(
             "{name}: turned upright as its EXIF orientation asks ({orientation:?}): {}x{} pixels",
             photo.width(),
             photo.height()
         ));
     }
-    printer.detail(format!("{name}: {}x{} {:?}", photo.width(), photo.height(), photo.color()));
+    remarks.detail(format!("{name}: {}x{} {:?}", photo.width(), photo.height(), photo.color()));
     Ok((photo, bytes))
 }
 

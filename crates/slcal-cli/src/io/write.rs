@@ -3,6 +3,7 @@
 use std::fs::{self, OpenOptions};
 use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 
 use image::{DynamicImage, ImageFormat};
 use tempfile::NamedTempFile;
@@ -10,6 +11,27 @@ use tempfile::NamedTempFile;
 use super::is_dash;
 use crate::exit::{Exit, Failure, Outcome};
 use crate::output::to_stdout;
+
+/// Held for reading while temporary files exist, so that an interrupt waits until they are gone.
+static TEMPORARIES: RwLock<()> = RwLock::new(());
+
+/// The exit code of a run that was interrupted, as shells report it for Ctrl-C.
+const INTERRUPTED: i32 = 130;
+
+/// Lets an interrupt (Ctrl-C, a request to terminate) end the run between two files, not within one: nothing unfinished is
+/// left behind. Where interrupts are ignored, or handled by the program around this one, they stay so.
+pub(crate) fn end_whole_on_interrupt() {
+    // Without the handler, an interrupt in the few milliseconds of writing may leave a hidden temporary file: no reason to
+    // refuse to run.
+    let _ = ctrlc::try_set_handler(|| {
+        let _alone = TEMPORARIES.write().unwrap_or_else(PoisonError::into_inner);
+        std::process::exit(INTERRUPTED);
+    });
+}
+
+fn with_temporaries() -> RwLockReadGuard<'static, ()> {
+    TEMPORARIES.read().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Where a result goes, known to be writable.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -59,6 +81,7 @@ impl Destination {
             return Err(unwritable(&path, &why));
         }
         // The only test of permission that holds everywhere; the file is gone at the end of the statement.
+        let _held = with_temporaries();
         temporary(folder).map_err(|e| {
             unwritable(&path, &format!("nothing can be written into {} ({e})", folder.display()))
         })?;
@@ -118,6 +141,25 @@ pub(crate) fn check_spares<'a>(
 
 /// Writes all results, each to its place, or none: every file is complete beside its place before the first takes its name.
 pub(crate) fn write_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
+    replace_all(files)?;
+    for (destination, bytes) in files {
+        match destination {
+            Destination::Stdout => to_stdout(|out| out.write_all(bytes))?,
+            Destination::Device(path) => OpenOptions::new()
+                .write(true)
+                .open(path)
+                .and_then(|mut f| f.write_all(bytes))
+                .map_err(|e| unwritable(path, &e.to_string()))?,
+            Destination::File { .. } => {}
+        }
+    }
+    Ok(())
+}
+
+/// The part of [`write_all`] that concerns plain files.
+fn replace_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
+    // Declared first, so that it is let go when the temporary files are gone.
+    let _held = with_temporaries();
     let mut ready = Vec::new();
     for (destination, bytes) in files {
         if let Destination::File { path, force } = destination {
@@ -130,17 +172,6 @@ pub(crate) fn write_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
     for (file, path, force) in ready {
         let done = if force { file.persist(path) } else { file.persist_noclobber(path) };
         done.map_err(|e| unwritable(path, &e.error.to_string()))?;
-    }
-    for (destination, bytes) in files {
-        match destination {
-            Destination::Stdout => to_stdout(|out| out.write_all(bytes))?,
-            Destination::Device(path) => OpenOptions::new()
-                .write(true)
-                .open(path)
-                .and_then(|mut f| f.write_all(bytes))
-                .map_err(|e| unwritable(path, &e.to_string()))?,
-            Destination::File { .. } => {}
-        }
     }
     Ok(())
 }

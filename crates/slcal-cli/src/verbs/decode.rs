@@ -94,11 +94,12 @@ impl Frames {
 
     /// All photographs of one scene, `photo` the striped one.
     pub(super) fn input<'a>(&'a self, path: &Path, photo: &'a DynamicImage) -> Outcome<DecodeInput<'a>> {
-        Ok(DecodeInput {
-            photo: PhotoView::try_from(photo).in_file(path)?,
-            black: view(self.black.as_ref())?,
-            white: view(self.white.as_ref())?,
-        })
+        self.around(PhotoView::try_from(photo).in_file(path)?)
+    }
+
+    /// The same around the striped photograph's pixels.
+    pub(super) fn around<'a>(&'a self, photo: PhotoView<'a>) -> Outcome<DecodeInput<'a>> {
+        Ok(DecodeInput { photo, black: view(self.black.as_ref())?, white: view(self.white.as_ref())? })
     }
 }
 

@@ -1,0 +1,260 @@
+//! `slcal reconstruct`: photographs of an object under the stripes in, clouds out.
+
+mod pool;
+mod report;
+mod source;
+mod told;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use image::DynamicImage;
+use slcal_core::pattern::StripePattern;
+use slcal_core::reconstruct::{CullRule, ReconstructConfig, Reconstructor};
+use slcal_core::{PointCloud, Rig};
+
+use self::report::{CloudReport, FrameResult};
+use self::source::{Folder, Frame, Place};
+use self::told::{Done, Told};
+use super::decode::Frames;
+use crate::args::{CullArg, FrameArg, ReconstructArgs};
+use crate::exit::{Exit, Failure, InFile as _, Outcome};
+use crate::io::{
+    CloudFormat, Destination, RawFormat, check_distinct, check_panel, check_spares, input_name, is_dash,
+    load_rig, load_stripes, png_bytes, read_photo, write_all,
+};
+use crate::output::{Printer, Remarks};
+use crate::overlay::Overlay;
+
+pub(super) fn run(args: &ReconstructArgs, printer: Printer) -> Outcome {
+    check_usage(args)?;
+    let single = args.output.as_deref();
+    let format = single.map_or(Ok(args.format), CloudFormat::of)?;
+    let rig = load_rig(&args.rig)?;
+    let pattern = load_stripes(&args.input.pattern)?;
+    check_panel(&args.input.pattern, pattern.projector, &args.rig, &rig)?;
+    if let Some(raw) = args.raw {
+        check_raw_size(raw, &rig, &args.rig)?;
+    }
+    let places = places(args)?;
+    let overlay = args.overlay.as_ref().map(|p| Destination::prepare(p, args.force)).transpose()?;
+    check_places(args, &places, overlay.as_ref())?;
+    let job = Job {
+        scene: Frames::load(&args.input, printer)?,
+        rig: &rig,
+        pattern: &pattern,
+        format,
+        overlay,
+        args,
+    };
+    let config = ReconstructConfig {
+        decode: job.scene.config(),
+        cull: cull_rule(args.cull),
+        frame: frame(args.shape.frame, &rig, &args.rig)?,
+        mesh: args.shape.mesh,
+        ..ReconstructConfig::default()
+    };
+    if let (Some(folder), Some(raw)) = (Folder::of(args), args.raw) {
+        return job.run(config, folder.frames(raw), None, printer);
+    }
+    let of_file = |(image, place): (&PathBuf, Place)| Frame {
+        image: image.clone(),
+        number: None,
+        raw: None,
+        place: Ok(place),
+    };
+    let count = places.len();
+    job.run(config, args.images.iter().zip(places).map(of_file), Some(count), printer)
+}
+
+/// What clap cannot see.
+fn check_usage(args: &ReconstructArgs) -> Outcome {
+    let photos = args.images.len();
+    if args.raw.is_some() && args.images.iter().any(|p| !is_dash(p)) {
+        return Err(Failure::usage(
+            "--raw reads its frames from stdin; give photographs in a run of their own",
+        ));
+    }
+    if args.images.iter().filter(|p| is_dash(p)).count() > 1 {
+        return Err(Failure::usage("stdin (-) can be one photograph only; give the others as files"));
+    }
+    if args.output.is_some() && photos > 1 {
+        return Err(Failure::usage(format!(
+            "-o takes the cloud of one photograph, found {photos}; give --out-dir DIR"
+        )));
+    }
+    if args.overlay.is_some() && (photos > 1 || args.raw.is_some()) {
+        return Err(Failure::usage("--overlay takes one photograph; run the others without it"));
+    }
+    Ok(())
+}
+
+/// A stream of another size would fail frame by frame.
+fn check_raw_size(raw: RawFormat, rig: &Rig, path: &Path) -> Outcome {
+    let camera = [rig.camera.model.width, rig.camera.model.height];
+    if raw.size == camera {
+        return Ok(());
+    }
+    Err(Failure::new(
+        Exit::Input,
+        format!(
+            "--raw {}x{}: expected frames of the camera of {}, {}x{} px; record at that size",
+            raw.size[0],
+            raw.size[1],
+            input_name(path),
+            camera[0],
+            camera[1]
+        ),
+    ))
+}
+
+/// One place per photograph; none for a stream, whose length nobody knows.
+fn places(args: &ReconstructArgs) -> Outcome<Vec<Place>> {
+    if let Some(output) = &args.output {
+        let place = Destination::prepare(output, args.force)?;
+        if args.json && place == Destination::Stdout {
+            return Err(Failure::usage("--json and -o - both print to stdout; give one of them"));
+        }
+        return Ok(vec![Place::New(place)]);
+    }
+    let folder = Folder::of(args).ok_or_else(|| Failure::usage("expected -o FILE or --out-dir DIR"))?;
+    if let Some(path) = &args.out_dir {
+        make_folder(path)?;
+    }
+    if args.raw.is_some() {
+        folder.check_for_stream()?;
+        return Ok(Vec::new());
+    }
+    folder.places(&args.images)
+}
+
+/// No output is written twice or replaces an input.
+fn check_places(args: &ReconstructArgs, places: &[Place], overlay: Option<&Destination>) -> Outcome {
+    let new = || {
+        let clouds = places.iter().filter_map(|p| if let Place::New(d) = p { Some(d) } else { None });
+        clouds.chain(overlay)
+    };
+    check_distinct(new())?;
+    let photos = args.images.iter().map(PathBuf::as_path);
+    check_spares(new(), photos.chain(args.input.files()).chain([args.rig.as_path()]))
+}
+
+/// What all frames have in common.
+struct Job<'a> {
+    scene: Frames,
+    rig: &'a Rig,
+    pattern: &'a StripePattern,
+    format: CloudFormat,
+    overlay: Option<Destination>,
+    args: &'a ReconstructArgs,
+}
+
+impl Job<'_> {
+    /// Reconstructs all frames, several at a time, and reports on them in their order.
+    fn run(
+        &self,
+        config: ReconstructConfig,
+        frames: impl Iterator<Item = Frame> + Send,
+        count: Option<usize>,
+        printer: Printer,
+    ) -> Outcome {
+        let cores = || thread::available_parallelism().map_or(1, usize::from);
+        let jobs = self.args.jobs.map_or_else(cores, usize::from).min(count.unwrap_or(usize::MAX));
+        let mut workers = Vec::new();
+        for _ in 0..jobs {
+            let mut scanner = Reconstructor::new(self.rig, self.pattern, config).in_file(&self.args.rig)?;
+            workers.push(move |frame: Frame| self.work(frame, &mut scanner));
+        }
+        let mut told = Told::new(self.args, printer, count);
+        pool::in_order(frames, workers, |done| told.take(done))?;
+        told.finish()
+    }
+
+    fn work(&self, frame: Frame, scanner: &mut Reconstructor) -> Done {
+        let mut remarks = Remarks::default();
+        let outcome = self.reconstruct(&frame, scanner, &mut remarks);
+        // The pixels are not needed to report.
+        Done { frame: Frame { raw: None, ..frame }, remarks, outcome }
+    }
+
+    /// From the picture to the file.
+    fn reconstruct(
+        &self,
+        frame: &Frame,
+        scanner: &mut Reconstructor,
+        remarks: &mut Remarks,
+    ) -> Outcome<FrameResult> {
+        let output = match &frame.place {
+            Ok(Place::New(output)) => output,
+            Ok(Place::Done(_)) => return Ok(FrameResult::Resumed { resumed: true }),
+            Err(failure) => return Err(failure.clone()),
+        };
+        let name = PathBuf::from(frame.name());
+        let photo = if frame.raw.is_none() { Some(read_photo(&frame.image, remarks)?.0) } else { None };
+        let input = match (&frame.raw, &photo) {
+            (Some(raw), _) => self.scene.around(raw.view().in_file(&name)?)?,
+            (None, Some(photo)) => self.scene.input(&name, photo)?,
+            (None, None) => return Err(Failure::new(Exit::Other, "a frame without a picture")),
+        };
+        let result = scanner.reconstruct_frames(&input).in_file(&name)?;
+        let mut files = vec![(output.clone(), self.format.bytes(&result.cloud)?)];
+        if let Some((place, photo)) = self.overlay.as_ref().zip(photo.as_ref()) {
+            files.push((place.clone(), draw(photo, &result.cloud)?));
+        }
+        let report = CloudReport::of(result);
+        write_all(&files)?;
+        Ok(FrameResult::Cloud(Box::new(report)))
+    }
+}
+
+/// Makes an output folder when it does not exist; its parent must.
+pub(super) fn make_folder(folder: &Path) -> Outcome {
+    if folder.is_dir() {
+        return Ok(());
+    }
+    fs::create_dir(folder).map_err(|e| {
+        Failure::new(
+            Exit::Other,
+            format!("{}: expected a folder for the outputs, but it cannot be made: {e}", folder.display()),
+        )
+    })
+}
+
+/// Refuses a rig without a projector.
+pub(super) fn with_projector(rig: &Rig, path: &Path) -> Outcome {
+    match rig.projector {
+        Some(p) => check_panel(path, [p.model.width, p.model.height], path, rig),
+        None => check_panel(path, [0, 0], path, rig),
+    }
+}
+
+pub(super) fn cull_rule(arg: CullArg) -> CullRule {
+    match arg {
+        CullArg::Auto => CullRule::Auto,
+        CullArg::Off => CullRule::Off,
+        CullArg::Area(area) => CullRule::MaxAreaMm2(area),
+    }
+}
+
+/// The frame of the clouds; that of the sheet needs a rig that has seen one.
+pub(super) fn frame(arg: FrameArg, rig: &Rig, path: &Path) -> Outcome<slcal_core::Frame> {
+    match arg {
+        FrameArg::Camera => Ok(slcal_core::Frame::Camera),
+        FrameArg::Plane if rig.views.is_empty() => Err(Failure::new(
+            Exit::Input,
+            format!(
+                "{}: expected a rig with a view of the sheet for --frame plane, found none",
+                input_name(path)
+            ),
+        )),
+        FrameArg::Plane => Ok(slcal_core::Frame::Plane),
+    }
+}
+
+/// The points that were kept, drawn on the photograph, as PNG.
+pub(super) fn draw(photo: &DynamicImage, cloud: &PointCloud) -> Outcome<Vec<u8>> {
+    let mut overlay = Overlay::new(photo);
+    overlay.draw_stripes(cloud.points.iter().map(|p| (p.pixel, Some(p.slit))));
+    png_bytes(&overlay.into_picture())
+}

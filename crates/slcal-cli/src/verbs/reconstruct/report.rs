@@ -1,0 +1,86 @@
+//! What is said of each frame, as JSON and in words.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+use slcal_core::decode::DecodeReport;
+use slcal_core::reconstruct::{CullReport, Reconstruction, TriangulateReport};
+
+use crate::exit::{Failure, Outcome};
+use crate::output::print_json;
+use crate::summary;
+
+/// One object with all clouds.
+#[derive(Serialize)]
+struct Reports<'a> {
+    schema: &'static str,
+    clouds: &'a [Report],
+}
+
+pub(super) fn print_reports(clouds: &[Report]) -> Outcome {
+    print_json(&Reports { schema: "slcal-reconstruct/1", clouds })
+}
+
+/// What became of one frame.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    pub(super) image: PathBuf,
+    /// Which frame of a stream.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) frame: Option<usize>,
+    pub(super) output: Option<String>,
+    #[serde(flatten)]
+    pub(super) result: FrameResult,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum FrameResult {
+    Cloud(Box<CloudReport>),
+    Resumed { resumed: bool },
+    Failed { error: ErrorReport },
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct ErrorReport {
+    pub(super) exit_code: u8,
+    message: String,
+}
+
+impl ErrorReport {
+    pub(super) fn of(failure: &Failure) -> Self {
+        Self { exit_code: failure.code(), message: failure.to_string() }
+    }
+}
+
+/// A cloud that was written.
+#[derive(Debug, Serialize)]
+pub(super) struct CloudReport {
+    points: usize,
+    triangles: usize,
+    decode: Option<DecodeReport>,
+    triangulate: TriangulateReport,
+    cull: CullReport,
+    /// The whole story, for one frame.
+    #[serde(skip)]
+    pub(super) text: String,
+    /// The same in a line, for one of many.
+    #[serde(skip)]
+    pub(super) line: String,
+}
+
+impl CloudReport {
+    pub(super) fn of(result: &Reconstruction) -> Self {
+        let mut text = result.decode.as_ref().map_or_else(String::new, summary::decoding);
+        text += &summary::cloud(result);
+        Self {
+            points: result.cloud.points.len(),
+            triangles: result.cloud.triangles.len(),
+            decode: result.decode.clone(),
+            triangulate: result.triangulate,
+            cull: result.cull,
+            text,
+            line: summary::cloud_in_a_line(result),
+        }
+    }
+}

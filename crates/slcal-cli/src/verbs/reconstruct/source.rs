@@ -1,0 +1,167 @@
+//! Which frames there are, how they are called, and where their clouds go.
+
+use std::collections::HashMap;
+use std::ffi::{OsStr, OsString};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::args::ReconstructArgs;
+use crate::exit::{Failure, Outcome};
+use crate::io::{CloudFormat, Destination, RawFormat, RawFrame, input_name, is_dash};
+
+/// What is to be reconstructed.
+#[derive(Debug)]
+pub(super) struct Frame {
+    /// The file; `-` for stdin.
+    pub(super) image: PathBuf,
+    /// Which frame of a stream.
+    pub(super) number: Option<usize>,
+    /// The pixels, when they came from a stream.
+    pub(super) raw: Option<RawFrame>,
+    /// Where the cloud goes, or why it goes nowhere.
+    pub(super) place: Outcome<Place>,
+}
+
+impl Frame {
+    /// How messages call it.
+    pub(super) fn name(&self) -> String {
+        match self.number {
+            Some(n) => stream_name(n),
+            None => input_name(&self.image),
+        }
+    }
+}
+
+fn stream_name(number: usize) -> String {
+    format!("stdin, frame {number}")
+}
+
+/// Where a cloud goes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Place {
+    /// Still to be written.
+    New(Destination),
+    /// Written by an earlier run.
+    Done(PathBuf),
+}
+
+impl Place {
+    /// How it is called in messages.
+    pub(super) fn name(&self) -> String {
+        match self {
+            Self::New(destination) => destination.name(),
+            Self::Done(path) => path.display().to_string(),
+        }
+    }
+}
+
+/// The rules by which clouds get their names in a folder.
+#[derive(Debug, Clone)]
+pub(super) struct Folder {
+    path: PathBuf,
+    format: CloudFormat,
+    force: bool,
+    resume: bool,
+}
+
+impl Folder {
+    /// Of `--out-dir`, when it is given.
+    pub(super) fn of(args: &ReconstructArgs) -> Option<Self> {
+        let (format, force, resume) = (args.format, args.force, args.resume);
+        args.out_dir.as_ref().map(|path| Self { path: path.clone(), format, force, resume })
+    }
+
+    /// The file for a cloud: the name is kept whole, dots and all.
+    fn file(&self, stem: &OsStr) -> PathBuf {
+        let mut name = stem.to_owned();
+        name.push(".");
+        name.push(self.format.extension());
+        self.path.join(name)
+    }
+
+    fn place(&self, stem: &OsStr) -> Outcome<Place> {
+        let file = self.file(stem);
+        if self.resume && self.format.is_complete(&file) {
+            return Ok(Place::Done(file));
+        }
+        // What is incomplete is of no use to anybody who resumes.
+        Destination::prepare(&file, self.force || self.resume).map(Place::New)
+    }
+
+    /// The places for photographs, which must have names of their own.
+    pub(super) fn places(&self, images: &[PathBuf]) -> Outcome<Vec<Place>> {
+        let mut seen: HashMap<OsString, &Path> = HashMap::new();
+        for image in images {
+            if let Some(other) = seen.insert(stem(image), image) {
+                return Err(Failure::usage(format!(
+                    "{} and {} would both become {}; rename one of them, or give each an --out-dir of its own",
+                    input_name(other),
+                    input_name(image),
+                    self.file(&stem(image)).display()
+                )));
+            }
+        }
+        images.iter().map(|image| self.place(&stem(image))).collect()
+    }
+
+    /// Refuses a folder that holds clouds of a stream already, unless they may stay or go: found out before any frame is
+    /// worked on, though nobody knows yet how many will come.
+    pub(super) fn check_for_stream(&self) -> Outcome {
+        self.place(&stream_stem(0))?;
+        if self.force || self.resume {
+            return Ok(());
+        }
+        let is_frame = |name: &OsStr| {
+            let name = name.to_string_lossy();
+            let number = name.strip_prefix("frame_").and_then(|n| n.strip_suffix(self.format.extension()));
+            number.and_then(|n| n.strip_suffix('.')).is_some_and(|n| n.parse::<usize>().is_ok())
+        };
+        let found = fs::read_dir(&self.path).ok().into_iter().flatten().filter_map(Result::ok);
+        let mut files: Vec<PathBuf> =
+            found.filter(|e| is_frame(&e.file_name())).map(|entry| entry.path()).collect();
+        files.sort();
+        // The first that exists is refused like any output that exists.
+        files.first().map_or(Ok(()), |file| Destination::prepare(file, false).map(|_| ()))
+    }
+
+    /// The frames of a stream on stdin, until it ends; a frame that is cut off ends it with an error.
+    pub(super) fn frames(self, format: RawFormat) -> impl Iterator<Item = Frame> + Send {
+        let mut number = 0;
+        let mut over = false;
+        std::iter::from_fn(move || {
+            if over {
+                return None;
+            }
+            let name = stream_name(number);
+            let read = match RawFrame::read(&mut std::io::stdin().lock(), format, &name) {
+                Ok(None) if number > 0 => return None,
+                Ok(None) => Err(empty_stream(&name)),
+                Ok(Some(frame)) => Ok(frame),
+                Err(failure) => Err(failure),
+            };
+            over = read.is_err();
+            let (raw, place) = match read {
+                Ok(raw) => (Some(raw), self.place(&stream_stem(number))),
+                Err(failure) => (None, Err(failure)),
+            };
+            number += 1;
+            Some(Frame { image: PathBuf::from("-"), number: Some(number - 1), raw, place })
+        })
+    }
+}
+
+fn empty_stream(name: &str) -> Failure {
+    Failure::new(
+        crate::exit::Exit::Input,
+        format!("{name}: expected a frame, found an empty stream; record again"),
+    )
+}
+
+fn stream_stem(number: usize) -> OsString {
+    format!("frame_{number:06}").into()
+}
+
+/// The name of a photograph less its last ending.
+fn stem(image: &Path) -> OsString {
+    if is_dash(image) { "stdin".into() } else { image.file_stem().unwrap_or(image.as_os_str()).to_owned() }
+}

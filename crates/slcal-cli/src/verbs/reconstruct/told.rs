@@ -1,0 +1,110 @@
+//! What is said while frames are done, and at the end.
+
+use super::report::{ErrorReport, FrameResult, Report, print_reports};
+use super::source::{Frame, Place};
+use crate::args::ReconstructArgs;
+use crate::exit::{Failure, Outcome};
+use crate::io::is_dash;
+use crate::output::{Printer, Progress, Remarks, print_result};
+
+/// A frame that was worked on.
+pub(super) struct Done {
+    pub(super) frame: Frame,
+    pub(super) remarks: Remarks,
+    pub(super) outcome: Outcome<FrameResult>,
+}
+
+/// What is said while frames are done, and at the end.
+pub(super) struct Told<'a> {
+    args: &'a ReconstructArgs,
+    printer: Printer,
+    progress: Progress,
+    reports: Vec<Report>,
+    /// Counts of clouds written, left as they were, and not made.
+    written: usize,
+    resumed: usize,
+    failed: usize,
+    /// The exit code of the first error.
+    code: Option<u8>,
+}
+
+impl<'a> Told<'a> {
+    pub(super) fn new(args: &'a ReconstructArgs, printer: Printer, count: Option<usize>) -> Self {
+        let progress = printer.progress(count);
+        Self { args, printer, progress, reports: Vec::new(), written: 0, resumed: 0, failed: 0, code: None }
+    }
+
+    /// The next frame, in order. The one photograph of `-o` that fails ends the run; with a folder it is told and passed over.
+    pub(super) fn take(&mut self, done: Done) -> Outcome {
+        let Done { frame, remarks, outcome } = done;
+        let output = frame.place.as_ref().ok().map(Place::name);
+        let heading = format!("{} -> {}", frame.name(), output.as_deref().unwrap_or_default());
+        let result = match outcome {
+            Err(failure) if self.args.output.is_some() => {
+                self.progress.around(|| self.printer.remarks(&remarks));
+                return Err(failure);
+            }
+            Err(failure) => {
+                self.progress.around(|| {
+                    self.printer.remarks(&remarks);
+                    self.printer.error(&failure);
+                });
+                FrameResult::Failed { error: ErrorReport::of(&failure) }
+            }
+            Ok(result) => {
+                self.progress.around(|| {
+                    self.printer.remarks(&remarks);
+                    self.tell(&heading, &result)
+                })?;
+                result
+            }
+        };
+        self.count(&result);
+        self.progress.step();
+        self.reports.push(Report { image: frame.image, frame: frame.number, output, result });
+        Ok(())
+    }
+
+    /// The result in words: the whole story for one photograph, a line for one of many.
+    fn tell(&self, heading: &str, result: &FrameResult) -> Outcome {
+        match (result, &self.args.output) {
+            (FrameResult::Cloud(_), _) if self.args.json => Ok(()),
+            (FrameResult::Cloud(report), None) => print_result(&format!("{heading}: {}", report.line)),
+            (FrameResult::Cloud(report), Some(output)) if is_dash(output) => {
+                self.printer.note(report.text.trim_end());
+                Ok(())
+            }
+            (FrameResult::Cloud(report), Some(_)) => print_result(&report.text),
+            (FrameResult::Resumed { .. }, _) => {
+                self.printer.note(format!("{heading}: left as it is, complete"));
+                Ok(())
+            }
+            (FrameResult::Failed { .. }, _) => Ok(()),
+        }
+    }
+
+    fn count(&mut self, result: &FrameResult) {
+        match result {
+            FrameResult::Cloud(_) => self.written += 1,
+            FrameResult::Resumed { .. } => self.resumed += 1,
+            FrameResult::Failed { error } => {
+                self.failed += 1;
+                self.code.get_or_insert(error.exit_code);
+            }
+        }
+    }
+
+    pub(super) fn finish(self) -> Outcome {
+        drop(self.progress);
+        if self.args.json {
+            print_reports(&self.reports)?;
+        }
+        if self.reports.len() > 1 {
+            self.printer.note(format!(
+                "{} clouds written, {} left as they were, {} frames failed",
+                self.written, self.resumed, self.failed
+            ));
+        }
+        self.code.map_or(Ok(()), |code| Err(Failure::Told(code)))
+    }
+}
