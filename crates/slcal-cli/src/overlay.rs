@@ -1,5 +1,7 @@
 //! Pictures of what was found: lines, dots and labels on the photograph.
 
+use std::collections::BTreeMap;
+
 use image::{DynamicImage, Rgb, RgbImage};
 use nalgebra::Point2;
 use slcal_core::{SheetObservation, ViewObservation};
@@ -8,8 +10,17 @@ use slcal_core::{SheetObservation, ViewObservation};
 /// resolution.
 const PIXELS_PER_LINE_WIDTH: f64 = 900.0;
 
-/// Image rows in which points on stripes are drawn, in line widths: drawn in every row, they would hide the stripes.
-const STRIPE_SPACING: f64 = 3.0;
+/// How much of the photograph's colour and brightness stays under curves, whose own colours would drown in the stripes'.
+const COLOR_KEPT: f32 = 0.6;
+const LIGHT_KEPT: f32 = 0.75;
+/// Points of one slit are joined over this many lines of the photograph at most, so that small gaps close and others show.
+const JOINED_LINES: i64 = 3;
+/// And when they are this much or less further across the stripes than along them: what leans more is two curves.
+const JOINED_LEAN: f64 = 2.0;
+/// A curve is at least this wide, px: thinner ones fade.
+const MIN_CURVE_WIDTH: f64 = 1.2;
+/// The least brightness of a curve's colour, 0-255: dark blues and reds do not show on dark photographs.
+const LEAST_LUMA: f64 = 140.0;
 
 const SHEET: Rgb<u8> = Rgb([255, 60, 200]);
 const EDGE_POINT: Rgb<u8> = Rgb([255, 220, 0]);
@@ -82,14 +93,63 @@ impl Overlay {
         }
     }
 
-    /// Points on stripes as dots whose colour tells the slit (neighbouring slits far apart in colour), thinned out to
-    /// every few image rows.
+    /// The stripes that were found as thin curves on the dimmed photograph, each in the colour of its slit (neighbouring
+    /// slits far apart in colour); a point without neighbours on its stripe is a dot.
     pub(crate) fn draw_stripes(&mut self, points: impl Iterator<Item = (Point2<f64>, Option<u16>)>) {
-        let spacing = (STRIPE_SPACING * self.line).round().max(1.0);
-        for (at, slit) in points {
-            // Whichever of the two counts the lines is whole; the other hardly ever is a multiple of the spacing.
-            if at.x % spacing == 0.0 || at.y % spacing == 0.0 {
-                self.disc(at, self.line, slit_color(slit));
+        self.dim();
+        let points: Vec<_> = points.filter(|(p, _)| p.x.is_finite() && p.y.is_finite()).collect();
+        // Whichever coordinate is whole counts the lines that the decoder read.
+        let whole = |axis: usize| points.iter().filter(|(p, _)| p[axis].fract() == 0.0).count();
+        let along = usize::from(whole(1) >= whole(0));
+        let mut by_place: BTreeMap<(u16, i64), Vec<Point2<f64>>> = BTreeMap::new();
+        for (p, slit) in &points {
+            by_place.entry((slit.unwrap_or(0), p[along].round() as i64)).or_default().push(*p);
+        }
+        let width = self.line.max(MIN_CURVE_WIDTH);
+        for ((slit, line), here) in &by_place {
+            let color = slit_color(*slit);
+            for p in here {
+                let next = (1..=JOINED_LINES).find_map(|step| {
+                    let there = by_place.get(&(*slit, line + step))?;
+                    let lean = |q: &Point2<f64>| (q[1 - along] - p[1 - along]).abs() / step as f64;
+                    there.iter().filter(|q| lean(q) <= JOINED_LEAN).min_by(|a, b| lean(a).total_cmp(&lean(b)))
+                });
+                self.blend_segment(*p, *next.unwrap_or(p), width, color);
+            }
+        }
+    }
+
+    /// Takes light and colour from the photograph.
+    fn dim(&mut self) {
+        for pixel in self.picture.pixels_mut() {
+            let grey = luma(pixel.0.map(f64::from)) as f32;
+            pixel.0 = pixel.0.map(|c| {
+                (LIGHT_KEPT * (COLOR_KEPT * f32::from(c) + (1.0 - COLOR_KEPT) * grey)).round() as u8
+            });
+        }
+    }
+
+    /// A line with soft edges; what lies outside the frame is left out.
+    fn blend_segment(&mut self, from: Point2<f64>, to: Point2<f64>, width: f64, color: Rgb<u8>) {
+        let reach = 0.5 * width + 0.5;
+        let along = to - from;
+        let length = along.norm_squared();
+        let size = [self.picture.width(), self.picture.height()].map(f64::from);
+        let span = |k: usize| {
+            let (low, high) = (from[k].min(to[k]) - reach, from[k].max(to[k]) + reach);
+            ((low.ceil().clamp(0.0, size[k]) as u32), (high.floor().clamp(-1.0, size[k] - 1.0) + 1.0) as u32)
+        };
+        let ((left, right), (top, bottom)) = (span(0), span(1));
+        for y in top..bottom {
+            for x in left..right {
+                let at = Point2::new(f64::from(x), f64::from(y));
+                let share =
+                    if length > 0.0 { ((at - from).dot(&along) / length).clamp(0.0, 1.0) } else { 0.0 };
+                let cover = (reach - (at - (from + along * share)).norm()).clamp(0.0, 1.0) as f32;
+                let pixel = self.picture.get_pixel_mut(x, y);
+                for (old, new) in pixel.0.iter_mut().zip(color.0) {
+                    *old = (f32::from(*old) * (1.0 - cover) + f32::from(new) * cover).round() as u8;
+                }
             }
         }
     }
@@ -190,15 +250,21 @@ fn glyph(letter: char) -> [u8; 7] {
     }
 }
 
-/// A saturated colour per slit: hues step by the golden angle, so that neighbours differ most.
-fn slit_color(slit: Option<u16>) -> Rgb<u8> {
+/// A bright colour per slit: hues step by the golden angle, so that neighbours differ most.
+fn slit_color(slit: u16) -> Rgb<u8> {
     const GOLDEN_SHARE: f64 = 0.618_033_988_75;
-    let Some(slit) = slit else { return CORNER };
     let hue = (f64::from(slit) * GOLDEN_SHARE).fract() * 6.0;
-    Rgb([5.0, 3.0, 1.0].map(|n: f64| {
+    let pure = [5.0, 3.0, 1.0].map(|n: f64| {
         let k = (n + hue) % 6.0;
-        (255.0 * (1.0 - k.min(4.0 - k).clamp(0.0, 1.0))) as u8
-    }))
+        255.0 * (1.0 - k.min(4.0 - k).clamp(0.0, 1.0))
+    });
+    let white = ((LEAST_LUMA - luma(pure)) / (255.0 - luma(pure))).clamp(0.0, 1.0);
+    Rgb(pure.map(|c| (c + (255.0 - c) * white).round() as u8))
+}
+
+/// Brightness of a colour as the eye weighs it (Rec. 709).
+fn luma([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 #[cfg(test)]
@@ -231,9 +297,38 @@ mod tests {
     }
 
     #[test]
+    fn points_of_one_slit_become_a_curve_whichever_way_the_lines_run() {
+        // Two slits a row apart from each other in every line but some, and a point alone.
+        let curve = |u: f64, slit: u16| {
+            let lines = (0..40).filter(|l| *l != 8 && !(20..30).contains(l));
+            lines.map(move |l| (Point2::new(u + 0.25 * f64::from(l), f64::from(l)), Some(slit)))
+        };
+        let points: Vec<_> =
+            curve(10.2, 3).chain(curve(20.2, 4)).chain([(Point2::new(35.3, 5.0), Some(9))]).collect();
+        let draw = |turned: bool| {
+            let mut overlay = Overlay::new(&DynamicImage::new_rgb8(48, 48));
+            let turn = |p: Point2<f64>| if turned { Point2::new(p.y, p.x) } else { p };
+            overlay.draw_stripes(points.iter().map(|(p, slit)| (turn(*p), *slit)));
+            let picture = overlay.into_picture().to_rgb8();
+            if turned {
+                image::imageops::flip_horizontal(&image::imageops::rotate90(&picture))
+            } else {
+                picture
+            }
+        };
+        let (upright, turned) = (draw(false), draw(true));
+        assert_eq!(upright, turned);
+        let drawn = |x: u32, y: u32| upright.get_pixel(x, y).0.iter().any(|c| *c > 60);
+        // A gap of one line closes, one of ten shows.
+        assert!((0..20).all(|y| drawn((10.2 + 0.25 * f64::from(y)).round() as u32, y)));
+        assert!((21..29).all(|y| !(0..48).any(|x| drawn(x, y))));
+        assert!(drawn(35, 5) && !drawn(35, 8));
+    }
+
+    #[test]
     fn neighbouring_slits_differ_in_colour() {
         for slit in 0..63_u16 {
-            let (a, b) = (slit_color(Some(slit)), slit_color(Some(slit + 1)));
+            let (a, b) = (slit_color(slit), slit_color(slit + 1));
             let apart: i32 = (0..3).map(|c| (i32::from(a[c]) - i32::from(b[c])).abs()).sum();
             assert!(apart > 150, "{slit}: {a:?} {b:?}");
         }
