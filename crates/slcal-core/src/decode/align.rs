@@ -1,164 +1,193 @@
-//! Correspondence along one line: peaks × slits by dynamic programming.
+//! Correspondence along one line: crossings × slits by dynamic programming.
 //!
 //! After L. Zhang, B. Curless, S. M. Seitz, "Rapid shape acquisition using color structured light and multi-pass dynamic
 //! programming", 3DPVT 2002, with costs that are log-probabilities. A single ordered pass threads chance matches between the
-//! right ones on a line that an occlusion has put out of order; here a run may start at any slit, at a higher price
-//! behind the last one. A slit may be met twice: a line of the image need not be an epipolar line, and crosses the same
-//! slit on the object and again on the wall.
+//! right ones on a line that an occlusion has put out of order; here a run may start at any slit, at a price that is
+//! higher behind the last one. A slit may be met twice: a line of the image need not be an epipolar line, and crosses the
+//! same slit on the object and again on the wall. Further passes hear the votes of the lines about (`number`).
 
-use super::color::Hues;
-use super::peaks::{Peak, total};
-
-/// ln of the odds that a peak is a slit at all: what a peak gains by being matched with an uninformative colour.
+/// ln of the odds that a crossing is a slit at all: what it gains by being matched with an uninformative colour.
 const MATCH_GAIN: f32 = 1.0;
 /// Starting a run of slits anywhere: as many nats as there are places to start (about 60), and some for the surfaces
-/// that end. Two peaks alone do not pay for it, three neighbours with the right colours (the window of three) do.
+/// that end. Two crossings alone do not pay for it, three neighbours with the right colours (the window of three) do.
 const JUMP: f32 = 6.0;
 /// The same, when the run starts at an earlier slit than the last one ended with: a near surface has hidden a part and
 /// moved another.
 const JUMP_BACK: f32 = 8.0;
 /// One slit that was not seen.
 const MISSED_SLIT: f32 = 2.5;
-/// One peak between two slits that is none.
-const EXTRA_PEAK: f32 = 1.0;
-/// Going on with the next slit where the surface seems to have changed: the peaks are more than `FAR` times as far
-/// apart as their widths suggest, or one is more than `BRIGHTER` times as bright as the other.
+/// One crossing between two slits that is none.
+const EXTRA: f32 = 1.0;
+/// Going on with the next slit where the surface seems to have changed: the crossings are more than `FAR` times as far
+/// apart as their widths suggest, or one is more than `BRIGHTER` times as bright as the other; more than twice as much
+/// says so twice.
 const BREAK: f32 = 2.5;
 const FAR: f32 = 1.7;
+const BRIGHTER: f32 = 2.0;
 /// A gap of one slit is this many periods wide, to one more.
 const NEAR_TWO: f32 = 1.5;
-const BRIGHTER: f32 = 2.0;
-/// Fewer neighbouring peaks on neighbouring slits than this are no evidence: two colours occur in many places.
+/// Fewer neighbouring crossings on neighbouring slits than this are no evidence: two colours occur in many places.
 const MIN_RUN: usize = 3;
-/// What all votes for a slit along the curve of a peak are worth, in nats.
+/// Share of the log-odds of perfect colours that a run must have: a run of three with one wrong colour fits elsewhere, too.
+const MIN_RUN_ODDS: f32 = 0.55;
+/// What all votes for a slit along the curve of a crossing are worth, in nats.
 const VOTE_GAIN: f32 = 4.0;
 
-/// Marks a slit or peak that is not matched.
+/// Marks a slit or crossing that is not matched.
 pub(super) const NONE: u16 = u16::MAX;
 
 const END: u32 = u32::MAX;
+/// Every row of scores begins with as many entries of −∞ as steps reach back.
+const PAD: usize = 2;
 
-/// What earlier rounds think of a peak: the slit and the share of the votes along its curve.
-pub(super) type Hint = (u16, f32);
+/// What alignment looks at in a crossing.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Node {
+    /// Position along the line, px.
+    pub(super) u: f32,
+    /// Width, px.
+    pub(super) width: f32,
+    /// Light, over what is usual for its hue.
+    pub(super) light: f32,
+    /// Slit that earlier rounds have found, or [`NONE`], and the share of the votes along its curve.
+    pub(super) hint: (u16, f32),
+}
+
+/// How a path came to a cell.
+const JUMPED: u8 = 0;
+const NEXT: u8 = 1;
+const MISSED: u8 = 2;
+const SKIPPED: u8 = 3;
 
 /// Aligns lines with the pattern; keeps its tables.
+#[derive(Debug, Clone, Default)]
 pub(super) struct Aligner {
-    /// Hue of the slits in the order in which they are met along the line.
-    slits: Vec<u8>,
-    /// Period over width of the slits.
-    period_per_width: f32,
     score: Vec<f32>,
-    from: Vec<u32>,
-    best: Vec<(f32, u32)>,
-    path: Vec<(usize, u16)>,
+    how: Vec<u8>,
+    gain: Vec<f32>,
+    /// The best score among the crossings before, at a slit before each; and of the present row.
+    best: Vec<f32>,
+    running: Vec<f32>,
+    path: Vec<(u32, u16)>,
 }
 
 impl Aligner {
-    pub(super) fn new(slits: Vec<u8>, period_per_width: f32) -> Self {
-        let (score, from, best, path) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { slits, period_per_width, score, from, best, path }
-    }
-
-    /// Gives each peak of a line the position of its slit in the order of the slits, or [`NONE`], and returns the score
-    /// in nats. `odds` holds the log-odds of the hues, peak by peak; `hints` may be empty.
+    /// Gives each crossing of a line the position of its slit in `slits` (hues in the order in which the line meets them),
+    /// or [`NONE`], and returns the score in nats. `odds` holds the log-odds of the hues, crossing by crossing.
     pub(super) fn align(
         &mut self,
-        peaks: &[Peak],
+        slits: &[u8],
+        period_per_width: f32,
+        nodes: &[Node],
         odds: &[f32],
-        hints: &[Hint],
-        hues: &Hues,
         labels: &mut [u16],
     ) -> f32 {
-        let (n, k) = (peaks.len(), self.slits.len());
-        let colors = hues.directions.len();
-        self.score.clear();
-        self.score.resize(n * k, f32::NEG_INFINITY);
-        self.from.clear();
-        self.from.resize(n * k, END);
-        // best[j]: the best end of a path among the peaks before, at a slit before j.
-        self.best.clear();
-        self.best.resize(k + 1, (0.0, END));
-        let mut top = (0.0, END);
-        for i in 0..n {
-            let (step, missed) = self.costs(peaks, i, 1, hues);
-            let (extra, _) = self.costs(peaks, i, 2, hues);
-            let anywhere = (top.0 - JUMP_BACK, top.1);
-            let (hinted, weight) = hints.get(i).copied().unwrap_or((NONE, 0.0));
-            for j in 0..k {
-                let mut gain = MATCH_GAIN + odds[i * colors + usize::from(self.slits[j])];
-                if usize::from(hinted) == j {
-                    gain += VOTE_GAIN * weight;
-                }
-                let (score, end) = self.best[j];
-                let mut best = if score - JUMP > anywhere.0 { (score - JUMP, end) } else { anywhere };
-                let mut consider = |peaks_back: usize, slits_back: usize, cost: f32| {
-                    if i >= peaks_back && j >= slits_back {
-                        let at = (i - peaks_back) * k + j - slits_back;
-                        let s = self.score[at] - cost;
-                        if s > best.0 {
-                            best = (s, at as u32);
-                        }
-                    }
-                };
-                consider(1, 1, step);
-                consider(1, 2, MISSED_SLIT + missed);
-                consider(2, 1, EXTRA_PEAK + extra);
-                self.score[i * k + j] = best.0 + gain;
-                self.from[i * k + j] = best.1;
-            }
-            let mut running = (f32::NEG_INFINITY, END);
-            for j in 0..k {
-                let at = i * k + j;
-                if self.score[at] > running.0 {
-                    running = (self.score[at], at as u32);
-                }
-                if running.0 > self.best[j + 1].0 {
-                    self.best[j + 1] = running;
-                }
-            }
-            if running.0 > top.0 {
-                top = running;
-            }
-        }
-        self.trace(top.1, hints, labels);
-        top.0
-    }
-
-    /// What it costs to go on from the peak `back` before peak `i` with the next slit, and with the one after that.
-    fn costs(&self, peaks: &[Peak], i: usize, back: usize, hues: &Hues) -> (f32, f32) {
-        let Some(a) = i.checked_sub(back).map(|i| &peaks[i]) else { return (0.0, 0.0) };
-        let b = &peaks[i];
-        let periods = (b.u - a.u) / (0.5 * (a.width + b.width) * self.period_per_width);
-        let bright = |p: &Peak| total(p.color) / hues.brightness_of(p.color);
-        let ratio = bright(a) / bright(b);
-        let lit = if ratio > BRIGHTER || ratio < BRIGHTER.recip() { BREAK } else { 0.0 };
-        let spaced = |fits: bool| if fits { lit } else { BREAK };
-        (spaced(periods < FAR), spaced((NEAR_TWO..NEAR_TWO + 1.0).contains(&periods)))
-    }
-
-    /// Follows the best path back and keeps its runs of neighbouring slits that are long enough.
-    fn trace(&mut self, end: u32, hints: &[Hint], labels: &mut [u16]) {
+        let top = self.fill(slits, period_per_width, nodes, odds);
         labels.fill(NONE);
-        let k = self.slits.len();
-        self.path.clear();
-        let mut at = end;
-        while at != END {
-            self.path.push((at as usize / k, (at as usize % k) as u16));
-            at = self.from[at as usize];
+        if top > 0.0 {
+            self.trace(top, nodes.len(), slits.len());
+            self.keep_runs(slits, period_per_width, nodes, odds, labels);
         }
+        top
+    }
+
+    fn fill(&mut self, slits: &[u8], period_per_width: f32, nodes: &[Node], odds: &[f32]) -> f32 {
+        let (n, k) = (nodes.len(), slits.len());
+        let hues = odds.len() / n.max(1);
+        let row = k + PAD;
+        self.score.clear();
+        self.score.resize((n + 2) * row, f32::NEG_INFINITY);
+        self.how.clear();
+        self.how.resize(n * k, JUMPED);
+        self.gain.resize(k, 0.0);
+        self.best.clear();
+        self.best.resize(k, 0.0);
+        let mut top = 0.0_f32;
+        for i in 0..n {
+            let (step, missed) = costs(nodes, i, 1, period_per_width);
+            let (extra, _) = costs(nodes, i, 2, period_per_width);
+            let own = &odds[i * hues..(i + 1) * hues];
+            for (g, &s) in self.gain.iter_mut().zip(slits) {
+                *g = MATCH_GAIN + own[usize::from(s)];
+            }
+            let (hinted, weight) = nodes[i].hint;
+            if let Some(g) = self.gain.get_mut(usize::from(hinted)) {
+                *g += VOTE_GAIN * weight;
+            }
+            // Rows i and i + 1 of the table belong to the crossings before; two rows of −∞ stand before the first.
+            let (before, current) = self.score.split_at_mut((i + 2) * row);
+            let (second, last) = (&before[i * row..(i + 1) * row], &before[(i + 1) * row..]);
+            let steps = Steps { back: top - JUMP_BACK, step, missed: MISSED_SLIT + missed, extra: EXTRA + extra };
+            let current = &mut current[PAD..row];
+            advance(&steps, (last, second), &self.best, &self.gain, current, &mut self.how[i * k..(i + 1) * k]);
+            running_maximum(current, &mut self.running);
+            for (best, &r) in self.best.iter_mut().skip(1).zip(&self.running) {
+                *best = best.max(r);
+            }
+            top = top.max(self.running.last().copied().unwrap_or(0.0));
+        }
+        top
+    }
+
+    /// Follows the best path back from the end, whose score is `top`.
+    fn trace(&mut self, top: f32, n: usize, k: usize) {
+        self.path.clear();
+        let row = k + PAD;
+        let score = |i: usize, j: usize| self.score[(i + 2) * row + PAD + j];
+        // The cell with a score, before crossing `n` and slit `k`: jumps are few, so that they are not noted down.
+        let cell = |wanted: f32, n: usize, k: usize| {
+            (0..n).rev().find_map(|i| (0..k).find(|&j| score(i, j) >= wanted).map(|j| (i, j)))
+        };
+        let mut at = cell(top, n, k);
+        while let Some((i, j)) = at {
+            self.path.push((i as u32, j as u16));
+            let how = self.how[i * k + j];
+            at = match how {
+                NEXT => Some((i - 1, j - 1)),
+                MISSED => Some((i - 1, j - 2)),
+                SKIPPED => Some((i - 2, j - 1)),
+                _ => {
+                    let most = |k: usize| (0..i).flat_map(|i| (0..k).map(move |j| score(i, j))).fold(0.0, f32::max);
+                    let (ahead, anywhere) = (most(j), most(k));
+                    let (wanted, k) =
+                        if ahead - JUMP >= anywhere - JUMP_BACK { (ahead, j) } else { (anywhere, k) };
+                    if wanted > 0.0 { cell(wanted, i, k) } else { None }
+                }
+            };
+        }
+    }
+
+    /// Labels the runs of neighbouring crossings on neighbouring slits, without a change of surface within, that are long
+    /// enough and whose colours fit; and what earlier rounds have agreed on.
+    fn keep_runs(
+        &self,
+        slits: &[u8],
+        period_per_width: f32,
+        nodes: &[Node],
+        odds: &[f32],
+        labels: &mut [u16],
+    ) {
+        let hues = odds.len() / nodes.len().max(1);
+        let least = MIN_RUN_ODDS * (hues as f32).ln();
         let mut start = 0;
         for p in 1..=self.path.len() {
             let goes_on = p < self.path.len() && {
                 let ((i, j), (i_next, j_next)) = (self.path[p], self.path[p - 1]);
-                i + 1 == i_next && j + 1 == j_next
+                i + 1 == i_next && j + 1 == j_next && costs(nodes, i_next as usize, 1, period_per_width).0 == 0.0
             };
             if goes_on {
                 continue;
             }
-            for &(i, j) in &self.path[start..p] {
-                let hinted = hints.get(i).is_some_and(|h| h.0 == j && h.1 > 0.5);
-                if p - start >= MIN_RUN || hinted {
-                    labels[i] = j;
+            let run = &self.path[start..p];
+            let fit: f32 = run
+                .iter()
+                .map(|&(i, j)| odds[i as usize * hues + usize::from(slits[usize::from(j)])])
+                .sum();
+            let accepted = run.len() >= MIN_RUN && fit >= least * run.len() as f32;
+            for &(i, j) in run {
+                let hint = nodes[i as usize].hint;
+                if accepted || (hint.0 == j && hint.1 > 0.5) {
+                    labels[i as usize] = j;
                 }
             }
             start = p;
@@ -166,20 +195,84 @@ impl Aligner {
     }
 }
 
+struct Steps {
+    /// A jump to any slit.
+    back: f32,
+    step: f32,
+    missed: f32,
+    extra: f32,
+}
+
+/// One row of the table from the two before it. Plain loops over slices of one length, so that the compiler can take
+/// several slits at a time.
+fn advance(
+    steps: &Steps,
+    rows: (&[f32], &[f32]),
+    best_before: &[f32],
+    gain: &[f32],
+    score: &mut [f32],
+    how: &mut [u8],
+) {
+    let k = gain.len();
+    let (last, second) = rows;
+    let (next, missed, skipped) = (&last[1..=k], &last[..k], &second[1..=k]);
+    let (best_before, score, how) = (&best_before[..k], &mut score[..k], &mut how[..k]);
+    for j in 0..k {
+        let (mut best, mut kind) = ((best_before[j] - JUMP).max(steps.back), JUMPED);
+        let a = next[j] - steps.step;
+        (best, kind) = if a > best { (a, NEXT) } else { (best, kind) };
+        let b = missed[j] - steps.missed;
+        (best, kind) = if b > best { (b, MISSED) } else { (best, kind) };
+        let c = skipped[j] - steps.extra;
+        (best, kind) = if c > best { (c, SKIPPED) } else { (best, kind) };
+        score[j] = best + gain[j];
+        how[j] = kind;
+    }
+}
+
+/// The largest value up to each place, by doubling steps.
+fn running_maximum(values: &[f32], out: &mut Vec<f32>) {
+    out.clear();
+    out.extend_from_slice(values);
+    let mut reach = 1;
+    while reach < values.len() {
+        // From the far end, so that every place still sees the values of the step before.
+        for chunk_end in (1..=out.len() - reach).rev() {
+            let j = chunk_end - 1;
+            out[j + reach] = out[j + reach].max(out[j]);
+        }
+        reach *= 2;
+    }
+}
+
+/// What it costs to go on from the crossing `back` before `i` with the next slit, and with the one after that.
+fn costs(nodes: &[Node], i: usize, back: usize, period_per_width: f32) -> (f32, f32) {
+    let Some(a) = i.checked_sub(back).map(|i| &nodes[i]) else { return (0.0, 0.0) };
+    let b = &nodes[i];
+    let periods = (b.u - a.u) / (0.5 * (a.width + b.width) * period_per_width);
+    let brighter = |times: f32| a.light > times * b.light || b.light > times * a.light;
+    let lit = BREAK * (f32::from(u8::from(brighter(BRIGHTER))) + f32::from(u8::from(brighter(2.0 * BRIGHTER))));
+    let spaced = |fits: bool| if fits { lit } else { BREAK };
+    (spaced(periods < FAR), spaced((NEAR_TWO..NEAR_TWO + 1.0).contains(&periods)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{Rng, SeedableRng};
 
     const HUES: [u8; 12] = [0, 0, 0, 1, 0, 0, 2, 0, 1, 1, 0, 2];
 
+    fn node(u: f32) -> Node {
+        Node { u, width: 4.0, light: 1.0, hint: (NONE, 0.0) }
+    }
+
     fn align(seen: &[(f32, u8)]) -> Vec<i32> {
-        let peak = |u| Peak { u, width: 4.0, color: [1.0; 3], contrast: 9.0, sigma: 0.1, saturated: false };
-        let peaks: Vec<Peak> = seen.iter().map(|s| peak(s.0)).collect();
+        let nodes: Vec<Node> = seen.iter().map(|s| node(s.0)).collect();
         let odds: Vec<f32> =
             seen.iter().flat_map(|s| (0..3).map(move |h| if h == s.1 { 1.0 } else { -3.0 })).collect();
-        let mut labels = vec![NONE; peaks.len()];
-        let hues = Hues { directions: vec![[1.0, 0.0, 0.0]; 3], spread_rad: 0.1, brightness: vec![1.0; 3] };
-        Aligner::new(HUES.to_vec(), 2.0).align(&peaks, &odds, &[], &hues, &mut labels);
+        let mut labels = vec![NONE; nodes.len()];
+        Aligner::default().align(&HUES, 2.0, &nodes, &odds, &mut labels);
         labels.into_iter().map(|l| if l == NONE { -1 } else { i32::from(l) }).collect()
     }
 
@@ -211,5 +304,68 @@ mod tests {
         let mut twice = slits(3..9, 0.0);
         twice.extend(slits(3..9, 60.0));
         assert_eq!(align(&twice), [3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8]);
+    }
+
+    /// The best score of any path, by trying all of them: every crossing is left out or given any slit.
+    fn brute_force(slits: &[u8], nodes: &[Node], odds: &[f32]) -> f32 {
+        fn go(
+            slits: &[u8],
+            nodes: &[Node],
+            odds: &[f32],
+            i: usize,
+            last: Option<(usize, usize)>,
+            score: f32,
+        ) -> f32 {
+            if i == nodes.len() {
+                return score;
+            }
+            let hues = odds.len() / nodes.len();
+            let mut best = go(slits, nodes, odds, i + 1, last, score);
+            for j in 0..slits.len() {
+                let (hint, weight) = nodes[i].hint;
+                let vote = if usize::from(hint) == j { VOTE_GAIN * weight } else { 0.0 };
+                let gain = MATCH_GAIN + odds[i * hues + usize::from(slits[j])] + vote;
+                // A jump ahead is cheaper than one back; the first start counts as one ahead.
+                let mut from = score - if last.is_none_or(|(_, q)| q < j) { JUMP } else { JUMP_BACK };
+                if let Some((p, q)) = last {
+                    let (step, missed) = costs(nodes, i, 1, 2.0);
+                    let (extra, _) = costs(nodes, i, 2, 2.0);
+                    if p + 1 == i && q + 1 == j {
+                        from = from.max(score - step);
+                    }
+                    if p + 1 == i && q + 2 == j {
+                        from = from.max(score - MISSED_SLIT - missed);
+                    }
+                    if p + 2 == i && q + 1 == j {
+                        from = from.max(score - EXTRA - extra);
+                    }
+                }
+                best = best.max(go(slits, nodes, odds, i + 1, Some((i, j)), from + gain));
+            }
+            best
+        }
+        go(slits, nodes, odds, 0, None, 0.0)
+    }
+
+    #[test]
+    fn dynamic_programming_finds_what_trying_all_paths_finds() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+        for _ in 0..60 {
+            let (n, k) = (rng.random_range(1..6), rng.random_range(1..7));
+            let slits: Vec<u8> = (0..k).map(|_| rng.random_range(0..3)).collect();
+            let mut u = 0.0;
+            let nodes: Vec<Node> = (0..n)
+                .map(|_| {
+                    u += rng.random_range(4.0..20.0_f32);
+                    let hint = (rng.random_range(0..k as u16), rng.random_range(0.0..1.0));
+                    Node { u, width: rng.random_range(3.0..6.0), light: rng.random_range(0.2..2.0), hint }
+                })
+                .collect();
+            let odds: Vec<f32> = (0..3 * n).map(|_| rng.random_range(-3.0..6.0)).collect();
+            let mut labels = vec![NONE; n];
+            let found = Aligner::default().align(&slits, 2.0, &nodes, &odds, &mut labels);
+            let best = brute_force(&slits, &nodes, &odds);
+            assert!((found - best).abs() < 1e-4, "{found} for {best}");
+        }
     }
 }

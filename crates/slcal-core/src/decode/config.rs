@@ -47,23 +47,45 @@ pub struct DecodeInput<'a> {
     pub white: Option<PhotoView<'a>>,
 }
 
-/// Stripe crossings that were seen and not reported, by reason.
+/// Bright bands that were seen and not reported, by reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Dropped {
     /// Too little contrast over the noise, or no two edges.
     pub weak: usize,
     /// The lines of its curve do not agree on a slit, or too few of them decoded.
     pub ambiguous: usize,
-    /// Much narrower than its neighbours: an outline or a shadow cuts it, so that its middle is not the slit's centre.
+    /// The neighbour on the line has the same number, with better reason.
+    pub inconsistent: usize,
+    /// Narrower than what is about it lets expect, or fading out: an outline or a shadow cuts it, so that its slit's
+    /// centre cannot be told.
     pub cut: usize,
     /// Confidence below the one asked for.
     pub unsure: usize,
 }
 
+impl Dropped {
+    /// All of them.
+    #[must_use]
+    pub fn total(&self) -> usize {
+        self.weak + self.ambiguous + self.inconsistent + self.cut + self.unsure
+    }
+}
+
+/// Which way lines across the stripes run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Lines {
+    /// Along image rows: the stripes run down the image.
+    #[default]
+    Rows,
+    /// Along image columns: the stripes run across the image.
+    Columns,
+}
+
 /// What was seen.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct DecodeReport {
-    /// Stripe crossings seen, over all lines.
+    /// Bright bands seen, over all lines: those decoded and those dropped.
     pub crossings: usize,
     /// Reported as matches.
     pub decoded: usize,
@@ -71,10 +93,19 @@ pub struct DecodeReport {
     pub slits: usize,
     /// Not reported, by reason.
     pub dropped: Dropped,
+    /// Which way lines were read.
+    pub lines: Lines,
     /// Median width of the stripes, px.
     pub stripe_width_px: f64,
+    /// Width of the stripes as photographed over that of the slits as drawn; light that spills over makes it more than 1.
+    pub width_ratio: f64,
+    /// Noise of a pixel, 1σ in 8-bit grey levels.
+    pub noise_levels: f64,
     /// Colours of the hues as seen (linear light, unit length), in the order of the palette.
     pub hues_seen: Vec<[f64; 3]>,
+    /// What the camera's channels (rows) see of the projector's primaries (columns), by the hues seen; each column has
+    /// its largest entry 1. `None` where the palette does not tell three primaries apart.
+    pub crosstalk: Option<[[f64; 3]; 3]>,
     /// Angle by which colours of one hue scatter, rad.
     pub hue_spread_rad: f64,
     /// Share of the crossings whose core is clipped in some channel.
@@ -87,7 +118,7 @@ pub struct DecodeReport {
 }
 
 /// Matches and what was seen on the way.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Decoding {
     /// One per slit and line.
     pub matches: Matches,

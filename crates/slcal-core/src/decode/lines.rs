@@ -1,105 +1,152 @@
 //! The photograph as lines across the stripes, in linear light.
 
+use super::config::DecodeInput;
 use crate::error::{Error, Result};
-use crate::pattern::Axis;
-use crate::photo::{Encoding, LinearTable, PhotoView};
+use crate::photo::{Encoding, LinearTable, PhotoView, Samples};
 
 /// Share of full light below which a pixel of the white frame says nothing about the surface's colour.
 const MIN_WHITE: f32 = 1e-2;
 
-/// A photograph with its dark and lit companions.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Frames<'a> {
-    pub(super) photo: PhotoView<'a>,
-    pub(super) black: Option<PhotoView<'a>>,
-    pub(super) white: Option<PhotoView<'a>>,
+/// Which way lines are read: across the stripes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scan {
+    /// Along image rows, for stripes that run down the image.
+    Rows,
+    /// Along image columns.
+    Columns,
 }
 
-/// Reads lines that run across the stripes: image rows for vertical stripes, columns for horizontal ones.
-pub(super) struct LineReader<'a> {
-    frames: Frames<'a>,
-    table: LinearTable,
-    black_table: Option<LinearTable>,
-    white_table: Option<LinearTable>,
-    axis: Axis,
+/// One line: the light of each pixel, its sum over the channels, and room for the companions' lines.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Line {
+    pub(super) rgb: Vec<[f32; 3]>,
+    /// The scalar in which stripes of all hues stand out.
+    pub(super) total: Vec<f32>,
     black: Vec<[f32; 3]>,
     white: Vec<[f32; 3]>,
 }
 
-impl<'a> LineReader<'a> {
-    pub(super) fn new(frames: Frames<'a>, axis: Axis, encoding: Encoding) -> Result<Self> {
-        encoding.validate()?;
-        let (w, h) = (frames.photo.width(), frames.photo.height());
-        if !frames.photo.layout().has_color() {
+/// Tables from code values to light; made once for each sample type and kept.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Tables {
+    bytes: Option<LinearTable>,
+    words: Option<LinearTable>,
+}
+
+impl Tables {
+    pub(super) fn prepare(&mut self, view: &PhotoView<'_>, encoding: Encoding) {
+        let slot = match view.samples() {
+            Samples::U8(_) => &mut self.bytes,
+            Samples::U16(_) => &mut self.words,
+        };
+        if slot.is_none() {
+            *slot = Some(view.linear_table(encoding));
+        }
+    }
+
+    fn of(&self, view: &PhotoView<'_>) -> Option<&LinearTable> {
+        match view.samples() {
+            Samples::U8(_) => self.bytes.as_ref(),
+            Samples::U16(_) => self.words.as_ref(),
+        }
+    }
+}
+
+/// Reads lines of a photograph and its dark and lit companions.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LineReader<'a> {
+    frames: &'a DecodeInput<'a>,
+    tables: &'a Tables,
+    pub(super) scan: Scan,
+}
+
+/// Refuses frames that cannot belong together and photographs without colour.
+pub(super) fn check(frames: &DecodeInput<'_>) -> Result<()> {
+    let (w, h) = (frames.photo.width(), frames.photo.height());
+    if !frames.photo.layout().has_color() {
+        return Err(Error::invalid(
+            "striped photograph",
+            "a colour photograph: the stripes are told apart by their hues",
+            "a greyscale one",
+        ));
+    }
+    for (name, frame) in [("black", frames.black), ("white", frames.white)] {
+        if let Some(f) = frame
+            && (f.width(), f.height()) != (w, h)
+        {
             return Err(Error::invalid(
-                "striped photograph",
-                "a colour photograph: the stripes are told apart by their hues",
-                "a greyscale one",
+                format!("{name} frame"),
+                format!("the size of the striped photograph, {w}x{h}"),
+                format!("{}x{}", f.width(), f.height()),
             ));
         }
-        for (name, frame) in [("black", frames.black), ("white", frames.white)] {
-            if let Some(f) = frame
-                && (f.width(), f.height()) != (w, h)
-            {
-                return Err(Error::invalid(
-                    format!("{name} frame"),
-                    format!("the size of the striped photograph, {w}x{h}"),
-                    format!("{}x{}", f.width(), f.height()),
-                ));
-            }
-        }
-        let length = if axis == Axis::Columns { w } else { h };
-        let buffer = |used: bool| vec![[0.0; 3]; if used { length } else { 0 }];
-        Ok(Self {
-            table: frames.photo.linear_table(encoding),
-            black_table: frames.black.map(|f| f.linear_table(encoding)),
-            white_table: frames.white.map(|f| f.linear_table(encoding)),
-            axis,
-            black: buffer(frames.black.is_some()),
-            white: buffer(frames.white.is_some()),
-            frames,
-        })
+    }
+    Ok(())
+}
+
+impl<'a> LineReader<'a> {
+    pub(super) fn new(frames: &'a DecodeInput<'a>, tables: &'a Tables, scan: Scan) -> Self {
+        Self { frames, tables, scan }
     }
 
     /// Pixels of a line.
     pub(super) fn length(&self) -> usize {
-        if self.axis == Axis::Columns { self.frames.photo.width() } else { self.frames.photo.height() }
+        let p = &self.frames.photo;
+        if self.scan == Scan::Rows { p.width() } else { p.height() }
     }
 
     /// Number of lines.
     pub(super) fn count(&self) -> usize {
-        if self.axis == Axis::Columns { self.frames.photo.height() } else { self.frames.photo.width() }
+        let p = &self.frames.photo;
+        if self.scan == Scan::Rows { p.height() } else { p.width() }
     }
 
-    /// Writes the projector's light on line `line` into `out` (of [`LineReader::length`] entries): the black frame taken
-    /// off and the white frame's colour divided out, where they were given.
-    pub(super) fn read(&mut self, line: usize, out: &mut [[f32; 3]]) {
-        let axis = self.axis;
-        let load = |view: &PhotoView<'_>, table: &LinearTable, out: &mut [[f32; 3]]| match axis {
-            Axis::Columns => view.linear_rgb_row(line, table, out),
-            Axis::Rows => view.linear_rgb_column(line, table, out),
-        };
-        load(&self.frames.photo, &self.table, out);
-        if let (Some(view), Some(table)) = (&self.frames.black, &self.black_table) {
-            load(view, table, &mut self.black);
-            subtract(out, &self.black);
+    /// The `k`-th of `n` lines spread evenly over the photograph.
+    pub(super) fn spread(&self, k: usize, n: usize) -> usize {
+        (2 * k + 1) * self.count() / (2 * n.max(1))
+    }
+
+    fn load(&self, view: &PhotoView<'_>, line: usize, out: &mut Vec<[f32; 3]>) {
+        out.resize(self.length(), [0.0; 3]);
+        let Some(table) = self.tables.of(view) else { return };
+        match self.scan {
+            Scan::Rows => view.linear_rgb_row(line, table, out),
+            Scan::Columns => view.linear_rgb_column(line, table, out),
         }
-        if let (Some(view), Some(table)) = (&self.frames.white, &self.white_table) {
-            load(view, table, &mut self.white);
-            subtract(&mut self.white, &self.black);
-            for (o, w) in out.iter_mut().zip(&self.white) {
+    }
+
+    /// The projector's light on a line: the black frame taken off and the white frame's colour divided out, where they
+    /// were given.
+    pub(super) fn read(&self, line: usize, out: &mut Line) {
+        self.load(&self.frames.photo, line, &mut out.rgb);
+        if let Some(view) = &self.frames.black {
+            self.load(view, line, &mut out.black);
+            subtract(&mut out.rgb, &out.black);
+        }
+        if let Some(view) = &self.frames.white {
+            self.load(view, line, &mut out.white);
+            if self.frames.black.is_some() {
+                subtract(&mut out.white, &out.black);
+            }
+            for (o, w) in out.rgb.iter_mut().zip(&out.white) {
                 for (o, w) in o.iter_mut().zip(w) {
                     *o = if *w > MIN_WHITE { (*o / w).clamp(-0.5, 2.0) } else { 0.0 };
                 }
             }
         }
+        out.total.clear();
+        out.total.extend(out.rgb.iter().map(|c| c[0] + c[1] + c[2]));
     }
 
-    /// The photograph's own colour on a line, sRGB.
-    pub(super) fn srgb(&self, line: usize, at: usize) -> [u8; 3] {
-        let (x, y) = if self.axis == Axis::Columns { (at, line) } else { (line, at) };
-        let light = self.frames.photo.linear_rgb(x, y, &self.table);
-        light.map(|c| (Encoding::Srgb.from_linear(f64::from(c)) * 255.0).round() as u8)
+    /// The code values (0–1) of a pixel.
+    pub(super) fn code(&self, line: usize, at: usize) -> [f32; 3] {
+        let (x, y) = if self.scan == Scan::Rows { (at, line) } else { (line, at) };
+        self.frames.photo.rgb_code(x, y)
+    }
+
+    /// Whether noise of a companion adds to that of the photograph.
+    pub(super) fn has_companion(&self) -> bool {
+        self.frames.black.is_some() || self.frames.white.is_some()
     }
 }
 

@@ -1,24 +1,31 @@
 //! Photograph of stripes → [`crate::Matches`]: which slit lights which pixel.
 //!
-//! Lines across the stripes are read one by one (`lines`); a second-derivative filter whose width is measured
-//! (`width`) finds the stripes on them and their edges give the centre to sub-pixel (`peaks`); hues are learned from
-//! the photograph (`color`); dynamic programming assigns slits along each line (`align`); peaks linked from line to
-//! line into curves vote (`curves`).
+//! A look at a few lines tells which way the stripes run, how wide and how sharp they are (`scale`, `noise`). Lines across
+//! the stripes are read one by one (`lines`) and cut into bright hills (`hills`), whose edges are measured to sub-pixel
+//! (`stripes`). Crossings linked from line to line are curves (`curves`). Hues are learned from the photograph (`hues`,
+//! `crosstalk`); dynamic programming assigns slits along lines (`align`) and curves vote (`number`), once the pattern is
+//! recognised (`recognise`). The edges of a stripe and its neighbours give its slit's centre (`centres`). [`Decoder`]
+//! runs the stages.
 
 mod align;
-mod color;
+mod centres;
 mod config;
+mod crosstalk;
 mod curves;
+mod decoder;
+mod hills;
+mod hues;
 mod lines;
 mod noise;
-mod peaks;
+mod number;
 mod recognise;
-mod stages;
+mod scale;
+mod stripes;
 #[cfg(test)]
 mod tests;
-mod width;
 
-pub use config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Dropped};
+pub use config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Dropped, Lines};
+pub use decoder::Decoder;
 
 use crate::error::Result;
 use crate::pattern::StripePattern;
@@ -44,7 +51,7 @@ pub fn decode_frames(
     pattern: &StripePattern,
     config: &DecodeConfig,
 ) -> Result<Decoding> {
-    config.validate()?;
-    pattern.validate()?;
-    stages::run(input, pattern, config)
+    let mut decoder = Decoder::new(pattern, *config)?;
+    decoder.decode(input)?;
+    Ok(decoder.into_last())
 }

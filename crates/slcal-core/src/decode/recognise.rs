@@ -1,14 +1,15 @@
 //! Whether the photograph shows this pattern: in colour, with its code and no other's.
 
-use super::align::{Aligner, NONE};
-use super::color::Hues;
-use super::peaks::Peak;
-use super::stages::{Crossings, SAMPLE_LINES, odds_of, usual};
+use super::curves::Curves;
+use super::number::{Code, Numbers};
 use crate::error::{Error, Result};
 use crate::pattern::StripePattern;
 
-/// Angle between the strongest colours below which a photograph is grey, rad.
-const MIN_HUE_SPREAD: f32 = 0.15;
+/// Lines on which the pattern and its decoys are tried.
+const LINES: usize = 32;
+/// Difference between the strongest and the weakest channel, as a share of the strongest, below which a photograph is
+/// grey.
+const MIN_SATURATION: f32 = 0.15;
 /// Another code of the same kind, tried on the same stripes, reaches up to two thirds of the right one's score by chance.
 const MIN_OVER_DECOY: f32 = 1.25;
 /// Score per crossing below which even the best code does not fit, in nats: a perfect fit has ln(hues) + 1, photographs
@@ -16,19 +17,22 @@ const MIN_OVER_DECOY: f32 = 1.25;
 const MIN_FIT: f32 = 0.35;
 
 /// Refuses photographs without colour, such as a grey picture stored as RGB.
-pub(super) fn check_color(peaks: &[Peak]) -> Result<()> {
-    let chroma = |p: &Peak| {
-        let (low, high) = p.color.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &c| (l.min(c), h.max(c)));
-        f64::from((high - low) / high.max(f32::MIN_POSITIVE))
-    };
-    let spread = usual(peaks.iter().map(chroma));
-    if peaks.is_empty() || spread < f64::from(MIN_HUE_SPREAD) {
+pub(super) fn check_color(curves: &Curves, scratch: &mut Vec<f32>) -> Result<()> {
+    scratch.clear();
+    scratch.extend(curves.units.iter().map(|c| {
+        let (low, high) = c.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &c| (l.min(c), h.max(c)));
+        (high - low) / high.max(f32::MIN_POSITIVE)
+    }));
+    let middle = scratch.len() / 2;
+    let usual = scratch.get_mut(..).filter(|s| !s.is_empty());
+    let saturation = usual.map_or(0.0, |s| *s.select_nth_unstable_by(middle, f32::total_cmp).1);
+    if saturation < MIN_SATURATION {
         return Err(Error::NotFound {
             what: "coloured stripes",
             seen: format!(
                 "{} stripe crossings, half of them with a saturation below {:.0} %",
-                peaks.len(),
-                100.0 * spread
+                curves.crossings.len(),
+                100.0 * saturation
             ),
             advice:
                 "the stripes are told apart by their hues: give the colour photograph of the coloured pattern"
@@ -38,54 +42,54 @@ pub(super) fn check_color(peaks: &[Peak]) -> Result<()> {
     Ok(())
 }
 
-/// Tries the pattern and decoys of it, forwards and backwards, on some lines: whether slits run against the image,
-/// and the score per crossing.
-pub(super) fn try_pattern(
-    crossings: &Crossings,
-    hues: &Hues,
-    pattern: &StripePattern,
-) -> Result<(bool, f64)> {
-    let n = hues.directions.len();
-    if n < 2 {
-        return Err(Error::invalid("palette", "at least two colours: slits of one cannot be told apart", n));
-    }
-    let ratio = (pattern.period_px() / pattern.width_px) as f32;
-    let count = crossings.lines.len() - 1;
-    let mut odds = Vec::new();
-    let mut labels = Vec::new();
-    let mut tried = 0;
-    let mut score = |sequence: Vec<u8>| {
-        let mut aligner = Aligner::new(sequence, ratio);
-        let mut sum = 0.0;
-        tried = 0;
-        for i in 0..SAMPLE_LINES.min(count) {
-            let range = crossings.of((2 * i + 1) * count / (2 * SAMPLE_LINES.min(count)));
-            let peaks = &crossings.peaks[range];
-            odds_of(hues, peaks, &mut odds);
-            labels.clear();
-            labels.resize(peaks.len(), NONE);
-            sum += aligner.align(peaks, &odds, &[], hues, &mut labels);
-            tried += peaks.len();
+/// The pattern read forwards and backwards, and decoys of it: the same sequence with its hues exchanged in a circle, as
+/// good a code, but another one.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Candidates {
+    pub(super) ahead: Vec<u8>,
+    pub(super) back: Vec<u8>,
+    decoys: Vec<Vec<u8>>,
+}
+
+impl Candidates {
+    /// # Errors
+    /// [`Error::Invalid`] for a palette of one colour.
+    pub(super) fn new(pattern: &StripePattern) -> Result<Self> {
+        let n = pattern.palette.len();
+        if n < 2 {
+            return Err(Error::invalid("palette", "at least two colours: slits of one cannot be told apart", n));
         }
-        sum
-    };
-    let sequence = &pattern.sequence;
-    let backwards = |s: &[u8]| s.iter().rev().copied().collect::<Vec<u8>>();
-    let (ahead, back) = (score(sequence.clone()), score(backwards(sequence)));
-    let best = ahead.max(back);
-    // The same sequence with its hues exchanged in a circle: as good a code, but not this one.
-    let mut decoy = 0.0_f32;
-    for shift in 1..n {
-        let other: Vec<u8> = sequence.iter().map(|&s| ((usize::from(s) + shift) % n) as u8).collect();
-        decoy = decoy.max(score(backwards(&other))).max(score(other));
+        let backwards = |s: &[u8]| s.iter().rev().copied().collect::<Vec<u8>>();
+        let turned = |shift: usize| -> Vec<u8> {
+            pattern.sequence.iter().map(|&s| ((usize::from(s) + shift) % n) as u8).collect()
+        };
+        let decoys = (1..n).flat_map(|shift| [turned(shift), backwards(&turned(shift))]).collect();
+        Ok(Self { ahead: pattern.sequence.clone(), back: backwards(&pattern.sequence), decoys })
     }
+}
+
+/// Tries the pattern and its decoys on some lines: whether slits run against the image, and the score per crossing.
+pub(super) fn try_pattern(
+    numbers: &mut Numbers,
+    curves: &Curves,
+    candidates: &Candidates,
+    period_per_width: f32,
+) -> Result<(bool, f64)> {
+    let mut tried = 0;
+    let mut score = |slits: &[u8]| {
+        let (score, crossings) = numbers.score(curves, Code { slits, period_per_width }, LINES);
+        tried = crossings;
+        score
+    };
+    let (ahead, back) = (score(&candidates.ahead), score(&candidates.back));
+    let best = ahead.max(back);
+    let decoy = candidates.decoys.iter().map(|d| score(d)).fold(0.0, f32::max);
     let fit = best / tried.max(1) as f32;
     if fit < MIN_FIT || best < MIN_OVER_DECOY * decoy {
         return Err(Error::NotFound {
             what: "the pattern's code",
             seen: format!(
-                "{tried} stripe crossings on {} lines; their colours follow the pattern with {fit:.2} nats each, another code with {:.2}",
-                SAMPLE_LINES.min(count),
+                "{tried} stripe crossings on {LINES} lines; their colours follow the pattern with {fit:.2} nats each, another code with {:.2}",
                 decoy / tried.max(1) as f32
             ),
             advice: "check that the pattern file is the one that was projected, and that the photograph's colours are not clipped".into(),

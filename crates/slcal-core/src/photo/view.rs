@@ -105,6 +105,12 @@ impl<'a> PhotoView<'a> {
         self.height
     }
 
+    /// The samples, row after row.
+    #[must_use]
+    pub fn samples(&self) -> Samples<'a> {
+        self.samples
+    }
+
     /// Order of the samples of a pixel.
     #[must_use]
     pub fn layout(&self) -> Layout {

@@ -1,0 +1,227 @@
+//! Where a slit's centre lies between the edges of its stripe, and which stripes are cut so that it cannot be told.
+//!
+//! Projector columns between edges are known: half a slit to either side of its own centre, and the edges of the
+//! neighbouring slits beyond. The polynomial through these edges, taken at the centre, allows for perspective and
+//! curvature, which move the centre away from the middle of the two edges.
+
+use super::align::NONE;
+use super::curves::Curves;
+use super::number::Vote;
+use super::stripes::Crossing;
+
+/// Scales (image px per projector px) of a stripe and of the gap beside it differ by less than this factor on one
+/// surface.
+const MAX_SCALE_RATIO: f32 = 1.8;
+/// A stripe narrower than its gaps and neighbours let expect by this share is cut: by a twelfth, its middle is off by a
+/// third of a projector pixel in a slit of eight.
+const MIN_CUT_SHARE: f32 = 0.08;
+/// The same where only one side is there to tell.
+const MIN_CUT_SHARE_AT_END: f32 = 0.12;
+/// Scatter of widths in units of which a cut must stand out.
+const CUT_SIGMAS: f32 = 4.0;
+/// Share of the change of scale from one side to the other by which the expected width is uncertain.
+const CURVED: f32 = 0.5;
+
+/// Position of a slit's centre on a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Centre {
+    /// Sub-pixel position, px; NaN for a crossing without a number or one that is cut.
+    pub(super) u: f32,
+    /// 1σ as predicted from the noise of pixels, px.
+    pub(super) sigma: f32,
+    /// Whether an outline or a shadow cuts the stripe.
+    pub(super) cut: bool,
+}
+
+/// The pattern as lines meet it, in projector px.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Spacing<'a> {
+    /// Distance from each slit's centre to the next one's.
+    pub(super) gaps_px: &'a [f32],
+    /// Half the width of the slits.
+    pub(super) half_px: f32,
+}
+
+/// A crossing and what stands beside it on the same surface.
+#[derive(Debug, Clone, Copy)]
+struct Neighbourhood {
+    own: Crossing,
+    label: usize,
+    before: Option<Crossing>,
+    after: Option<Crossing>,
+}
+
+/// Image px per projector px of the parts about a crossing, as logarithms; `None` where there is nothing on the same
+/// surface.
+struct Scales {
+    own: f32,
+    gap: [Option<f32>; 2],
+    stripe: [Option<f32>; 2],
+}
+
+impl Neighbourhood {
+    fn at(curves: &Curves, votes: &[Vote], line: std::ops::Range<usize>, i: usize) -> Self {
+        let label = votes[i].label;
+        let before = (i > line.start && label > 0 && votes[i - 1].label == label - 1).then(|| curves.crossings[i - 1]);
+        let after = (i + 1 < line.end && label + 1 == votes[i + 1].label).then(|| curves.crossings[i + 1]);
+        Self { own: curves.crossings[i], label: usize::from(label), before, after }
+    }
+
+    fn gap_px(&self, side: usize, spacing: &Spacing<'_>) -> f32 {
+        let at = if side == 0 { self.label.wrapping_sub(1) } else { self.label };
+        spacing.gaps_px.get(at).copied().unwrap_or(4.0 * spacing.half_px)
+    }
+
+    /// Scales of what is on the same surface; a neighbour behind a gap unlike itself is forgotten.
+    fn scales(&mut self, spacing: &Spacing<'_>) -> Scales {
+        let log = |image: f32, projector: f32| (image / projector.max(1e-3)).max(1e-6).ln();
+        let own = log(self.own.width(), 2.0 * spacing.half_px);
+        let mut scales = Scales { own, gap: [None; 2], stripe: [None; 2] };
+        for side in 0..2 {
+            let Some(other) = (if side == 0 { self.before } else { self.after }) else { continue };
+            let distance = if side == 0 { self.own.left - other.right } else { other.left - self.own.right };
+            let gap = log(distance, self.gap_px(side, spacing) - 2.0 * spacing.half_px);
+            let stripe = log(other.width(), 2.0 * spacing.half_px);
+            let near = |a: f32, b: f32| (a - b).abs() < MAX_SCALE_RATIO.ln();
+            if near(gap, own) && near(gap, stripe) {
+                scales.gap[side] = Some(gap);
+            } else {
+                *(if side == 0 { &mut self.before } else { &mut self.after }) = None;
+            }
+            if near(gap, stripe) {
+                scales.gap[side] = Some(gap);
+                scales.stripe[side] = Some(stripe);
+            }
+        }
+        scales
+    }
+}
+
+impl Scales {
+    /// The logarithm of the width over the expected one, how far it may be off for the change of scale about, and whether
+    /// both sides were there; `None` where nothing tells.
+    fn misfit(&self) -> Option<(f32, f32, bool)> {
+        match (self.gap, self.stripe) {
+            ([Some(a), Some(b)], _) => Some((self.own - 0.5 * (a + b), CURVED * 0.5 * (a - b).abs(), true)),
+            ([Some(gap), None], [Some(stripe), _]) | ([None, Some(gap)], [_, Some(stripe)]) => {
+                let change = gap - stripe;
+                Some((self.own - gap - change, CURVED * 2.0 * change.abs(), false))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Half the width of the stripes as photographed, in projector px: light that spills over makes them wider than they
+/// were drawn.
+pub(super) fn measure_half_width(
+    curves: &Curves,
+    votes: &[Vote],
+    spacing: &Spacing<'_>,
+    scratch: &mut Vec<f32>,
+) -> f32 {
+    scratch.clear();
+    for y in 0..curves.line_count() {
+        let line = curves.of(y);
+        for i in line.clone().filter(|&i| votes[i].label != NONE) {
+            let n = Neighbourhood::at(curves, votes, line.clone(), i);
+            if let (Some(a), Some(b)) = (n.before, n.after) {
+                // From the middles of the gaps on either side, the stripe's share of a period.
+                let period = 0.5 * (b.left + n.own.right - a.right - n.own.left);
+                let projector = 0.5 * (n.gap_px(0, spacing) + n.gap_px(1, spacing));
+                scratch.push(0.5 * projector * n.own.width() / period);
+            }
+        }
+    }
+    let half = middle(scratch).unwrap_or(spacing.half_px);
+    if half.is_finite() { half.clamp(0.5 * spacing.half_px, 1.7 * spacing.half_px) } else { spacing.half_px }
+}
+
+/// Centres of all numbered crossings, into `out`, one per crossing.
+pub(super) fn locate(
+    curves: &Curves,
+    votes: &[Vote],
+    spacing: &Spacing<'_>,
+    scratch: &mut Vec<f32>,
+    out: &mut Vec<Centre>,
+) {
+    scratch.clear();
+    let each = |visit: &mut dyn FnMut(usize, Neighbourhood, Scales)| {
+        for y in 0..curves.line_count() {
+            let line = curves.of(y);
+            for i in line.clone().filter(|&i| votes[i].label != NONE) {
+                let mut n = Neighbourhood::at(curves, votes, line.clone(), i);
+                let scales = n.scales(spacing);
+                visit(i, n, scales);
+            }
+        }
+    };
+    each(&mut |_, _, scales| {
+        if let Some((misfit, _, true)) = scales.misfit() {
+            scratch.push(misfit.abs());
+        }
+    });
+    // The median of |x| of a normal variable.
+    let scatter = middle(scratch).unwrap_or(0.0) / 0.6745;
+    out.clear();
+    out.resize(curves.crossings.len(), Centre { u: f32::NAN, sigma: 0.0, cut: false });
+    each(&mut |i, n, scales| {
+        // A stripe alone on its surface may be cut or not: nothing tells.
+        let cut = scales.misfit().is_none_or(|(misfit, slack, both)| {
+            let least = if both { MIN_CUT_SHARE } else { MIN_CUT_SHARE_AT_END };
+            misfit.abs() > least.max(CUT_SIGMAS * scatter) + slack
+        });
+        let (u, gain) = interpolate(&n, spacing);
+        out[i] = Centre { u: if cut { f32::NAN } else { u }, sigma: gain * n.own.edge_sigma, cut };
+    });
+}
+
+/// The polynomial through the edges at the slit's centre, and σ of it over σ of an edge.
+fn interpolate(n: &Neighbourhood, spacing: &Spacing<'_>) -> (f32, f32) {
+    let half = spacing.half_px;
+    let mut nodes = [(-half, n.own.left), (half, n.own.right), (0.0, 0.0), (0.0, 0.0)];
+    let mut count = 2;
+    if let Some(before) = n.before {
+        nodes[count] = (half - n.gap_px(0, spacing), before.right);
+        count += 1;
+    }
+    if let Some(after) = n.after {
+        nodes[count] = (n.gap_px(1, spacing) - half, after.left);
+        count += 1;
+    }
+    let nodes = &nodes[..count];
+    let (mut u, mut variance) = (0.0, 0.0);
+    for (i, &(x, at)) in nodes.iter().enumerate() {
+        // Lagrange's weight at zero.
+        let mut weight = 1.0;
+        for (j, &(other, _)) in nodes.iter().enumerate() {
+            if i != j {
+                weight *= other / (other - x);
+            }
+        }
+        u += weight * at;
+        variance += weight * weight;
+    }
+    (u, variance.sqrt())
+}
+
+fn middle(values: &mut [f32]) -> Option<f32> {
+    let at = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(at, f32::total_cmp).1)
+}
+
+/// The measured over the predicted scatter of centres along their curves.
+pub(super) fn sigma_scale(curves: &Curves, centres: &[Centre], scratch: &mut Vec<f32>) -> f32 {
+    scratch.clear();
+    for curve in curves.iter().filter(|c| c.len() >= 5) {
+        for w in curve.windows(3).step_by(3) {
+            let [a, b, c] = [w[0], w[1], w[2]].map(|i| centres[i as usize]);
+            let ratio = (b.u - 0.5 * (a.u + c.u)).abs() / b.sigma;
+            if ratio.is_finite() {
+                scratch.push(ratio);
+            }
+        }
+    }
+    // Median of |x| of a normal variable, and the variance of a second difference.
+    middle(scratch).map_or(1.0, |m| (m / 0.6745 / 1.5_f32.sqrt()).clamp(0.1, 10.0))
+}

@@ -1,0 +1,295 @@
+//! The stages of decoding, in order, and the memory that they keep from one photograph to the next.
+
+use nalgebra::Point2;
+
+use super::align::NONE;
+use super::centres::{self, Centre, Spacing};
+use super::config::{DecodeConfig, DecodeInput, Decoding, Dropped, Lines};
+use super::crosstalk::crosstalk;
+use super::curves::Curves;
+use super::lines::{self, Line, LineReader, Scan, Tables};
+use super::noise::Noise;
+use super::number::{Code, Numbers};
+use super::recognise::{Candidates, check_color, try_pattern};
+use super::scale::{Look, LookScratch, look};
+use super::stripes::{self, Crossing, Scratch};
+use crate::error::{Error, Result};
+use crate::matches::Match;
+use crate::pattern::{Axis, StripePattern};
+use crate::photo::Encoding;
+
+/// Parts into which a photograph's lines are cut; each can be searched by a thread of its own.
+const BANDS: usize = 16;
+
+/// Decodes one photograph after another with the same pattern; once it has seen a few it needs no more memory.
+#[derive(Debug, Clone)]
+pub struct Decoder {
+    pattern: StripePattern,
+    config: DecodeConfig,
+    candidates: Candidates,
+    palette: Vec<[f32; 3]>,
+    tables: Tables,
+    noise: Noise,
+    look: LookScratch,
+    bands: Vec<Band>,
+    curves: Curves,
+    numbers: Numbers,
+    fading: Vec<bool>,
+    centres: Vec<Centre>,
+    gaps_px: Vec<f32>,
+    scratch: Vec<f32>,
+    slits_seen: Vec<bool>,
+    out: Decoding,
+}
+
+/// Neighbouring lines and the stripes on them.
+#[derive(Debug, Clone, Default)]
+struct Band {
+    line: Line,
+    scratch: Scratch,
+    crossings: Vec<Crossing>,
+    /// Crossings up to and including each line.
+    ends: Vec<u32>,
+    weak: usize,
+}
+
+impl Decoder {
+    /// Prepares for a pattern.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a pattern that contradicts itself or has one colour only, or a configuration out of range.
+    pub fn new(pattern: &StripePattern, config: DecodeConfig) -> Result<Self> {
+        config.validate()?;
+        pattern.validate()?;
+        let light = |c: u8| Encoding::Srgb.to_linear(f64::from(c) / 255.0) as f32;
+        Ok(Self {
+            pattern: pattern.clone(),
+            config,
+            candidates: Candidates::new(pattern)?,
+            palette: pattern.palette.iter().map(|c| c.map(light)).collect(),
+            tables: Tables::default(),
+            noise: Noise::new(config.encoding),
+            look: LookScratch::default(),
+            bands: vec![Band::default(); BANDS],
+            curves: Curves::default(),
+            numbers: Numbers::default(),
+            fading: Vec::new(),
+            centres: Vec::new(),
+            gaps_px: Vec::new(),
+            scratch: Vec::new(),
+            slits_seen: Vec::new(),
+            out: Decoding::default(),
+        })
+    }
+
+    /// What the last successful call of [`Decoder::decode`] found.
+    #[must_use]
+    pub fn last(&self) -> &Decoding {
+        &self.out
+    }
+
+    /// What the last successful call found, without a copy.
+    #[must_use]
+    pub fn into_last(self) -> Decoding {
+        self.out
+    }
+
+    /// Finds the stripes of a photograph and says which slit each is.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a greyscale photograph or frames of different sizes; [`Error::NotFound`] when there are no
+    /// stripes, when they have no colour, or when their colours follow the pattern no better than chance would.
+    pub fn decode(&mut self, input: &DecodeInput<'_>) -> Result<&Decoding> {
+        lines::check(input)?;
+        let frames = [Some(input.photo), input.black, input.white];
+        for view in frames.iter().flatten() {
+            self.tables.prepare(view, self.config.encoding);
+        }
+        // Lines across the stripes: what looks most like stripes first, the other way when that is not this pattern.
+        let tables = std::mem::take(&mut self.tables);
+        let result = self.decode_either_way(input, &tables);
+        self.tables = tables;
+        result?;
+        Ok(&self.out)
+    }
+
+    fn decode_either_way(&mut self, input: &DecodeInput<'_>, tables: &Tables) -> Result<()> {
+        let [rows, columns] = [Scan::Rows, Scan::Columns].map(|scan| LineReader::new(input, tables, scan));
+        self.noise.measure(&rows);
+        let [a, b] = [&rows, &columns].map(|r| look(r, &self.noise, &mut self.look).map(|l| (*r, l)));
+        let covered = |l: &Option<(LineReader<'_>, Look)>| l.as_ref().map_or(-1.0, |l| l.1.covered_px);
+        let (first, second) = if covered(&b) > covered(&a) { (b, a) } else { (a, b) };
+        let Some((reader, look)) = first else { return Err(no_stripes()) };
+        let Err(error) = self.decode_lines(&reader, &look) else { return Ok(()) };
+        match second {
+            Some((reader, look)) => self.decode_lines(&reader, &look).map_err(|_| error),
+            None => Err(error),
+        }
+    }
+
+    fn decode_lines(&mut self, reader: &LineReader<'_>, look: &Look) -> Result<()> {
+        let weak = self.find(reader, look);
+        self.curves.link();
+        check_color(&self.curves, &mut self.scratch)?;
+        self.scratch.clear();
+        self.scratch.extend(self.curves.crossings.iter().map(Crossing::width));
+        let width = middle(&mut self.scratch).unwrap_or(look.half_period_px);
+
+        let ratio = (self.pattern.period_px() / self.pattern.width_px) as f32;
+        self.numbers.choose(&mut self.curves, width);
+        self.numbers.learn_hues(&self.palette, &self.pattern.sequence);
+        let (reversed, fit) = try_pattern(&mut self.numbers, &self.curves, &self.candidates, ratio)?;
+        let slits = if reversed { &self.candidates.back } else { &self.candidates.ahead };
+        self.numbers.number(&self.curves, Code { slits, period_per_width: ratio });
+
+        self.space_slits(reversed);
+        let nominal = (0.5 * self.pattern.width_px) as f32;
+        let spacing = Spacing { gaps_px: &self.gaps_px, half_px: nominal };
+        let votes = &self.numbers.votes;
+        let half_px = centres::measure_half_width(&self.curves, votes, &spacing, &mut self.scratch);
+        let spacing = Spacing { half_px, ..spacing };
+        centres::locate(&self.curves, votes, &spacing, &mut self.scratch, &mut self.centres);
+        let sigma_scale = centres::sigma_scale(&self.curves, &self.centres, &mut self.scratch);
+        self.curves.fading(&mut self.fading);
+
+        let n = self.curves.crossings.len();
+        let hues = &self.numbers.hues;
+        let report = &mut self.out.report;
+        report.crossings = n + weak;
+        report.dropped = Dropped { weak, ..Dropped::default() };
+        report.lines = if reader.scan == Scan::Rows { Lines::Rows } else { Lines::Columns };
+        report.stripe_width_px = f64::from(width);
+        report.width_ratio = f64::from(half_px / nominal);
+        report.noise_levels = f64::from(self.noise.sigma_code * 255.0);
+        report.hues_seen.clear();
+        report.hues_seen.extend(hues.directions.iter().map(|d| d.map(f64::from)));
+        report.crosstalk = crosstalk(&self.palette, &hues.directions, &hues.brightness);
+        report.hue_spread_rad = f64::from(hues.spread_rad);
+        let saturated = self.curves.crossings.iter().filter(|c| c.saturated).count();
+        report.saturated = saturated as f64 / n.max(1) as f64;
+        report.code_fit = fit;
+        report.reversed = reversed;
+        self.collect(reader, sigma_scale)
+    }
+
+    /// All stripes of all lines; returns how many bright bands were none.
+    fn find(&mut self, reader: &LineReader<'_>, look: &Look) -> usize {
+        let count = reader.count();
+        let noise = &self.noise;
+        let search = |(b, band): (usize, &mut Band)| {
+            band.crossings.clear();
+            band.ends.clear();
+            band.weak = 0;
+            for y in b * count / BANDS..(b + 1) * count / BANDS {
+                reader.read(y, &mut band.line);
+                band.weak +=
+                    stripes::find(&band.line, look.scale, noise, &mut band.scratch, &mut band.crossings);
+                band.ends.push(band.crossings.len() as u32);
+            }
+        };
+        self.bands.iter_mut().enumerate().for_each(search);
+        self.curves.clear();
+        for band in &self.bands {
+            let before = self.curves.crossings.len() as u32;
+            self.curves.crossings.extend_from_slice(&band.crossings);
+            self.curves.lines.extend(band.ends.iter().map(|e| before + e));
+        }
+        self.bands.iter().map(|b| b.weak).sum()
+    }
+
+    /// Distances of neighbouring slits in the order in which lines meet them.
+    fn space_slits(&mut self, reversed: bool) {
+        self.gaps_px.clear();
+        self.gaps_px.extend(self.pattern.centres_px.windows(2).map(|w| (w[1] - w[0]) as f32));
+        if reversed {
+            self.gaps_px.reverse();
+        }
+    }
+
+    fn collect(&mut self, reader: &LineReader<'_>, sigma_scale: f32) -> Result<()> {
+        let (curves, votes, centres) = (&self.curves, &self.numbers.votes, &self.centres);
+        let report = &mut self.out.report;
+        let matches = &mut self.out.matches.items;
+        matches.clear();
+        let n = self.pattern.sequence.len();
+        self.slits_seen.clear();
+        self.slits_seen.resize(n, false);
+        for y in 0..curves.line_count() {
+            let line = curves.of(y);
+            for i in line.clone() {
+                let (vote, centre) = (votes[i], centres[i]);
+                if vote.label == NONE {
+                    report.dropped.ambiguous += 1;
+                    continue;
+                }
+                let twin = |j: usize| votes[j].label == vote.label && votes[j].support >= vote.support;
+                if (i > line.start && twin(i - 1)) || (i + 1 < line.end && twin(i + 1)) {
+                    report.dropped.inconsistent += 1;
+                    continue;
+                }
+                if self.fading[i] || centre.cut || !centre.u.is_finite() {
+                    report.dropped.cut += 1;
+                    continue;
+                }
+                let confidence = f64::from(vote.support);
+                if confidence < self.config.min_confidence {
+                    report.dropped.unsure += 1;
+                    continue;
+                }
+                let label = usize::from(vote.label);
+                let slit = if report.reversed { n - 1 - label } else { label };
+                self.slits_seen[slit] = true;
+                let (along, across) = (y as f64, f64::from(centre.u));
+                let at = (across.round().max(0.0) as usize).min(reader.length() - 1);
+                let columns = self.pattern.axis == Axis::Columns;
+                let px = self.pattern.centres_px[slit];
+                matches.push(Match {
+                    camera: match reader.scan {
+                        Scan::Rows => Point2::new(across, along),
+                        Scan::Columns => Point2::new(along, across),
+                    },
+                    projector_column: columns.then_some(px),
+                    projector_row: (!columns).then_some(px),
+                    slit: Some(slit as u16),
+                    confidence,
+                    sigma_px: f64::from(centre.sigma * sigma_scale).max(1e-3),
+                    color: srgb(reader.code(y, at), self.config.encoding),
+                });
+            }
+        }
+        report.decoded = matches.len();
+        report.slits = self.slits_seen.iter().filter(|s| **s).count();
+        if matches.is_empty() {
+            return Err(Error::NotFound {
+                what: "the pattern's code",
+                seen: format!(
+                    "{} stripe crossings; no stripe got a number that its neighbours confirm",
+                    curves.crossings.len()
+                ),
+                advice: "check that the pattern file is the one that was projected".into(),
+            });
+        }
+        Ok(())
+    }
+}
+
+fn no_stripes() -> Error {
+    Error::NotFound {
+        what: "stripes",
+        seen: "neither along image rows nor along columns are there regular bright bands between dark ones".into(),
+        advice: "photograph the object with the stripe pattern projected, in focus, in a room that is not too bright".into(),
+    }
+}
+
+fn srgb(code: [f32; 3], encoding: Encoding) -> [u8; 3] {
+    let byte = |c: f64| (c * 255.0).round() as u8;
+    match encoding {
+        Encoding::Srgb => code.map(|c| byte(f64::from(c))),
+        other => code.map(|c| byte(Encoding::Srgb.from_linear(other.to_linear(f64::from(c))))),
+    }
+}
+
+fn middle(values: &mut [f32]) -> Option<f32> {
+    let at = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(at, f32::total_cmp).1)
+}

@@ -1,0 +1,163 @@
+//! A line cut into bright hills between dark valleys, whatever their width: the binary segmentation of the line.
+
+use super::noise::Noise;
+
+/// A hill begins where the light has risen above the valley by this share of the valley's own light, and ends where it
+/// has fallen by this share of the rise: texture and shading change less from pixel to pixel, stripes more even when
+/// blur takes most of their contrast.
+const RISE: f32 = 0.12;
+const FALL: f32 = 0.25;
+/// The same in units of noise: a line holds some thousand pixels.
+const SIGMAS: f32 = 4.5;
+/// A hill lower than this share of both its neighbours is a wiggle between them.
+const WIGGLE: f32 = 0.15;
+/// A valley that lies above this share of the lower of its two hills is a dent in one.
+const DENT: f32 = 0.75;
+
+/// A maximum between two minima, as indices of pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Hill {
+    pub(super) before: u32,
+    pub(super) top: u32,
+    pub(super) after: u32,
+}
+
+impl Hill {
+    /// Height above the higher of the two valleys.
+    fn height(self, light: &[f32]) -> f32 {
+        light[self.top as usize] - light[self.before as usize].max(light[self.after as usize])
+    }
+}
+
+/// Finds the hills of a line. `noise_share`: σ of `light` over that of a pixel, less than one where it is smoothed.
+pub(super) fn find(light: &[f32], noise: &Noise, noise_share: f32, hills: &mut Vec<Hill>) {
+    hills.clear();
+    let Some(&first) = light.first() else { return };
+    let sigmas = SIGMAS * noise_share;
+    let (mut low, mut low_at) = (first, 0);
+    let (mut high, mut high_at) = (first, 0);
+    let mut rising = false;
+    let mut threshold = rise(first, noise, sigmas);
+    for (x, &v) in light.iter().enumerate() {
+        if rising {
+            if v > high {
+                (high, high_at) = (v, x);
+                threshold = high - (FALL * (high - low)).max(sigmas * noise.sigma_of_total(high));
+            } else if v < threshold {
+                hills.push(Hill { before: low_at as u32, top: high_at as u32, after: x as u32 });
+                (low, low_at, rising) = (v, x, false);
+                threshold = rise(low, noise, sigmas);
+            }
+        } else if v < low {
+            (low, low_at) = (v, x);
+            threshold = rise(low, noise, sigmas);
+        } else if v > threshold {
+            if let Some(hill) = hills.last_mut() {
+                hill.after = low_at as u32;
+            }
+            (high, high_at, rising) = (v, x, true);
+            threshold = high - (FALL * (high - low)).max(sigmas * noise.sigma_of_total(high));
+        }
+    }
+    if !rising && let Some(hill) = hills.last_mut() {
+        hill.after = low_at as u32;
+    }
+    merge(light, hills);
+}
+
+fn rise(low: f32, noise: &Noise, sigmas: f32) -> f32 {
+    low + (RISE * low).max(sigmas * noise.sigma_of_total(low))
+}
+
+/// Takes out wiggles, and joins hills with a dent between them.
+fn merge(light: &[f32], hills: &mut Vec<Hill>) {
+    let at = |x: u32| light[x as usize];
+    let mut kept = 0;
+    for i in 0..hills.len() {
+        let hill = hills[i];
+        let next = hills.get(i + 1).map_or(f32::INFINITY, |h| h.height(light));
+        let previous = if kept > 0 { hills[kept - 1].height(light) } else { f32::INFINITY };
+        let wiggle = kept > 0 && i + 1 < hills.len() && hill.height(light) < WIGGLE * previous.min(next);
+        if wiggle {
+            let lower = if at(hill.after) < at(hill.before) { hill.after } else { hill.before };
+            hills[kept - 1].after = lower;
+            hills[i + 1].before = lower;
+            continue;
+        }
+        if kept > 0 {
+            let last = hills[kept - 1];
+            let floor = at(last.before).min(at(hill.after));
+            let lower_top = at(last.top).min(at(hill.top));
+            if at(hill.before) - floor > DENT * (lower_top - floor) {
+                let top = if at(hill.top) > at(last.top) { hill.top } else { last.top };
+                hills[kept - 1] = Hill { before: last.before, top, after: hill.after };
+                continue;
+            }
+        }
+        hills[kept] = hill;
+        kept += 1;
+    }
+    hills.truncate(kept);
+}
+
+/// The running mean over `reach` pixels to either side, narrower at the ends, into `out`.
+pub(super) fn smooth(light: &[f32], reach: usize, out: &mut Vec<f32>) {
+    out.clear();
+    let n = light.len();
+    let mut sum: f64 = light.iter().take(reach).map(|&v| f64::from(v)).sum();
+    for x in 0..n {
+        if let Some(&v) = light.get(x + reach) {
+            sum += f64::from(v);
+        }
+        if x > reach {
+            sum -= f64::from(light[x - reach - 1]);
+        }
+        let count = (x + reach + 1).min(n) - x.saturating_sub(reach);
+        out.push((sum / count as f64) as f32);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photo::Encoding;
+
+    fn hills(light: &[f32]) -> Vec<(u32, u32, u32)> {
+        let mut noise = Noise::new(Encoding::Linear);
+        noise.set(1e-3);
+        let mut out = Vec::new();
+        find(light, &noise, 1.0, &mut out);
+        out.iter().map(|h| (h.before, h.top, h.after)).collect()
+    }
+
+    #[test]
+    fn hills_of_any_width_and_height_are_found() {
+        let mut light = vec![0.05; 4];
+        light.extend([0.9; 3]);
+        light.extend([0.05; 2]);
+        light.extend([0.2; 40]);
+        light.extend([0.05; 3]);
+        assert_eq!(hills(&light), [(0, 4, 7), (7, 9, 49)]);
+    }
+
+    #[test]
+    fn dents_wiggles_and_level_light_are_no_stripes() {
+        assert!(hills(&[0.5; 50]).is_empty());
+        assert!(hills(&[]).is_empty());
+        // A step up, or down, is no stripe.
+        assert!(hills(&[0.1, 0.1, 0.9, 0.9]).is_empty());
+        assert_eq!(hills(&[0.0, 0.8, 0.9, 0.75, 0.9, 0.8, 0.0]).len(), 1);
+        assert_eq!(hills(&[0.0, 1.0, 0.1, 0.15, 0.08, 1.0, 0.0]), [(0, 1, 4), (4, 5, 6)]);
+    }
+
+    #[test]
+    fn the_running_mean_keeps_level_light_and_slopes() {
+        let ramp: Vec<f32> = (0..20).map(|x| x as f32).collect();
+        let mut out = Vec::new();
+        smooth(&ramp, 2, &mut out);
+        assert!((2..18).all(|x| (out[x] - x as f32).abs() < 1e-5));
+        assert!((out[0] - 1.0).abs() < 1e-6);
+        smooth(&[3.0; 5], 9, &mut out);
+        assert!(out.len() == 5 && out.iter().all(|v| (v - 3.0).abs() < 1e-6));
+    }
+}

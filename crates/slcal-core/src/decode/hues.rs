@@ -1,0 +1,200 @@
+//! Which hue a stripe has; the hues are learned from the photograph.
+
+use super::curves::unit;
+
+/// Angle between two colours of one hue, rad: what shading, interreflections and surfaces leave when noise is small.
+const MIN_SPREAD_RAD: f32 = 0.08;
+/// Beyond this the classes overlap so much that they say nothing.
+const MAX_SPREAD_RAD: f32 = 0.35;
+/// Share of crossings whose colour says nothing (reflections, two stripes in one, coloured surfaces).
+const OUTLIERS: f32 = 0.03;
+/// Rounds of expectation and maximisation; the means settle in three or four.
+const ROUNDS: usize = 8;
+/// A class is learned from at least this many crossings.
+const MIN_MEMBERS: f32 = 20.0;
+/// Rounds in which the channels' balance is sought, and how far it may go: more is not balance, but a pattern of which
+/// only some hues are seen.
+const BALANCE_ROUNDS: usize = 5;
+const MAX_BALANCE: f32 = 3.0;
+/// Rounds in which the brightness of hues is compared between neighbours; and neighbours that differ by more than this
+/// factor, what is known taken off, lie on different surfaces.
+const BRIGHTNESS_ROUNDS: usize = 6;
+const SAME_SURFACE: f32 = 2.5;
+
+/// No hue.
+pub(super) const NO_HUE: u8 = u8::MAX;
+
+/// The colour of a crossing, as far as hues are concerned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Sample {
+    /// Direction in linear RGB; zero where there is none.
+    pub(super) unit: [f32; 3],
+    /// 1σ of the direction by noise, rad.
+    pub(super) sigma: f32,
+    /// Light.
+    pub(super) light: f32,
+}
+
+/// Directions in linear RGB of the hues as this camera sees them: projector and camera primaries, crosstalk and white
+/// balance in one.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Hues {
+    pub(super) directions: Vec<[f32; 3]>,
+    pub(super) spread_rad: f32,
+    /// Light of each hue on the same surface, as a share of the average.
+    pub(super) brightness: Vec<f32>,
+    sums: Vec<Sums>,
+    deviations: Vec<f32>,
+    assigned: Vec<u8>,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    direction: [f32; 3],
+    weight: f32,
+}
+
+/// Squared chord between two directions: (2 sin(angle/2))², without the loss of digits of an arc cosine.
+fn squared_angle(a: [f32; 3], b: [f32; 3]) -> f32 {
+    let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+}
+
+impl Hues {
+    /// The palette's own directions, with the camera's colour balance matched to that of the samples: over all of them, the
+    /// channels must have the shares that they have over the pattern.
+    pub(super) fn seed(&mut self, palette: &[[f32; 3]], sequence: &[u8], samples: &[Sample]) {
+        let grey = [1.0 / 3.0_f32.sqrt(); 3];
+        self.directions.clear();
+        self.directions.extend(palette.iter().map(|&c| unit(c).unwrap_or(grey)));
+        self.brightness.clear();
+        self.brightness.extend(palette.iter().map(|c| (c[0] + c[1] + c[2]).max(1e-3)));
+        self.spread_rad = MAX_SPREAD_RAD;
+        let mut sum = [1e-6_f32; 3];
+        for &s in sequence {
+            add(&mut sum, self.directions.get(usize::from(s)).copied().unwrap_or(grey));
+        }
+        let expected = unit(sum).unwrap_or(grey);
+        let mut gain = [1.0_f32; 3];
+        for _ in 0..BALANCE_ROUNDS {
+            let mut sum = [1e-6_f32; 3];
+            for s in samples {
+                add(&mut sum, unit(std::array::from_fn(|k| s.unit[k] * gain[k])).unwrap_or([0.0; 3]));
+            }
+            let seen = unit(sum).unwrap_or(grey);
+            gain = std::array::from_fn(|k| {
+                (gain[k] * expected[k] / seen[k].max(1e-3)).clamp(1.0 / MAX_BALANCE, MAX_BALANCE)
+            });
+        }
+        for d in &mut self.directions {
+            *d = unit(std::array::from_fn(|k| d[k] / gain[k])).unwrap_or(grey);
+        }
+    }
+
+    /// Moves the directions to the means of the samples nearest to them, or of those that `labels` (one per sample,
+    /// [`NO_HUE`] for none) gives to them.
+    pub(super) fn learn(&mut self, samples: &[Sample], labels: Option<&[u8]>) {
+        for _ in 0..if labels.is_some() { 2 } else { ROUNDS } {
+            self.sums.clear();
+            self.sums.resize(self.directions.len(), Sums::default());
+            self.deviations.clear();
+            self.assigned.clear();
+            for (i, s) in samples.iter().enumerate() {
+                let hue = labels.map_or_else(|| self.nearest(s.unit), |l| l[i]);
+                let mean = self.directions.get(usize::from(hue));
+                let distance = mean.map_or(f32::INFINITY, |&mean| squared_angle(s.unit, mean));
+                if distance.is_finite() {
+                    self.deviations.push(distance);
+                }
+                // Redescending: what lies beyond three spreads does not move the mean.
+                let near = distance < 9.0 * (self.spread_rad * self.spread_rad + s.sigma * s.sigma);
+                self.assigned.push(if near { hue } else { NO_HUE });
+                if near {
+                    let sums = &mut self.sums[usize::from(hue)];
+                    sums.weight += 1.0;
+                    add(&mut sums.direction, s.unit);
+                }
+            }
+            self.take_means();
+        }
+        self.learn_brightness(samples);
+    }
+
+    /// Compares neighbours: hues are spread unevenly over surfaces that are near and far, so that no average over the
+    /// photograph would do.
+    fn learn_brightness(&mut self, samples: &[Sample]) {
+        for _ in 0..BRIGHTNESS_ROUNDS {
+            // The weight counts pairs; the first entry sums what they say beyond what is known.
+            self.sums.clear();
+            self.sums.resize(self.directions.len(), Sums::default());
+            for (w, hue) in samples.windows(2).zip(self.assigned.windows(2)) {
+                let [a, b] = [usize::from(hue[0]), usize::from(hue[1])];
+                let (Some(&x), Some(&y)) = (self.brightness.get(a), self.brightness.get(b)) else { continue };
+                let ratio = w[0].light * y / (w[1].light * x);
+                if a != b && ratio < SAME_SURFACE && ratio * SAME_SURFACE > 1.0 {
+                    let e = ratio.ln();
+                    for (h, e) in [(a, e), (b, -e)] {
+                        self.sums[h].weight += 1.0;
+                        self.sums[h].direction[0] += e;
+                    }
+                }
+            }
+            for (b, s) in self.brightness.iter_mut().zip(&self.sums) {
+                // Half of it, for the other hue moves as well.
+                *b *= (0.5 * s.direction[0] / s.weight.max(1.0)).exp();
+            }
+        }
+        let mean = self.brightness.iter().sum::<f32>() / self.brightness.len().max(1) as f32;
+        for b in &mut self.brightness {
+            *b /= mean;
+        }
+    }
+
+    fn take_means(&mut self) {
+        for (h, s) in self.sums.iter().enumerate() {
+            if s.weight >= MIN_MEMBERS
+                && let Some(mean) = unit(s.direction)
+            {
+                self.directions[h] = mean;
+            }
+        }
+        if !self.deviations.is_empty() {
+            let middle = self.deviations.len() / 2;
+            let (_, m, _) = self.deviations.select_nth_unstable_by(middle, f32::total_cmp);
+            // The median of a squared deviation with two degrees of freedom is 1.39 σ².
+            self.spread_rad = (*m / 1.386).sqrt().clamp(MIN_SPREAD_RAD, MAX_SPREAD_RAD);
+        }
+    }
+
+    /// The hue nearest to a colour.
+    pub(super) fn nearest(&self, unit: [f32; 3]) -> u8 {
+        let mut best = (f32::INFINITY, NO_HUE);
+        for (h, d) in self.directions.iter().enumerate() {
+            let distance = squared_angle(unit, *d);
+            if distance < best.0 {
+                best = (distance, h as u8);
+            }
+        }
+        best.1
+    }
+
+    /// Log-odds of each hue against chance, into `out` (one entry per hue): at most ln(hues), at least ln 0.03.
+    pub(super) fn log_odds(&self, s: &Sample, out: &mut [f32]) {
+        let n = self.directions.len() as f32;
+        let scale = -0.5 / (self.spread_rad * self.spread_rad + s.sigma * s.sigma);
+        let mut sum = 1e-9;
+        for (o, d) in out.iter_mut().zip(&self.directions) {
+            *o = (squared_angle(s.unit, *d) * scale).exp();
+            sum += *o;
+        }
+        for o in out {
+            *o = ((1.0 - OUTLIERS) * *o / sum * n + OUTLIERS).ln();
+        }
+    }
+}
+
+fn add(sum: &mut [f32; 3], c: [f32; 3]) {
+    for (s, x) in sum.iter_mut().zip(c) {
+        *s += x;
+    }
+}

@@ -1,0 +1,255 @@
+//! Which slit each crossing is: lines are aligned with the pattern, the lines of a curve vote, and the colours of the hues
+//! and of the surfaces are learned from what was decoded, in turn.
+
+use super::align::{Aligner, NONE, Node};
+use super::curves::{Curves, unit};
+use super::hues::{Hues, NO_HUE, Sample};
+use super::stripes::total;
+
+/// Lines that are aligned, per width of a stripe: colours are averaged along curves, so that neighbouring lines say the
+/// same.
+const LINES_PER_WIDTH: f32 = 2.0;
+/// Votes are counted over this many stripe widths along a curve to either side: what holds along a stripe about as far
+/// as across two. Colours are averaged over half of it.
+const REACH_WIDTHS: f32 = 4.0;
+/// Rounds in which hues are learned anew from what was decoded, and votes are heard.
+const LEARNING_PASSES: usize = 2;
+/// Votes of this support teach hues and surfaces.
+const SURE: f32 = 0.8;
+/// Share of the votes cast that the winner must have, and share of all about that must have voted for it.
+const MIN_SHARE: f32 = 0.6;
+const MIN_SUPPORT: f32 = 0.4;
+/// A surface's colour is learned from this many neighbouring stripes to either side, if at least as many as a window of
+/// the code and some more are there; all channels must have been lit for this share of their light.
+const SURFACE_REACH: usize = 6;
+const MIN_SURFACE: usize = 6;
+const MIN_CHANNEL: f32 = 0.08;
+
+/// A slit number for a crossing and how sure it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Vote {
+    /// Position in the order of slits; [`NONE`] when undecided.
+    pub(super) label: u16,
+    /// Share of the aligned lines about that agree, 0–1.
+    pub(super) support: f32,
+}
+
+const UNDECIDED: Vote = Vote { label: NONE, support: 0.0 };
+
+/// The pattern as lines meet it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Code<'a> {
+    /// Hue of the slits, in the order in which a line meets them.
+    pub(super) slits: &'a [u8],
+    /// Period over width of the slits.
+    pub(super) period_per_width: f32,
+}
+
+/// The crossings on the lines that are aligned, and what is known of them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Numbers {
+    pub(super) hues: Hues,
+    /// One per crossing of the photograph.
+    pub(super) votes: Vec<Vote>,
+    /// Crossings on aligned lines, by index, line after line; and where each such line starts.
+    chosen: Vec<u32>,
+    starts: Vec<u32>,
+    /// Their colours as seen, and with the surface's own colour taken off.
+    seen: Vec<Sample>,
+    samples: Vec<Sample>,
+    hue_labels: Vec<u8>,
+    labels: Vec<u16>,
+    reach: usize,
+    aligner: Aligner,
+    nodes: Vec<Node>,
+    odds: Vec<f32>,
+    smooth: Vec<[f32; 3]>,
+    counts: Vec<(u16, u32)>,
+    /// Position in `chosen` of a crossing on an aligned line, by crossing; `u32::MAX` elsewhere.
+    place: Vec<u32>,
+}
+
+impl Numbers {
+    /// Picks the lines to be aligned and averages colours along curves.
+    pub(super) fn choose(&mut self, curves: &mut Curves, width_px: f32) {
+        let step = ((width_px / LINES_PER_WIDTH).round() as usize).max(1);
+        self.reach = ((REACH_WIDTHS * width_px).ceil() as usize).max(3);
+        curves.smooth_units(self.reach / 2, &mut self.smooth);
+        self.chosen.clear();
+        self.starts.clear();
+        self.starts.push(0);
+        self.place.clear();
+        self.place.resize(curves.crossings.len(), u32::MAX);
+        for line in (step / 2..curves.line_count()).step_by(step) {
+            for i in curves.of(line) {
+                self.place[i] = self.chosen.len() as u32;
+                self.chosen.push(i as u32);
+            }
+            self.starts.push(self.chosen.len() as u32);
+        }
+        self.seen.clear();
+        self.seen.extend(self.chosen.iter().map(|&i| {
+            let c = &curves.crossings[i as usize];
+            Sample { unit: self.smooth[i as usize], sigma: c.color_sigma, light: total(c.color) }
+        }));
+        self.samples.clone_from(&self.seen);
+        self.votes.clear();
+        self.votes.resize(curves.crossings.len(), UNDECIDED);
+        self.labels.clear();
+        self.labels.resize(self.chosen.len(), NONE);
+    }
+
+    /// Learns the hues without knowing any number.
+    pub(super) fn learn_hues(&mut self, palette: &[[f32; 3]], sequence: &[u8]) {
+        self.hues.seed(palette, sequence, &self.seen);
+        self.hues.learn(&self.samples, None);
+    }
+
+    /// How well a code fits on about `lines` of the lines: the score, nats, and the number of crossings on them.
+    pub(super) fn score(&mut self, curves: &Curves, code: Code<'_>, lines: usize) -> (f32, usize) {
+        let all = self.starts.len() - 1;
+        let (mut score, mut tried) = (0.0, 0);
+        for k in 0..lines.min(all) {
+            let line = (2 * k + 1) * all / (2 * lines.min(all));
+            let range = self.starts[line] as usize..self.starts[line + 1] as usize;
+            tried += range.len();
+            score += self.align(curves, code, range);
+        }
+        (score, tried)
+    }
+
+    /// Numbers all crossings.
+    pub(super) fn number(&mut self, curves: &Curves, code: Code<'_>) {
+        for pass in 0..=LEARNING_PASSES {
+            for line in 0..self.starts.len() - 1 {
+                self.align(curves, code, self.starts[line] as usize..self.starts[line + 1] as usize);
+            }
+            self.vote(curves);
+            if pass < LEARNING_PASSES {
+                self.learn_from_votes(code);
+            }
+        }
+    }
+
+    fn align(&mut self, curves: &Curves, code: Code<'_>, range: std::ops::Range<usize>) -> f32 {
+        let hues = self.hues.directions.len();
+        self.odds.clear();
+        self.odds.resize(range.len() * hues, 0.0);
+        self.nodes.clear();
+        for (at, odds) in range.clone().zip(self.odds.chunks_exact_mut(hues)) {
+            let sample = &self.samples[at];
+            self.hues.log_odds(sample, odds);
+            let i = self.chosen[at] as usize;
+            let c = &curves.crossings[i];
+            let hue = usize::from(self.hues.nearest(sample.unit));
+            let usual = self.hues.brightness.get(hue).copied().unwrap_or(1.0);
+            let vote = self.votes[i];
+            self.nodes.push(Node {
+                u: c.middle(),
+                width: c.width(),
+                light: sample.light / usual,
+                hint: (vote.label, vote.support),
+            });
+        }
+        let labels = &mut self.labels[range];
+        self.aligner.align(code.slits, code.period_per_width, &self.nodes, &self.odds, labels)
+    }
+
+    /// The winner among the aligned lines within reach of each crossing along its curve.
+    fn vote(&mut self, curves: &Curves) {
+        let (reach, counts) = (self.reach, &mut self.counts);
+        for curve in curves.iter() {
+            counts.clear();
+            // Aligned lines in the window, whether they voted or not.
+            let mut seats = 0_u32;
+            let ballot = |at: usize| self.place[curve[at] as usize];
+            let label = |place: u32| self.labels[place as usize];
+            for at in 0..reach.min(curve.len()) {
+                if ballot(at) != u32::MAX {
+                    seats += 1;
+                    change(counts, label(ballot(at)), 1);
+                }
+            }
+            for at in 0..curve.len() {
+                if at + reach < curve.len() && ballot(at + reach) != u32::MAX {
+                    seats += 1;
+                    change(counts, label(ballot(at + reach)), 1);
+                }
+                if at > reach && ballot(at - reach - 1) != u32::MAX {
+                    seats -= 1;
+                    change(counts, label(ballot(at - reach - 1)), -1);
+                }
+                self.votes[curve[at] as usize] = winner(counts, seats);
+            }
+        }
+    }
+
+    fn learn_from_votes(&mut self, code: Code<'_>) {
+        self.hue_labels.clear();
+        self.hue_labels.extend(self.chosen.iter().map(|&i| {
+            let vote = self.votes[i as usize];
+            let hue = code.slits.get(usize::from(vote.label)).copied();
+            hue.filter(|_| vote.support > SURE).unwrap_or(NO_HUE)
+        }));
+        for line in 0..self.starts.len() - 1 {
+            self.take_off_surface(self.starts[line] as usize..self.starts[line + 1] as usize);
+        }
+        self.hues.learn(&self.samples, Some(&self.hue_labels));
+    }
+
+    /// Divides out the colour of the surface: what neighbouring stripes on it have in common beyond their hues.
+    fn take_off_surface(&mut self, line: std::ops::Range<usize>) {
+        let number = |at: usize| self.votes[self.chosen[at] as usize].label;
+        let hue = |at: usize| self.hue_labels[at];
+        let joined = |at: usize| number(at) != NONE && number(at).wrapping_add(1) == number(at + 1);
+        for at in line.clone() {
+            self.samples[at] = self.seen[at];
+            if hue(at) == NO_HUE {
+                continue;
+            }
+            let (mut from, mut to) = (at, at);
+            while from > line.start && at - from < SURFACE_REACH && joined(from - 1) {
+                from -= 1;
+            }
+            while to + 1 < line.end && to - at < SURFACE_REACH && joined(to) {
+                to += 1;
+            }
+            let (mut seen, mut expected, mut n) = ([0.0_f32; 3], [0.0_f32; 3], 0);
+            for near in from..=to {
+                let Some(direction) = self.hues.directions.get(usize::from(hue(near))) else { continue };
+                n += 1;
+                for k in 0..3 {
+                    seen[k] += self.seen[near].unit[k];
+                    expected[k] += direction[k];
+                }
+            }
+            let least = MIN_CHANNEL * n as f32;
+            if n < MIN_SURFACE || expected.iter().chain(&seen).any(|&x| x < least) {
+                continue;
+            }
+            let own = self.seen[at].unit;
+            if let Some(unit) = unit(std::array::from_fn(|k| own[k] * expected[k] / seen[k])) {
+                self.samples[at].unit = unit;
+            }
+        }
+    }
+}
+
+fn change(counts: &mut Vec<(u16, u32)>, label: u16, by: i32) {
+    if label == NONE {
+        return;
+    }
+    match counts.iter_mut().find(|c| c.0 == label) {
+        Some(c) => c.1 = c.1.saturating_add_signed(by),
+        None if by > 0 => counts.push((label, 1)),
+        None => {}
+    }
+}
+
+fn winner(counts: &[(u16, u32)], seats: u32) -> Vote {
+    let cast: u32 = counts.iter().map(|c| c.1).sum();
+    let Some(first) = counts.iter().max_by_key(|c| c.1).filter(|c| c.1 > 0) else { return UNDECIDED };
+    let (share, support) = (first.1 as f32 / cast as f32, first.1 as f32 / seats.max(1) as f32);
+    let sure = share >= MIN_SHARE && support >= MIN_SUPPORT;
+    Vote { label: if sure { first.0 } else { NONE }, support }
+}

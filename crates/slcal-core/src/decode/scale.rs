@@ -1,0 +1,102 @@
+//! What is measured before anything else: which way the stripes run, how wide they are, how sharp.
+
+use super::hills::Hill;
+use super::lines::{Line, LineReader, Scan};
+use super::noise::Noise;
+use super::stripes::{Scale, Scratch, hills_of};
+
+/// Lines looked at.
+const LINES: usize = 24;
+/// Neighbouring stripes are about as far apart as the next ones: within this ratio, blur and slant included.
+const REGULAR: f32 = 1.7;
+/// The least smoothing that sees this share of what the best one sees is taken.
+const ENOUGH: f64 = 0.85;
+/// Smoothing over this share of a stripe's width leaves stripes of half the usual width visible.
+const SMOOTHING_SHARE: f32 = 0.25;
+/// Fewer hills than this per line on average are no stripes.
+const MIN_PER_LINE: f64 = 2.0;
+
+/// What a look at a few lines tells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Look {
+    pub(super) scan: Scan,
+    pub(super) scale: Scale,
+    /// Half the usual distance of neighbouring stripes, px.
+    pub(super) half_period_px: f32,
+    /// Length of the lines that regular hills cover, px: how much of the photograph looks like stripes.
+    pub(super) covered_px: f64,
+}
+
+/// Working memory of [`look`].
+#[derive(Debug, Clone, Default)]
+pub(super) struct LookScratch {
+    lines: Vec<Line>,
+    scratch: Scratch,
+    spacings: Vec<f32>,
+    sharpness: Vec<f32>,
+}
+
+/// Looks at lines read along one direction; `None` where there is hardly a regular row of hills.
+pub(super) fn look(reader: &LineReader<'_>, noise: &Noise, work: &mut LookScratch) -> Option<Look> {
+    let count = LINES.min(reader.count());
+    work.lines.resize_with(LINES, Line::default);
+    for (k, line) in work.lines.iter_mut().take(count).enumerate() {
+        reader.read(reader.spread(k, count), line);
+    }
+    let lines = &work.lines[..count];
+    // Reaches of 0, 1, 3, 7 … pixels.
+    let reaches = (0..12).map(|k| (1_usize << k) - 1).take_while(|r| 8 * r < reader.length());
+    let mut best: Option<(usize, f64)> = None;
+    for reach in reaches {
+        let mut covered = 0.0;
+        for line in lines {
+            let hills = hills_of(&line.total, reach, noise, &mut work.scratch);
+            regular(hills, |_, spacing| covered += f64::from(spacing));
+        }
+        if best.is_none_or(|(_, most)| ENOUGH * covered > most) {
+            best = Some((reach, covered));
+        }
+    }
+    let (reach, covered_px) = best?;
+    work.spacings.clear();
+    work.sharpness.clear();
+    for line in lines {
+        let hills = hills_of(&line.total, reach, noise, &mut work.scratch);
+        let (spacings, sharpness) = (&mut work.spacings, &mut work.sharpness);
+        regular(hills, |hill, spacing| {
+            spacings.push(spacing);
+            sharpness.extend(edge_length(&line.total, hill));
+        });
+    }
+    if (work.spacings.len() as f64) < MIN_PER_LINE * count as f64 {
+        return None;
+    }
+    let half_period_px = 0.5 * middle(&mut work.spacings)?;
+    let blur = middle(&mut work.sharpness).unwrap_or(1.0);
+    let by_width = ((SMOOTHING_SHARE * half_period_px - 1.0) / 2.0).round().max(0.0) as usize;
+    let scale = Scale { smoothing: by_width.max(reach), edge: blur.round() as usize + 1 };
+    Some(Look { scan: reader.scan, scale, half_period_px, covered_px })
+}
+
+/// Calls `each` with every hill that lies about as far from the next one as from the last, and that distance, px.
+fn regular(hills: &[Hill], mut each: impl FnMut(Hill, f32)) {
+    for w in hills.windows(3) {
+        let (a, b) = ((w[1].top - w[0].top) as f32, (w[2].top - w[1].top) as f32);
+        if a < REGULAR * b && b < REGULAR * a {
+            each(w[1], 0.5 * (a + b));
+        }
+    }
+}
+
+/// Height over steepest step: how many pixels the edge before a hill takes.
+fn edge_length(light: &[f32], hill: Hill) -> Option<f32> {
+    let range = &light[hill.before as usize..=hill.top as usize];
+    let steepest = range.windows(2).map(|w| w[1] - w[0]).fold(0.0, f32::max);
+    let height = range.last()? - range.first()?;
+    (steepest > 0.0).then(|| height / steepest)
+}
+
+fn middle(values: &mut [f32]) -> Option<f32> {
+    let at = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(at, f32::total_cmp).1)
+}
