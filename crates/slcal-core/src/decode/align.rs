@@ -36,7 +36,6 @@ const VOTE_GAIN: f32 = 4.0;
 /// Marks a slit or crossing that is not matched.
 pub(super) const NONE: u16 = u16::MAX;
 
-const END: u32 = u32::MAX;
 /// Every row of scores begins with as many entries of −∞ as steps reach back.
 const PAD: usize = 2;
 

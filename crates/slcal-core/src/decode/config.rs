@@ -115,6 +115,9 @@ pub struct DecodeReport {
     pub code_fit: f64,
     /// Whether slits ascend against the image's axis (a projector upside down or behind a mirror).
     pub reversed: bool,
+    /// Whether the stripes run across the direction that the pattern's axis has in the projector's image: the camera or
+    /// the projector is turned by a quarter, or the pattern is not the one that was projected.
+    pub turned: bool,
 }
 
 /// Matches and what was seen on the way.

@@ -169,6 +169,7 @@ impl Decoder {
         report.saturated = saturated as f64 / n.max(1) as f64;
         report.code_fit = fit;
         report.reversed = reversed;
+        report.turned = (reader.scan == Scan::Rows) != (self.pattern.axis == Axis::Columns);
         self.collect(reader, sigma_scale)
     }
 
