@@ -164,3 +164,109 @@ fn poses_of_ones_own_and_edges() {
     bench.run("simulate views --pose 95,0 -o a.json").fails(2, &["tilt"]);
     bench.run("simulate views --pose 1,2 --poses 3 -o a.json").fails(2, &["--pose"]);
 }
+
+/// A small camera: rendering takes a moment even unoptimised.
+const SMALL: &str = "--camera 320x240 --focal 375";
+
+#[test]
+fn a_scene_is_photographs_and_their_truth() {
+    let bench = bench();
+    let run = bench.run(&format!("simulate scene {SMALL} --surface sphere --out ball --json")).ok();
+    let json: Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(json["schema"], "slcal-simulate-scene/1");
+    assert_eq!(json["camera"][0], 320);
+    let depth = json["depth_mm"][0].as_f64().unwrap();
+    assert!((depth - 820.0).abs() < 1.0, "the ball's near side, 1000 - 180 mm away: {depth}");
+    for file in json["files"].as_array().unwrap() {
+        let path = bench.path("ball").join(file.as_str().unwrap());
+        assert!(std::fs::metadata(&path).unwrap().len() > 100, "{}", path.display());
+    }
+    let column = std::fs::read(bench.path("ball/truth_column.pfm")).unwrap();
+    assert!(column.starts_with(b"Pf\n320 240\n-1.0\n") && column.len() == 16 + 320 * 240 * 4);
+    // The true matches lie on the ball and on the wall behind it.
+    let line = "triangulate --rig ball/rig.json ball/truth_matches.csv --cull off -o ball/cloud.ply";
+    let _ = bench.run(line).ok();
+    let run = bench.run("evaluate sphere ball/cloud.ply --json").ok();
+    let fit: Value = serde_json::from_slice(&run.stdout).unwrap();
+    let radius = fit["sphere"]["radius_mm"].as_f64().unwrap();
+    assert!((radius - 180.0).abs() < 0.01, "{fit}");
+}
+
+#[test]
+fn a_simulated_sheet_calibrates_its_own_rig() {
+    let bench = bench();
+    let _ = bench.run("simulate scene --camera 960x720 --focal 1125 --surface sheet --out sheet").ok();
+    let line = "calibrate sheet/photo.png --size 594x420mm --pattern sheet/pattern.json -o rig.json --json";
+    let rig: Value = serde_json::from_slice(&bench.run(line).ok().stdout).unwrap();
+    let focal = rig["camera"]["K"][0][0].as_f64().unwrap();
+    let sigma = rig["camera"]["sigma"]["focal_px"].as_f64().unwrap();
+    assert!((focal - 1125.0).abs() < 3.0 * sigma && sigma < 0.04 * 1125.0, "{focal} ± {sigma}");
+}
+
+#[test]
+fn scenes_from_files_follow_the_rig_the_pattern_and_the_mesh() {
+    let bench = bench();
+    bench.put(
+        "roof.obj",
+        "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 0.5\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n",
+    );
+    let _ = bench.run(&format!("simulate scene {SMALL} --out first")).ok();
+    let line = "simulate scene --rig first/rig.json --pattern first/pattern.json --surface roof.obj --mesh-scale 150 \
+                --noise 3 --crosstalk 0.2 --albedo 0.7,0.35,0.25 --bits 16 --out second --json";
+    let json: Value = serde_json::from_slice(&bench.run(line).ok().stdout).unwrap();
+    assert_eq!(json["camera"], serde_json::json!([320, 240]));
+    // The tip comes 0.5 · 150 mm / 2 before the middle of the box.
+    let near = json["depth_mm"][0].as_f64().unwrap();
+    assert!((near - 962.5).abs() < 2.0, "{near}");
+    assert_eq!(bench.text("first/rig.json"), bench.text("second/rig.json"));
+    // A mesh that slcal wrote is in the camera's frame.
+    let line = "simulate scene --rig first/rig.json --surface first/truth_cloud.ply --out third";
+    bench.run(line).fails(3, &["truth_cloud.ply", "--mesh"]);
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bytes_and_another_seed_another_noise() {
+    let bench = bench();
+    for (folder, seed) in [("a", 1), ("b", 1), ("c", 2)] {
+        let _ =
+            bench.run(&format!("simulate scene {SMALL} --surface step --seed {seed} --out {folder}")).ok();
+    }
+    let photo = |folder: &str| std::fs::read(bench.path(folder).join("photo.png")).unwrap();
+    assert_eq!(photo("a"), photo("b"));
+    assert_ne!(photo("a"), photo("c"));
+    assert_eq!(bench.text("a/truth_matches.csv"), bench.text("c/truth_matches.csv"));
+}
+
+#[test]
+fn nothing_of_a_scene_is_replaced_or_guessed() {
+    let bench = bench();
+    let line = format!("simulate scene {SMALL} --out here");
+    let _ = bench.run(&line).ok();
+    bench.run(&line).fails(1, &["photo.png", "--force"]);
+    let _ = bench.run(&format!("{line} --force")).ok();
+    for (options, code, words) in [
+        ("--surface cube", 2, vec!["cube", "plane, sphere, step, sheet"]),
+        ("--surface no.ply", 3, vec!["no.ply"]),
+        ("--rig none.json", 3, vec!["none.json"]),
+        ("--rig here/rig.json --focal 900", 2, vec!["--focal"]),
+        ("--wall 100", 2, vec!["--wall"]),
+        ("--surface sphere --radius -3", 2, vec!["positive lengths"]),
+        ("--albedo 1.5", 2, vec!["albedo", "0 to 1"]),
+        ("--noise -1", 2, vec!["noise"]),
+        ("--tilt 120,0", 2, vec!["tilt"]),
+        ("--bits 12", 2, vec!["8 or 16"]),
+        ("--pattern here/pattern.json --projector 800x600", 2, vec!["--projector 1024x768"]),
+        ("--exact --noise 2", 2, vec!["--exact"]),
+        ("--distance nan", 2, vec!["distance"]),
+    ] {
+        bench.run(&format!("simulate scene --out fresh {options}")).fails(code, &words);
+    }
+}
+
+#[test]
+fn a_surface_out_of_the_light_is_said() {
+    let run = bench()
+        .run(&format!("simulate scene {SMALL} --surface sphere --wall none --aside 3000,0 --out off"))
+        .ok();
+    assert!(run.stderr.contains("none of the pattern"), "{}", run.stderr);
+}

@@ -25,7 +25,10 @@ pub(crate) use evaluate::{EvaluateArgs, ShapeArg};
 pub(crate) use pattern::{CheckerArgs, PatternOutput, PatternVerb, StripesArgs};
 pub(crate) use reconstruct::ReconstructArgs;
 pub(crate) use rectify::RectifyArgs;
-pub(crate) use simulate::{NoiseArgs, PrincipalPointsArg, RigArgs, SimulateVerb, ViewsArgs};
+pub(crate) use simulate::{
+    Crosstalk, LightArgs, MeshFrameArg, NoiseArgs, PlaceArgs, PrincipalPointsArg, RigArgs, SceneArgs,
+    SimulateVerb, ViewsArgs,
+};
 pub(crate) use triangulate::TriangulateArgs;
 pub(crate) use verify::VerifyArgs;
 

@@ -15,7 +15,10 @@ pub(crate) use cloud::CloudFormat;
 pub(crate) use exif::focal_35mm;
 pub(crate) use photo::{decode_photo, load_photo, load_photo_and_file, read_photo};
 pub(crate) use raw::{RawFormat, RawFrame};
-pub(crate) use text::{check_panel, load_camera, load_checker, load_observations, load_rig, load_stripes};
+pub(crate) use text::{
+    check_panel, load_camera, load_checker, load_mesh, load_observations, load_pattern, load_rig,
+    load_stripes,
+};
 pub(crate) use write::{
     Destination, check_distinct, check_spares, end_whole_on_interrupt, png_bytes, write_all,
 };

@@ -2,8 +2,11 @@
 
 use std::path::Path;
 
-use slcal_core::format::{KnownCamera, read_camera, read_observations, read_pattern, read_rig};
+use slcal_core::format::{
+    KnownCamera, read_camera, read_obj, read_observations, read_pattern, read_ply, read_rig,
+};
 use slcal_core::pattern::{CheckerPattern, Pattern, StripePattern};
+use slcal_core::simulate::TriangleMesh;
 use slcal_core::{ExternalObservations, Rig};
 
 use super::{input_name, read_at_most, read_bytes};
@@ -48,7 +51,8 @@ pub(crate) fn load_stripes(path: &Path) -> Outcome<StripePattern> {
     }
 }
 
-fn load_pattern(path: &Path) -> Outcome<Pattern> {
+/// Reads a pattern JSON of either kind.
+pub(crate) fn load_pattern(path: &Path) -> Outcome<Pattern> {
     read_pattern(read_bytes(path, "a pattern JSON")?.as_slice()).in_file(path)
 }
 
@@ -61,6 +65,15 @@ fn wrong_kind(path: &Path, expected: &str, found: &str) -> Failure {
             input_name(path)
         ),
     )
+}
+
+/// Reads a mesh, PLY or OBJ by the name, its coordinates multiplied by `scale`.
+pub(crate) fn load_mesh(path: &Path, scale: f64) -> Outcome<TriangleMesh> {
+    let is_obj = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+    let bytes = read_bytes(path, "a mesh as PLY or OBJ")?;
+    let cloud = if is_obj { read_obj(bytes.as_slice()) } else { read_ply(bytes.as_slice()) }.in_file(path)?;
+    let vertices = cloud.points.iter().map(|p| p.position * scale).collect();
+    TriangleMesh::new(vertices, cloud.triangles).in_file(path)
 }
 
 /// Refuses a pattern that was drawn for another projector than the rig's.

@@ -26,7 +26,9 @@ pub use experiment::{
     LevelReport, MethodName, MethodReport, NoiseConfig, NoiseExperiment, NoiseReport, PrincipalPoints,
     TrueValues,
 };
-pub use photograph::{Photographer, RenderConfig, Seen, Shape, Shown, Surface, TriangleMesh, Truth};
+pub use photograph::{
+    Photographer, Placing, RenderConfig, Seen, Shape, Shown, Subject, Surface, TriangleMesh, Truth,
+};
 pub use poses::{PoseConfig, SpreadConfig, spread_poses};
 pub use rig_config::RigConfig;
 pub use scene::{NoiseModel, Scene};

@@ -28,12 +28,14 @@ mod panel;
 mod photographer;
 mod sensor;
 mod stage;
+mod subject;
 mod surface;
 mod truth;
 
 pub use config::RenderConfig;
 pub use mesh::TriangleMesh;
 pub use photographer::{Photographer, Shown};
+pub use subject::{Placing, Subject};
 pub use surface::{Shape, Surface};
 pub use truth::{Seen, Truth};
 

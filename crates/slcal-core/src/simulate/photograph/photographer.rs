@@ -8,7 +8,7 @@ use super::panel::Panel;
 use super::sensor::expose;
 use super::stage::Stage;
 use super::surface::Surface;
-use super::truth::{TruePixel, Truth};
+use super::truth::{Seen, TruePixel, Truth};
 use crate::error::{Error, Result};
 use crate::rig::Rig;
 
@@ -74,6 +74,13 @@ impl Photographer {
     #[must_use]
     pub fn truth(&self) -> &Truth {
         &self.truth
+    }
+
+    /// What a position of the photograph sees, pixel centres at integers.
+    #[must_use]
+    pub fn look(&self, p: Point2<f64>) -> Option<Seen> {
+        let look = self.stage.look(p)?;
+        Some(Seen { point: look.point, panel: look.panel, surface: look.surface })
     }
 
     /// The surfaces.

@@ -1,5 +1,8 @@
 //! `slcal simulate`: experiments on rigs whose truth is known.
 
+mod made;
+mod scene;
+
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
@@ -27,6 +30,7 @@ pub(super) fn run(verb: &SimulateVerb, printer: Printer) -> Outcome {
     match verb {
         SimulateVerb::Noise(args) => noise(args, printer),
         SimulateVerb::Views(args) => views(args, printer),
+        SimulateVerb::Scene(args) => scene::run(args, printer),
     }
 }
 

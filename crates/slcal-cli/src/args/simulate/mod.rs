@@ -1,10 +1,14 @@
 //! `slcal simulate`.
 
+mod scene;
+
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 use nalgebra::Point2;
 use slcal_core::geometry::RectangleSize;
+
+pub(crate) use scene::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs};
 
 use crate::size::{parse_pair, parse_point, parse_size};
 
@@ -24,6 +28,17 @@ pub(crate) enum SimulateVerb {
                       and the true rig to compare rig.json with."
     )]
     Views(Box<ViewsArgs>),
+    /// Photographs of a plane, a sphere, a step, a sheet or a mesh under the projector's light, with the truth of every pixel.
+    #[command(after_help = "Examples:\n  slcal simulate scene --surface sheet --out sheet\n  \
+                      slcal calibrate sheet/photo.png --size 594x420mm --pattern sheet/pattern.json -o rig.json\n  \
+                      slcal simulate scene --surface sphere --noise 3 --crosstalk 0.2 --out ball\n  \
+                      slcal reconstruct --rig rig.json --pattern ball/pattern.json ball/photo.png -o cloud.ply\n  \
+                      slcal triangulate --rig ball/rig.json ball/truth_matches.csv -o truth.ply\n\nThe folder then holds \
+                      photo.png, white.png and black.png (full and no light), pattern.png and pattern.json, rig.json (the\n\
+                      truth), truth_matches.csv (where the camera sees each slit or corner, without error), truth_cloud.ply (those \
+                      points),\nand for every pixel truth_column.pfm, truth_row.pfm (projector px, NaN where its light does not fall), \
+                      truth_depth.pfm (mm)\nand truth_surface.png (0 nothing, 1 the first surface, ...).")]
+    Scene(Box<SceneArgs>),
 }
 
 /// The rig that is simulated.

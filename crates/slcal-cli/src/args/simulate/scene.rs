@@ -1,0 +1,191 @@
+//! `slcal simulate scene`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use nalgebra::Point2;
+
+use super::{Distortion, PoseArg, RigArgs, numbers, parse_distortion, parse_pose};
+use crate::args::photo::GammaArg;
+use crate::size::parse_point;
+
+#[derive(Debug, Args)]
+pub(crate) struct SceneArgs {
+    /// What the rig looks at: plane, sphere, step (a wall with two blocks before it), sheet (of --size), or a mesh.
+    #[arg(long, value_name = "plane|sphere|step|sheet|FILE.ply|FILE.obj", default_value = "plane")]
+    pub(crate) surface: PathBuf,
+    /// What the projector shows: stripes or checker as `slcal pattern` draws them, or a pattern file [default: checker for a
+    /// sheet, else stripes].
+    #[arg(long, value_name = "stripes|checker|FILE.json")]
+    pub(crate) pattern: Option<PathBuf>,
+    /// The folder for all files; made when it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// A rig of one's own instead of the options under "Rig" (--distance and --size still place the surface).
+    #[arg(long, value_name = "RIG.json",
+          conflicts_with_all = ["camera", "focal", "projector", "projector_focal", "lens_shift", "baseline", "distortion"])]
+    pub(crate) rig: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) of_rig: RigArgs,
+    /// The camera's distortion, as many coefficients as are not zero.
+    #[arg(long, value_name = "k1,k2,p1,p2,k3", value_parser = parse_distortion, default_value = "0",
+          help_heading = "Rig", allow_hyphen_values = true)]
+    pub(crate) distortion: Distortion,
+    #[command(flatten)]
+    pub(crate) place: PlaceArgs,
+    #[command(flatten)]
+    pub(crate) light: LightArgs,
+    /// Print what was made as JSON instead of a summary.
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Replace files that exist.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+/// Where the surface stands.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Surface")]
+pub(crate) struct PlaceArgs {
+    /// Tilt about the camera's horizontal and vertical axis and, if wanted, roll, degrees [default: 10,20 for a plane,
+    /// 25,28 for a sheet, else none].
+    #[arg(long, value_name = "X,Y[,ROLL]", value_parser = parse_pose, allow_hyphen_values = true)]
+    pub(crate) tilt: Option<PoseArg>,
+    /// How far right of and below the camera's axis its middle stands, mm.
+    #[arg(long, value_name = "X,Y", value_parser = parse_point, default_value = "0,0", allow_hyphen_values = true)]
+    pub(crate) aside: Point2<f64>,
+    /// Radius of the sphere [default: 0.18 of the distance].
+    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
+    pub(crate) radius: Option<f64>,
+    /// Share of light that it returns: grey, or red,green,blue.
+    #[arg(long, value_name = "A|R,G,B", value_parser = parse_channels, default_value = "0.9",
+          allow_hyphen_values = true)]
+    pub(crate) albedo: Channels,
+    /// A wall so far behind its middle, parallel to it [default: behind a sphere and a mesh, close to them].
+    #[arg(long, value_name = "MM|none", value_parser = parse_wall, allow_hyphen_values = true)]
+    pub(crate) wall: Option<WallArg>,
+    /// Grey share of light that the wall returns.
+    #[arg(long, value_name = "A", default_value_t = 0.4, allow_hyphen_values = true)]
+    pub(crate) wall_albedo: f64,
+    /// Frame of the mesh: object (y up, z to the viewer; its middle is put at the distance) or camera (it stands where it is).
+    #[arg(long, value_enum, default_value = "object")]
+    pub(crate) mesh_frame: MeshFrameArg,
+    /// Multiplies the mesh's coordinates, for those that are not in millimetres.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true)]
+    pub(crate) mesh_scale: f64,
+}
+
+/// Light, lens, sensor.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Photograph")]
+pub(crate) struct LightArgs {
+    /// Neither noise nor blur, 16 bit.
+    #[arg(long, conflicts_with_all = ["noise", "blur", "bits"])]
+    pub(crate) exact: bool,
+    /// Standard deviation of the noise, grey levels of 255.
+    #[arg(long, value_name = "LEVELS", default_value_t = 1.0, allow_hyphen_values = true)]
+    pub(crate) noise: f64,
+    /// σ of the camera's blur, px.
+    #[arg(long, value_name = "PX", default_value_t = 0.6, allow_hyphen_values = true)]
+    pub(crate) blur: f64,
+    /// σ of the projector's blur, panel px.
+    #[arg(long, value_name = "PX", default_value_t = 0.0, allow_hyphen_values = true)]
+    pub(crate) projector_blur: f64,
+    /// What the projector sends out where it shows black, as a share of full light.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_hyphen_values = true)]
+    pub(crate) projector_black: f64,
+    /// Light that each channel gets of those next to it (red, green, blue), or all nine numbers, camera's red first.
+    #[arg(long, value_name = "SHARE|RR,RG,RB,GR,..,BB", value_parser = parse_crosstalk, default_value = "0",
+          allow_hyphen_values = true)]
+    pub(crate) crosstalk: Crosstalk,
+    /// Light from everywhere, as a share of the projector's: grey, or red,green,blue.
+    #[arg(long, value_name = "A|R,G,B", value_parser = parse_channels, default_value = "0.03",
+          allow_hyphen_values = true)]
+    pub(crate) ambient: Channels,
+    /// Light, as a share of full scale, of what is white and faces the projector under full light; more saturates.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.8, allow_hyphen_values = true)]
+    pub(crate) exposure: f64,
+    /// Bits per sample, 8 or 16.
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub(crate) bits: u8,
+    /// Seed of the noise: the same seed gives the same output.
+    #[arg(long, value_name = "N", default_value_t = 1, allow_hyphen_values = true)]
+    pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) gamma: GammaArg,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MeshFrameArg {
+    /// Its own.
+    Object,
+    /// The camera's.
+    Camera,
+}
+
+/// A wall, mm behind the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct WallArg(pub(crate) Option<f64>);
+
+/// Red, green, blue.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Channels(pub(crate) [f64; 3]);
+
+/// Channels of the camera by channels of the light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Crosstalk {
+    /// A share for neighbours.
+    Neighbours(f64),
+    /// All of it.
+    Matrix([[f64; 3]; 3]),
+}
+
+fn parse_wall(text: &str) -> Result<WallArg, String> {
+    if text == "none" {
+        return Ok(WallArg(None));
+    }
+    match numbers(text).as_deref() {
+        Some(&[mm]) if mm > 0.0 => Ok(WallArg(Some(mm))),
+        _ => Err("expected a distance above zero in mm, or none".to_owned()),
+    }
+}
+
+fn parse_channels(text: &str) -> Result<Channels, String> {
+    match numbers(text).as_deref() {
+        Some(&[a]) => Ok(Channels([a; 3])),
+        Some(&[r, g, b]) => Ok(Channels([r, g, b])),
+        _ => {
+            Err("expected one number for grey or three for red, green and blue, such as 0.7,0.35,0.25"
+                .to_owned())
+        }
+    }
+}
+
+fn parse_crosstalk(text: &str) -> Result<Crosstalk, String> {
+    match numbers(text).as_deref() {
+        Some(&[share]) => Ok(Crosstalk::Neighbours(share)),
+        Some(&[a, b, c, d, e, f, g, h, i]) => Ok(Crosstalk::Matrix([[a, b, c], [d, e, f], [g, h, i]])),
+        _ => Err("expected one share, such as 0.2, or nine numbers: what red gets of red, green, blue, what green gets, \
+                  what blue gets"
+            .to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_of_scenes() {
+        assert_eq!(parse_wall("none"), Ok(WallArg(None)));
+        assert_eq!(parse_wall("20"), Ok(WallArg(Some(20.0))));
+        assert!(parse_wall("far").is_err() && parse_wall("-3").is_err());
+        assert_eq!(parse_channels("0.5"), Ok(Channels([0.5; 3])));
+        assert_eq!(parse_channels("0.7,0.35,0.25"), Ok(Channels([0.7, 0.35, 0.25])));
+        assert!(parse_channels("1,2").is_err() && parse_channels("a").is_err());
+        assert_eq!(parse_crosstalk("0.2"), Ok(Crosstalk::Neighbours(0.2)));
+        let Ok(Crosstalk::Matrix(m)) = parse_crosstalk("1,2,3,4,5,6,7,8,9") else { panic!("nine numbers") };
+        assert_eq!(m[1], [4.0, 5.0, 6.0]);
+        assert!(parse_crosstalk("1,2,3").is_err());
+    }
+}

@@ -1,0 +1,144 @@
+//! What usually stands before a rig: a plane, a sphere, a step, a sheet or a mesh, placed by a few numbers.
+
+use nalgebra::{Point3, Rotation3, Vector3};
+
+use super::mesh::TriangleMesh;
+use super::surface::{Shape, Surface};
+use crate::error::{Error, Result};
+use crate::geometry::{Plane, Pose, RectangleSize};
+
+/// The blocks of [`Subject::Step`]: middle (right, down) and width, height, depth, in distances from the camera.
+const BLOCKS: [([f64; 2], [f64; 3]); 2] =
+    [([-0.13, 0.02], [0.16, 0.22, 0.06]), ([0.11, -0.03], [0.13, 0.17, 0.12])];
+
+/// What the rig looks at.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Subject {
+    /// An endless plane.
+    Plane,
+    /// A sphere.
+    Sphere {
+        /// Its radius, mm.
+        radius_mm: f64,
+    },
+    /// A wall with two blocks before it that throw shadows.
+    Step,
+    /// A sheet.
+    Sheet(RectangleSize),
+    /// A mesh in its own frame, mm, with y up and z towards the viewer, placed by the middle of its box.
+    Mesh(TriangleMesh),
+    /// A mesh in the camera's frame, where it stays; only its wall is placed.
+    MeshInCamera(TriangleMesh),
+}
+
+/// Where the subject stands and of what colour it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placing {
+    /// Its middle in the camera's frame, mm: right, down, forward.
+    pub middle_mm: [f64; 3],
+    /// Turns about the camera's x, y and z axis, R = Rx·Ry·Rz, rad.
+    pub turn_rad: [f64; 3],
+    /// Its albedo.
+    pub albedo: [f64; 3],
+    /// How far behind the subject's middle a wall stands, which turns with it, mm; `None` for no wall.
+    pub wall_mm: Option<f64>,
+    /// The grey albedo of that wall.
+    pub wall_albedo: f64,
+}
+
+impl Placing {
+    /// subject's frame (x right, y down, z away, its middle the origin) → camera.
+    #[must_use]
+    pub fn camera_from_middle(&self) -> Pose {
+        let [x, y, z] = self.turn_rad;
+        let about = |axis, angle| Rotation3::from_axis_angle(&axis, angle);
+        let rotation =
+            about(Vector3::x_axis(), x) * about(Vector3::y_axis(), y) * about(Vector3::z_axis(), z);
+        Pose { rotation, translation: Vector3::from(self.middle_mm) }
+    }
+
+    /// sheet (its corner the origin) → camera, for a sheet of this size.
+    #[must_use]
+    pub fn camera_from_sheet(&self, size: RectangleSize) -> Pose {
+        let corner = Vector3::new(-size.width_mm / 2.0, -size.height_mm / 2.0, 0.0);
+        self.camera_from_middle().compose(&Pose { rotation: Rotation3::identity(), translation: corner })
+    }
+}
+
+impl Subject {
+    /// The surfaces: the subject's own first, the wall last.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for places and sizes that are not finite, albedos outside 0–1, and a sheet or plane that is turned
+    /// away.
+    pub fn surfaces(&self, placing: &Placing) -> Result<Vec<Surface>> {
+        let finite = placing.middle_mm.iter().chain(&placing.turn_rad).all(|x| x.is_finite());
+        if !finite || placing.wall_mm.is_some_and(|w| !w.is_finite()) {
+            return Err(Error::invalid(
+                "place of the subject",
+                "finite lengths and angles",
+                format!("{placing:?}"),
+            ));
+        }
+        let pose = placing.camera_from_middle();
+        let object = |shape| Surface::object(shape).colored(placing.albedo);
+        let mut surfaces = match self {
+            Self::Plane => vec![object(Shape::Plane(behind(&pose, 0.0)?))],
+            Self::Sphere { radius_mm } => {
+                vec![object(Shape::Sphere { centre: pose.translation.into(), radius_mm: *radius_mm })]
+            }
+            Self::Step => {
+                let mut all: Vec<Surface> =
+                    blocks(&pose, placing.middle_mm[2]).into_iter().map(object).collect();
+                all.push(Surface::around(Shape::Plane(behind(&pose, 0.0)?), placing.wall_albedo));
+                all
+            }
+            Self::Sheet(size) => {
+                let camera_from_rectangle = placing.camera_from_sheet(*size);
+                vec![object(Shape::Rectangle { camera_from_rectangle, size: *size })]
+            }
+            Self::Mesh(mesh) => vec![object(Shape::Mesh(stood(mesh, &pose)?))],
+            Self::MeshInCamera(mesh) => vec![object(Shape::Mesh(mesh.clone()))],
+        };
+        if let Some(distance) = placing.wall_mm {
+            surfaces.push(Surface::around(Shape::Plane(behind(&pose, distance)?), placing.wall_albedo));
+        }
+        surfaces.iter().try_for_each(Surface::validate)?;
+        Ok(surfaces)
+    }
+}
+
+/// The plane so far behind the middle.
+fn behind(pose: &Pose, distance: f64) -> Result<Plane> {
+    let normal = pose.rotation * Vector3::z();
+    let point = Point3::from(pose.translation + normal * distance);
+    if normal.z <= 0.0 {
+        return Err(Error::invalid(
+            "tilt",
+            "less than 90°, so that the front is seen",
+            "a surface turned away",
+        ));
+    }
+    Plane::from_point_normal(&point, normal)
+        .ok_or_else(|| Error::invalid("tilt", "finite angles", "a plane without a normal"))
+}
+
+/// Blocks that stand on the plane through the middle.
+fn blocks(pose: &Pose, distance: f64) -> Vec<Shape> {
+    let block = |([x, y], size): ([f64; 2], [f64; 3])| {
+        let size_mm = size.map(|s| s * distance);
+        let translation = Vector3::new(x * distance, y * distance, -size_mm[2] / 2.0);
+        let on_wall = Pose { rotation: Rotation3::identity(), translation };
+        Shape::Block { camera_from_block: pose.compose(&on_wall), size_mm }
+    };
+    BLOCKS.into_iter().map(block).collect()
+}
+
+/// A mesh with y up and z towards the viewer, stood with the middle of its box where the pose says.
+fn stood(mesh: &TriangleMesh, pose: &Pose) -> Result<TriangleMesh> {
+    let [least, most] = mesh.bounds();
+    let half_turn = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+    let rotation = pose.rotation * half_turn;
+    let middle = (least.coords + most.coords) / 2.0;
+    mesh.placed(1.0, &Pose { rotation, translation: pose.translation - rotation * middle })
+}
