@@ -109,7 +109,8 @@ fn a_bad_frame_does_not_stop_the_others() {
         ["a.jpg", "text.jpg", "dark.png"]
     );
     assert!(clouds[0]["points"].as_u64().unwrap() > 10_000 && clouds[0].get("error").is_none());
-    assert_eq!(clouds[1]["error"]["exit_code"], 3);
+    assert_eq!(clouds[0]["output"], "clouds/a.ply");
+    assert_eq!((&clouds[1]["output"], &clouds[1]["error"]["exit_code"]), (&Value::Null, &3.into()));
     assert_eq!(clouds[2]["error"]["exit_code"], 4);
     assert!(clouds[2]["error"]["message"].as_str().unwrap().contains("dark.png"));
 }
@@ -231,6 +232,23 @@ fn a_stream_that_is_cut_off_keeps_its_finished_clouds() {
     run(&format!("{MANY} --raw 640x480:rgb24 --out-dir none"), &frame).fails(3, &["640x480", "1280x960"]);
     run(&format!("{MANY} --raw 1280x960:gray --out-dir none"), &frame).fails(2, &["colour"]);
     run(&format!("{MANY} a.jpg --raw 1280x960:rgb24 --out-dir none"), &frame).fails(2, &["--raw"]);
+}
+
+#[test]
+fn all_clouds_are_made_though_nobody_reads_what_is_said() {
+    use std::process::{Command, Stdio};
+
+    let bench = with_photos(&THREE);
+    let mut child = Command::new(env!("CARGO_BIN_EXE_slcal-under-test"))
+        .args(format!("{MANY} a.jpg b.jpg c.jpg --out-dir clouds --jobs 1").split(' '))
+        .current_dir(bench.path(""))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    assert_eq!(names(&bench, "clouds"), ["a.ply", "b.ply", "c.ply"]);
 }
 
 #[cfg(unix)]

@@ -102,11 +102,11 @@ impl Printer {
             _ if self.verbosity == Verbosity::Quiet => ProgressBar::hidden(),
             Some(0 | 1) => ProgressBar::hidden(),
             Some(n) => ProgressBar::new(n as u64).with_style(
-                ProgressStyle::with_template("{bar:30} {pos} of {len} frames, {per_sec}, {eta} left")
+                ProgressStyle::with_template("{bar:30} {pos} of {len} frames, {eta} left")
                     .unwrap_or_else(|_| ProgressStyle::default_bar()),
             ),
             None => ProgressBar::no_length().with_style(
-                ProgressStyle::with_template("{spinner} {pos} frames, {per_sec}")
+                ProgressStyle::with_template("{spinner} {pos} frames in {elapsed}")
                     .unwrap_or_else(|_| ProgressStyle::default_spinner()),
             ),
         };

@@ -1,6 +1,5 @@
 //! `slcal reconstruct`.
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -47,8 +46,8 @@ pub(crate) struct ReconstructArgs {
           allow_hyphen_values = true)]
     pub(crate) raw: Option<RawFormat>,
     /// How many frames are worked on at a time; as many as the machine has cores when not given.
-    #[arg(long, value_name = "N")]
-    pub(crate) jobs: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub(crate) jobs: Option<u16>,
     /// Leave out frames whose cloud is in DIR already, complete.
     #[arg(long, conflicts_with_all = ["force", "output"])]
     pub(crate) resume: bool,

@@ -28,6 +28,7 @@ pub(super) struct Report {
     /// Which frame of a stream.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) frame: Option<usize>,
+    /// The cloud, when there is one.
     pub(super) output: Option<String>,
     #[serde(flatten)]
     pub(super) result: FrameResult,

@@ -26,12 +26,24 @@ pub(super) struct Told<'a> {
     failed: usize,
     /// The exit code of the first error.
     code: Option<u8>,
+    /// Whether nobody reads stdout any more. The clouds are wanted all the same.
+    unheard: bool,
 }
 
 impl<'a> Told<'a> {
     pub(super) fn new(args: &'a ReconstructArgs, printer: Printer, count: Option<usize>) -> Self {
         let progress = printer.progress(count);
-        Self { args, printer, progress, reports: Vec::new(), written: 0, resumed: 0, failed: 0, code: None }
+        Self {
+            args,
+            printer,
+            progress,
+            reports: Vec::new(),
+            written: 0,
+            resumed: 0,
+            failed: 0,
+            code: None,
+            unheard: false,
+        }
     }
 
     /// The next frame, in order. The one photograph of `-o` that fails ends the run; with a folder it is told and passed over.
@@ -52,15 +64,20 @@ impl<'a> Told<'a> {
                 FrameResult::Failed { error: ErrorReport::of(&failure) }
             }
             Ok(result) => {
-                self.progress.around(|| {
+                let told = self.progress.around(|| {
                     self.printer.remarks(&remarks);
                     self.tell(&heading, &result)
-                })?;
+                });
+                match told {
+                    Err(Failure::ClosedPipe) => self.unheard = true,
+                    told => told?,
+                }
                 result
             }
         };
         self.count(&result);
         self.progress.step();
+        let output = output.filter(|_| !matches!(result, FrameResult::Failed { .. }));
         self.reports.push(Report { image: frame.image, frame: frame.number, output, result });
         Ok(())
     }
@@ -68,7 +85,7 @@ impl<'a> Told<'a> {
     /// The result in words: the whole story for one photograph, a line for one of many.
     fn tell(&self, heading: &str, result: &FrameResult) -> Outcome {
         match (result, &self.args.output) {
-            (FrameResult::Cloud(_), _) if self.args.json => Ok(()),
+            (FrameResult::Cloud(_), _) if self.args.json || self.unheard => Ok(()),
             (FrameResult::Cloud(report), None) => print_result(&format!("{heading}: {}", report.line)),
             (FrameResult::Cloud(report), Some(output)) if is_dash(output) => {
                 self.printer.note(report.text.trim_end());
@@ -96,15 +113,13 @@ impl<'a> Told<'a> {
 
     pub(super) fn finish(self) -> Outcome {
         drop(self.progress);
-        if self.args.json {
-            print_reports(&self.reports)?;
-        }
+        let json = if self.args.json { print_reports(&self.reports) } else { Ok(()) };
         if self.reports.len() > 1 {
             self.printer.note(format!(
                 "{} clouds written, {} left as they were, {} frames failed",
                 self.written, self.resumed, self.failed
             ));
         }
-        self.code.map_or(Ok(()), |code| Err(Failure::Told(code)))
+        self.code.map_or(json, |code| Err(Failure::Told(code)))
     }
 }
