@@ -147,7 +147,10 @@ pub(crate) fn decoding(report: &DecodeReport) -> String {
     line(
         &mut text,
         "dropped",
-        &format!("{} weak, {} ambiguous, {} inconsistent, {} cut, {} unsure", d.weak, d.ambiguous, d.inconsistent, d.cut, d.unsure),
+        &format!(
+            "{} weak, {} ambiguous, {} inconsistent, {} cut, {} unsure",
+            d.weak, d.ambiguous, d.inconsistent, d.cut, d.unsure
+        ),
     );
     for (label, remark) in remarks(report) {
         line(&mut text, label, &remark);

@@ -116,9 +116,17 @@ impl Aligner {
             // Rows i and i + 1 of the table belong to the crossings before; two rows of −∞ stand before the first.
             let (before, current) = self.score.split_at_mut((i + 2) * row);
             let (second, last) = (&before[i * row..(i + 1) * row], &before[(i + 1) * row..]);
-            let steps = Steps { back: top - JUMP_BACK, step, missed: MISSED_SLIT + missed, extra: EXTRA + extra };
+            let steps =
+                Steps { back: top - JUMP_BACK, step, missed: MISSED_SLIT + missed, extra: EXTRA + extra };
             let current = &mut current[PAD..row];
-            advance(&steps, (last, second), &self.best, &self.gain, current, &mut self.how[i * k..(i + 1) * k]);
+            advance(
+                &steps,
+                (last, second),
+                &self.best,
+                &self.gain,
+                current,
+                &mut self.how[i * k..(i + 1) * k],
+            );
             running_maximum(current, &mut self.running);
             for (best, &r) in self.best.iter_mut().skip(1).zip(&self.running) {
                 *best = best.max(r);
@@ -146,7 +154,8 @@ impl Aligner {
                 MISSED => Some((i - 1, j - 2)),
                 SKIPPED => Some((i - 2, j - 1)),
                 _ => {
-                    let most = |k: usize| (0..i).flat_map(|i| (0..k).map(move |j| score(i, j))).fold(0.0, f32::max);
+                    let most =
+                        |k: usize| (0..i).flat_map(|i| (0..k).map(move |j| score(i, j))).fold(0.0, f32::max);
                     let (ahead, anywhere) = (most(j), most(k));
                     let (wanted, k) =
                         if ahead - JUMP >= anywhere - JUMP_BACK { (ahead, j) } else { (anywhere, k) };
@@ -172,16 +181,16 @@ impl Aligner {
         for p in 1..=self.path.len() {
             let goes_on = p < self.path.len() && {
                 let ((i, j), (i_next, j_next)) = (self.path[p], self.path[p - 1]);
-                i + 1 == i_next && j + 1 == j_next && costs(nodes, i_next as usize, 1, period_per_width).0 == 0.0
+                i + 1 == i_next
+                    && j + 1 == j_next
+                    && costs(nodes, i_next as usize, 1, period_per_width).0 == 0.0
             };
             if goes_on {
                 continue;
             }
             let run = &self.path[start..p];
-            let fit: f32 = run
-                .iter()
-                .map(|&(i, j)| odds[i as usize * hues + usize::from(slits[usize::from(j)])])
-                .sum();
+            let fit: f32 =
+                run.iter().map(|&(i, j)| odds[i as usize * hues + usize::from(slits[usize::from(j)])]).sum();
             let accepted = run.len() >= MIN_RUN && fit >= least * run.len() as f32;
             for &(i, j) in run {
                 let hint = nodes[i as usize].hint;
@@ -250,7 +259,8 @@ fn costs(nodes: &[Node], i: usize, back: usize, period_per_width: f32) -> (f32, 
     let b = &nodes[i];
     let periods = (b.u - a.u) / (0.5 * (a.width + b.width) * period_per_width);
     let brighter = |times: f32| a.light > times * b.light || b.light > times * a.light;
-    let lit = BREAK * (f32::from(u8::from(brighter(BRIGHTER))) + f32::from(u8::from(brighter(2.0 * BRIGHTER))));
+    let lit =
+        BREAK * (f32::from(u8::from(brighter(BRIGHTER))) + f32::from(u8::from(brighter(2.0 * BRIGHTER))));
     let spaced = |fits: bool| if fits { lit } else { BREAK };
     (spaced(periods < FAR), spaced((NEAR_TWO..NEAR_TWO + 1.0).contains(&periods)))
 }

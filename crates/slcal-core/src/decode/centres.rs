@@ -62,7 +62,8 @@ struct Scales {
 impl Neighbourhood {
     fn at(curves: &Curves, votes: &[Vote], line: std::ops::Range<usize>, i: usize) -> Self {
         let label = votes[i].label;
-        let before = (i > line.start && label > 0 && votes[i - 1].label == label - 1).then(|| curves.crossings[i - 1]);
+        let before =
+            (i > line.start && label > 0 && votes[i - 1].label == label - 1).then(|| curves.crossings[i - 1]);
         let after = (i + 1 < line.end && label + 1 == votes[i + 1].label).then(|| curves.crossings[i + 1]);
         Self { own: curves.crossings[i], label: usize::from(label), before, after }
     }

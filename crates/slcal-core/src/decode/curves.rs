@@ -111,7 +111,8 @@ impl Curves {
             }
             // Mutual: nobody else above points closer to j.
             let own = miss(i, j);
-            let rival = (i > above.start && miss(i - 1, j) < own) || (i + 1 < above.end && miss(i + 1, j) < own);
+            let rival =
+                (i > above.start && miss(i - 1, j) < own) || (i + 1 < above.end && miss(i + 1, j) < own);
             if rival || self.has_previous[j] || !self.alike(i, j, own) {
                 continue;
             }

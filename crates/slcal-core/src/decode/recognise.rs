@@ -57,7 +57,11 @@ impl Candidates {
     pub(super) fn new(pattern: &StripePattern) -> Result<Self> {
         let n = pattern.palette.len();
         if n < 2 {
-            return Err(Error::invalid("palette", "at least two colours: slits of one cannot be told apart", n));
+            return Err(Error::invalid(
+                "palette",
+                "at least two colours: slits of one cannot be told apart",
+                n,
+            ));
         }
         let backwards = |s: &[u8]| s.iter().rev().copied().collect::<Vec<u8>>();
         let turned = |shift: usize| -> Vec<u8> {

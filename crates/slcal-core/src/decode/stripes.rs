@@ -61,7 +61,12 @@ pub(super) struct Scratch {
 }
 
 /// The hills of a line, smoothed as asked.
-pub(super) fn hills_of<'s>(light: &[f32], smoothing: usize, noise: &Noise, scratch: &'s mut Scratch) -> &'s [Hill] {
+pub(super) fn hills_of<'s>(
+    light: &[f32],
+    smoothing: usize,
+    noise: &Noise,
+    scratch: &'s mut Scratch,
+) -> &'s [Hill] {
     if smoothing > 0 {
         hills::smooth(light, smoothing, &mut scratch.smooth);
         let share = ((2 * smoothing + 1) as f32).sqrt().recip();

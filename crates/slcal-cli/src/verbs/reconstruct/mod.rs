@@ -116,7 +116,7 @@ fn places(args: &ReconstructArgs) -> Outcome<Vec<Place>> {
         if args.json && place == Destination::Stdout {
             return Err(Failure::usage("--json and -o - both print to stdout; give one of them"));
         }
-        return Ok(vec![Place::New(place)]);
+        return Ok(vec![Place { name: place.name(), output: Some(place) }]);
     }
     let folder = Folder::of(args).ok_or_else(|| Failure::usage("expected -o FILE or --out-dir DIR"))?;
     if let Some(path) = &args.out_dir {
@@ -131,10 +131,7 @@ fn places(args: &ReconstructArgs) -> Outcome<Vec<Place>> {
 
 /// No output is written twice or replaces an input.
 fn check_places(args: &ReconstructArgs, places: &[Place], overlay: Option<&Destination>) -> Outcome {
-    let new = || {
-        let clouds = places.iter().filter_map(|p| if let Place::New(d) = p { Some(d) } else { None });
-        clouds.chain(overlay)
-    };
+    let new = || places.iter().filter_map(|p| p.output.as_ref()).chain(overlay);
     check_distinct(new())?;
     let photos = args.images.iter().map(PathBuf::as_path);
     check_spares(new(), photos.chain(args.input.files()).chain([args.rig.as_path()]))
@@ -185,11 +182,8 @@ impl Job<'_> {
         scanner: &mut Reconstructor,
         remarks: &mut Remarks,
     ) -> Outcome<FrameResult> {
-        let output = match &frame.place {
-            Ok(Place::New(output)) => output,
-            Ok(Place::Done(_)) => return Ok(FrameResult::Resumed { resumed: true }),
-            Err(failure) => return Err(failure.clone()),
-        };
+        let place = frame.place.as_ref().map_err(Failure::clone)?;
+        let Some(output) = &place.output else { return Ok(FrameResult::Resumed { resumed: true }) };
         let name = PathBuf::from(frame.name());
         let photo = if frame.raw.is_none() { Some(read_photo(&frame.image, remarks)?.0) } else { None };
         let input = match (&frame.raw, &photo) {

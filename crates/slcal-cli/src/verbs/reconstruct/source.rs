@@ -38,21 +38,11 @@ fn stream_name(number: usize) -> String {
 
 /// Where a cloud goes.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Place {
-    /// Still to be written.
-    New(Destination),
-    /// Written by an earlier run.
-    Done(PathBuf),
-}
-
-impl Place {
-    /// How it is called in messages.
-    pub(super) fn name(&self) -> String {
-        match self {
-            Self::New(destination) => destination.name(),
-            Self::Done(path) => path.display().to_string(),
-        }
-    }
+pub(super) struct Place {
+    /// The name, as it follows from the command line.
+    pub(super) name: String,
+    /// `None` when an earlier run has written it.
+    pub(super) output: Option<Destination>,
 }
 
 /// The rules by which clouds get their names in a folder.
@@ -82,10 +72,11 @@ impl Folder {
     fn place(&self, stem: &OsStr) -> Outcome<Place> {
         let file = self.file(stem);
         if self.resume && self.format.is_complete(&file) {
-            return Ok(Place::Done(file));
+            return Ok(Place { name: file.display().to_string(), output: None });
         }
         // What is incomplete is of no use to anybody who resumes.
-        Destination::prepare(&file, self.force || self.resume).map(Place::New)
+        let output = Destination::prepare(&file, self.force || self.resume)?;
+        Ok(Place { name: file.display().to_string(), output: Some(output) })
     }
 
     /// The places for photographs, which must have names of their own.

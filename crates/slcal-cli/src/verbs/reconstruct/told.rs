@@ -1,7 +1,7 @@
 //! What is said while frames are done, and at the end.
 
 use super::report::{ErrorReport, FrameResult, Report, print_reports};
-use super::source::{Frame, Place};
+use super::source::Frame;
 use crate::args::ReconstructArgs;
 use crate::exit::{Failure, Outcome};
 use crate::io::is_dash;
@@ -49,7 +49,7 @@ impl<'a> Told<'a> {
     /// The next frame, in order. The one photograph of `-o` that fails ends the run; with a folder it is told and passed over.
     pub(super) fn take(&mut self, done: Done) -> Outcome {
         let Done { frame, remarks, outcome } = done;
-        let output = frame.place.as_ref().ok().map(Place::name);
+        let output = frame.place.as_ref().ok().map(|p| p.name.clone());
         let heading = format!("{} -> {}", frame.name(), output.as_deref().unwrap_or_default());
         let result = match outcome {
             Err(failure) if self.args.output.is_some() => {
