@@ -1,9 +1,11 @@
 //! Triangles between points that are neighbours in the image, less those that span a jump of depth; a point that no
-//! triangle wants is an outlier.
+//! triangle wants, or that lies in an island of a few of them, is an outlier.
 
 use serde::{Deserialize, Serialize};
-use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
+use super::delaunay::Delaunay;
+use super::islands::Islands;
+use super::neighbourhood::Neighbourhood;
 use crate::cloud::{CloudPoint, PointCloud};
 use crate::error::{Error, Result};
 use crate::solve::median;
@@ -38,71 +40,103 @@ pub struct CullReport {
 const MAX_SLANT_RATIO: f64 = 3.0;
 /// Longest side of a triangle in the image over the median of all: it bridges a part without light.
 const MAX_LENGTH_RATIO: f64 = 2.5;
-/// Side of the cells that make up a neighbourhood, in median sides of triangles: some five stripes.
-const CELL_SIDES: f64 = 5.0;
-/// Islands of fewer points than this share of all (and than [`MIN_ISLAND`]) are chance matches.
-const MIN_ISLAND_SHARE: f64 = 1e-3;
-/// Three rows of three stripes make a surface.
-const MIN_ISLAND: usize = 9;
+/// The median length is that of about so many triangles, spread evenly.
+const SAMPLE: usize = 8192;
 
-struct Vertex {
-    at: Point2<f64>,
-    index: usize,
-}
-
-impl HasPosition for Vertex {
-    type Scalar = f64;
-    fn position(&self) -> Point2<f64> {
-        self.at
-    }
+/// What is looked at of a triangle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shape {
+    /// Area in space over the area in the image at the triangle's own distance; one over the cosine of the slant, up to a
+    /// factor that is the same for all.
+    pub(super) slant: f64,
+    /// In the image, px.
+    pub(super) longest_px: f64,
+    /// In the image, px.
+    pub(super) middle: nalgebra::Point2<f64>,
 }
 
 /// Triangulates the points in the image (Delaunay), removes triangles by `rule` and points without a triangle. The
 /// triangles that stay are the cloud's mesh, counter-clockwise as the camera sees them. With [`CullRule::Off`] all points
-/// and triangles stay.
+/// and triangles stay. See [`Culler`] for many clouds.
 ///
 /// # Errors
-/// [`Error::Invalid`] for an area that is not a positive number.
+/// As [`Culler::cull`].
 pub fn cull(cloud: &mut PointCloud, rule: CullRule) -> Result<CullReport> {
-    if let CullRule::MaxAreaMm2(a) = rule
-        && !(a.is_finite() && a > 0.0)
-    {
-        return Err(Error::invalid("largest area of a triangle", "a positive number of mm²", a));
-    }
-    let triangles = delaunay(&cloud.points)?;
-    let mut report = CullReport { triangles: triangles.len(), ..CullReport::default() };
-    let kept: Vec<[u32; 3]> = match rule {
-        CullRule::Off => {
-            cloud.triangles = triangles;
-            return Ok(report);
-        }
-        CullRule::MaxAreaMm2(most) => {
-            triangles.into_iter().filter(|t| area_mm2(&cloud.points, t) <= most).collect()
-        }
-        CullRule::Auto => smooth(cloud, triangles),
-    };
-    report.triangles_removed = report.triangles - kept.len();
-    report.outliers = compact(cloud, kept);
-    Ok(report)
+    Culler::default().cull(cloud, rule)
 }
 
-fn delaunay(points: &[CloudPoint]) -> Result<Vec<[u32; 3]>> {
-    let vertices = points
-        .iter()
-        .enumerate()
-        .filter(|(_, p)| {
-            p.pixel.x.is_finite() && p.pixel.y.is_finite() && p.position.iter().all(|x| x.is_finite())
-        })
-        .map(|(index, p)| Vertex { at: Point2::new(p.pixel.x, p.pixel.y), index })
-        .collect();
-    let net = DelaunayTriangulation::<Vertex>::bulk_load(vertices)
-        .map_err(|e| Error::invalid("pixels of the points", "finite coordinates", e))?;
-    // Spade's triangles are counter-clockwise with y up; the image's y points down.
-    let triangles = net.inner_faces().map(|f| {
-        let [a, b, c] = f.vertices().map(|v| v.data().index as u32);
-        [a, c, b]
-    });
-    Ok(triangles.collect())
+/// Culls one cloud after another and keeps its buffers.
+#[derive(Debug, Clone, Default)]
+pub struct Culler {
+    net: Delaunay,
+    /// Of each triangle.
+    shapes: Vec<Shape>,
+    lengths: Vec<f64>,
+    neighbourhood: Neighbourhood,
+    islands: Islands,
+}
+
+impl Culler {
+    /// As the function [`cull`].
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for an area that is not a positive number.
+    pub fn cull(&mut self, cloud: &mut PointCloud, rule: CullRule) -> Result<CullReport> {
+        if let CullRule::MaxAreaMm2(a) = rule
+            && !(a.is_finite() && a > 0.0)
+        {
+            return Err(Error::invalid("largest area of a triangle", "a positive number of mm²", a));
+        }
+        self.delaunay(cloud);
+        let mut report = CullReport { triangles: cloud.triangles.len(), ..CullReport::default() };
+        let usual_px = self.shapes_of(cloud);
+        self.islands.before(cloud.points.len(), &cloud.triangles, self.net.hull());
+        match rule {
+            CullRule::Off => return Ok(report),
+            CullRule::MaxAreaMm2(most) => {
+                let points = &cloud.points;
+                cloud.triangles.retain(|t| area_mm2(points, t) <= most);
+            }
+            CullRule::Auto => self.keep_smooth(cloud, usual_px),
+        }
+        report.triangles_removed = report.triangles - cloud.triangles.len();
+        let least = if rule == CullRule::Auto { usual_px } else { 0.0 };
+        report.outliers = self.islands.keep_surfaces(cloud, least);
+        Ok(report)
+    }
+
+    /// All triangles between the points, as the cloud's.
+    fn delaunay(&mut self, cloud: &mut PointCloud) {
+        self.net.triangulate(cloud.points.iter().map(|p| {
+            let known = p.position.iter().all(|x| x.is_finite());
+            if known { [p.pixel.x, p.pixel.y] } else { [f64::NAN; 2] }
+        }));
+        cloud.triangles.clear();
+        // Anticlockwise with y up; the image's y points down.
+        cloud.triangles.extend(self.net.triangles().map(|[a, b, c]| [a, c, b]));
+    }
+
+    /// Measures every triangle; the median of their longest sides in the image.
+    fn shapes_of(&mut self, cloud: &PointCloud) -> f64 {
+        self.shapes.clear();
+        self.shapes.extend(cloud.triangles.iter().map(|t| shape(cloud, t)));
+        self.lengths.clear();
+        let step = self.shapes.len().div_ceil(SAMPLE).max(1);
+        self.lengths.extend(self.shapes.iter().step_by(step).map(|s| s.longest_px));
+        median(&mut self.lengths).unwrap_or(0.0)
+    }
+
+    /// Keeps the triangles that are about as slanted and as long as those around them.
+    fn keep_smooth(&mut self, cloud: &mut PointCloud, usual_px: f64) {
+        let longest = MAX_LENGTH_RATIO * usual_px;
+        self.neighbourhood.learn(&self.shapes, usual_px, longest);
+        let mut shapes = self.shapes.iter();
+        cloud.triangles.retain(|_| {
+            shapes.next().is_some_and(|s| {
+                s.longest_px <= longest && s.slant <= MAX_SLANT_RATIO * self.neighbourhood.usual_slant(s)
+            })
+        });
+    }
 }
 
 fn corners<'a>(points: &'a [CloudPoint], t: &[u32; 3]) -> [&'a CloudPoint; 3] {
@@ -114,105 +148,22 @@ fn area_mm2(points: &[CloudPoint], t: &[u32; 3]) -> f64 {
     0.5 * (b - a).cross(&(c - a)).norm()
 }
 
-/// Area in space over the area in the image at the triangle's own distance; one over the cosine of the slant, up to a
-/// factor that is the same for all.
-fn slant(cloud: &PointCloud, t: &[u32; 3]) -> f64 {
-    let [a, b, c] = corners(&cloud.points, t).map(|p| p.pixel);
-    let in_image = 0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)).abs();
-    let distance = |p: &CloudPoint| (p.position - cloud.camera_centre).norm();
-    let near = corners(&cloud.points, t).map(distance).into_iter().fold(f64::INFINITY, f64::min);
-    area_mm2(&cloud.points, t) / (in_image * near * near)
-}
-
-fn longest_px(points: &[CloudPoint], t: &[u32; 3]) -> f64 {
+/// Twice the area in the image, px².
+pub(super) fn doubled_area_px(points: &[CloudPoint], t: &[u32; 3]) -> f64 {
     let [a, b, c] = corners(points, t).map(|p| p.pixel);
-    (b - a).norm().max((c - b).norm()).max((a - c).norm())
+    ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)).abs()
 }
 
-/// The triangles that are about as slanted and as long as those around them.
-fn smooth(cloud: &PointCloud, triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-    let points = &cloud.points;
-    let mut lengths: Vec<f64> = triangles.iter().map(|t| longest_px(points, t)).collect();
-    let usual = median(&mut lengths).unwrap_or(0.0);
-    let cell = (CELL_SIDES * usual).max(1.0);
-    let key = |t: &[u32; 3]| {
-        let [a, b, c] = corners(points, t).map(|p| p.pixel.coords);
-        let m = (a + b + c) / (3.0 * cell);
-        (m.x.floor() as i64, m.y.floor() as i64)
-    };
-    let mut by_cell: std::collections::HashMap<(i64, i64), Vec<f64>> = std::collections::HashMap::new();
-    let mut all = Vec::with_capacity(triangles.len());
-    for t in &triangles {
-        let s = slant(cloud, t);
-        if s.is_finite() && longest_px(points, t) <= MAX_LENGTH_RATIO * usual {
-            by_cell.entry(key(t)).or_default().push(s);
-            all.push(s);
-        }
+fn shape(cloud: &PointCloud, t: &[u32; 3]) -> Shape {
+    let [a, b, c] = corners(&cloud.points, t).map(|p| p.pixel);
+    let distance2 = |p: &CloudPoint| (p.position - cloud.camera_centre).norm_squared();
+    let near2 = corners(&cloud.points, t).map(distance2).into_iter().fold(f64::INFINITY, f64::min);
+    let longest2 = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
+    Shape {
+        slant: 2.0 * area_mm2(&cloud.points, t) / (doubled_area_px(&cloud.points, t) * near2),
+        longest_px: longest2.sqrt(),
+        middle: nalgebra::Point2::from((a.coords + b.coords + c.coords) / 3.0),
     }
-    let least = quantile(&mut all, 0.1);
-    let local: std::collections::HashMap<_, f64> =
-        by_cell.into_iter().map(|(k, mut s)| (k, median(&mut s).unwrap_or(0.0))).collect();
-    triangles
-        .into_iter()
-        .filter(|t| {
-            // No neighbourhood is less slanted than a surface can be: a cell of a single odd triangle judges nothing.
-            let usual_slant = local.get(&key(t)).copied().unwrap_or(least).clamp(least, 4.0 * least);
-            longest_px(points, t) <= MAX_LENGTH_RATIO * usual
-                && slant(cloud, t) <= MAX_SLANT_RATIO * usual_slant
-        })
-        .collect()
-}
-
-/// Keeps the points of triangles in islands that are large enough, renumbers, and returns how many points went.
-fn compact(cloud: &mut PointCloud, triangles: Vec<[u32; 3]>) -> usize {
-    let n = cloud.points.len();
-    let mut parent: Vec<u32> = (0..n as u32).collect();
-    for t in &triangles {
-        let a = root(&mut parent, t[0]);
-        for &v in &t[1..] {
-            let b = root(&mut parent, v);
-            parent[b as usize] = a;
-        }
-    }
-    let mut sizes = vec![0_usize; n];
-    for i in 0..n as u32 {
-        sizes[root(&mut parent, i) as usize] += 1;
-    }
-    let least = MIN_ISLAND.max((MIN_ISLAND_SHARE * n as f64) as usize);
-    let mut number = vec![u32::MAX; n];
-    let mut kept = Vec::new();
-    for (i, p) in cloud.points.iter().enumerate() {
-        if sizes[root(&mut parent, i as u32) as usize] >= least {
-            number[i] = kept.len() as u32;
-            kept.push(*p);
-        }
-    }
-    let outliers = n - kept.len();
-    cloud.points = kept;
-    cloud.triangles = triangles
-        .into_iter()
-        .map(|t| t.map(|v| number[v as usize]))
-        .filter(|t| !t.contains(&u32::MAX))
-        .collect();
-    outliers
-}
-
-/// The representative of an island; halves the path on the way.
-fn root(parent: &mut [u32], mut i: u32) -> u32 {
-    while parent[i as usize] != i {
-        let up = parent[parent[i as usize] as usize];
-        parent[i as usize] = up;
-        i = up;
-    }
-    i
-}
-
-fn quantile(values: &mut [f64], q: f64) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let at = ((values.len() - 1) as f64 * q) as usize;
-    *values.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
 #[cfg(test)]

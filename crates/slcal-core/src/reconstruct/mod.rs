@@ -1,13 +1,16 @@
 //! Matches + [`Rig`] → [`PointCloud`]: triangulation, removal of outliers, mesh.
 
 mod cull;
+mod delaunay;
+mod islands;
 mod light;
+mod neighbourhood;
 mod sigma;
 mod triangulate;
 #[cfg(test)]
 mod triangulate_tests;
 
-pub use cull::{CullReport, CullRule, cull};
+pub use cull::{CullReport, CullRule, Culler, cull};
 pub use triangulate::{TriangulateConfig, TriangulateReport, Triangulator, triangulate};
 
 use nalgebra::Point3;
@@ -16,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::cloud::{Frame, PointCloud};
 use crate::decode::{DecodeConfig, DecodeInput, DecodeReport, decode_frames};
 use crate::error::{Error, Result};
+use crate::geometry::Pose;
 use crate::matches::Matches;
 use crate::pattern::StripePattern;
 use crate::photo::PhotoView;
@@ -61,6 +65,7 @@ pub struct Reconstructor {
     rig: Rig,
     pattern: StripePattern,
     config: ReconstructConfig,
+    stages: Stages,
     result: Reconstruction,
 }
 
@@ -92,7 +97,14 @@ impl Reconstructor {
         if config.frame == Frame::Plane {
             first_view(rig)?;
         }
-        Ok(Self { rig: rig.clone(), pattern: pattern.clone(), config, result: Reconstruction::default() })
+        let stages = Stages::new(rig, &config)?;
+        Ok(Self {
+            rig: rig.clone(),
+            pattern: pattern.clone(),
+            config,
+            stages,
+            result: Reconstruction::default(),
+        })
     }
 
     /// The cloud of one photograph. It is the reconstructor's own, valid until the next photograph; clone it to keep it.
@@ -118,7 +130,7 @@ impl Reconstructor {
             ));
         }
         let decoding = decode_frames(input, &self.pattern, &self.config.decode)?;
-        self.result = cloud_from_matches(&self.rig, &decoding.matches, &self.config)?;
+        self.stages.run(&decoding.matches, &mut self.result)?;
         check_possible(&self.result.triangulate, decoding.matches.items.len())?;
         self.result.decode = Some(decoding.report);
         Ok(&self.result)
@@ -149,29 +161,82 @@ pub fn cloud_from_matches(
     matches: &Matches,
     config: &ReconstructConfig,
 ) -> Result<Reconstruction> {
-    let (mut cloud, report) = triangulate(rig, matches, &config.triangulate)?;
-    let culled = cull(&mut cloud, config.cull)?;
-    if cloud.points.is_empty() {
-        return Err(Error::NotFound {
-            what: "surface",
-            seen: format!(
-                "of {} matches {} are points ({} without coordinates, {} grazing, {} behind the devices, {} lit from outside the panel), {} of them outliers",
-                matches.items.len(),
-                report.points,
-                report.invalid,
-                report.grazing,
-                report.behind,
-                report.outside_panel,
-                culled.outliers
-            ),
-            advice: "check that the rig, the pattern and the photograph belong together, and that nothing has moved since the calibration; a handful of points that make no surface stay with --cull off".into(),
-        });
+    let mut result = Reconstruction::default();
+    Stages::new(rig, config)?.run(matches, &mut result)?;
+    Ok(result)
+}
+
+/// What comes after decoding, with its buffers.
+#[derive(Debug, Clone)]
+struct Stages {
+    triangulator: Triangulator,
+    culler: Culler,
+    rule: CullRule,
+    mesh: bool,
+    /// The transform into the frame asked for, when that is not the camera's.
+    sheet_from_camera: Option<Pose>,
+}
+
+impl Stages {
+    fn new(rig: &Rig, config: &ReconstructConfig) -> Result<Self> {
+        let sheet_from_camera = match config.frame {
+            Frame::Camera => None,
+            Frame::Plane => Some(first_view(rig)?.camera_from_sheet.inverse()),
+        };
+        Ok(Self {
+            triangulator: Triangulator::new(rig, config.triangulate)?,
+            culler: Culler::default(),
+            rule: config.cull,
+            mesh: config.mesh,
+            sheet_from_camera,
+        })
     }
-    if !config.mesh {
-        cloud.triangles.clear();
+
+    /// Replaces the content of `result`.
+    fn run(&mut self, matches: &Matches, result: &mut Reconstruction) -> Result<()> {
+        result.decode = None;
+        result.cull = CullReport::default();
+        let cloud = &mut result.cloud;
+        result.triangulate = self.triangulator.triangulate(matches, cloud);
+        if self.mesh || self.rule != CullRule::Off {
+            result.cull = self.culler.cull(cloud, self.rule)?;
+        }
+        if cloud.points.is_empty() {
+            return Err(no_surface(matches.items.len(), &result.triangulate, &result.cull));
+        }
+        if !self.mesh {
+            cloud.triangles.clear();
+        }
+        if let Some(pose) = &self.sheet_from_camera {
+            turn(cloud, pose);
+            cloud.frame = Frame::Plane;
+        }
+        Ok(())
     }
-    let cloud = in_frame(cloud, rig, config.frame)?;
-    Ok(Reconstruction { cloud, decode: None, triangulate: report, cull: culled })
+}
+
+fn no_surface(matches: usize, report: &TriangulateReport, culled: &CullReport) -> Error {
+    Error::NotFound {
+        what: "surface",
+        seen: format!(
+            "of {matches} matches {} are points ({} without coordinates, {} grazing, {} behind the devices, {} lit from outside the panel), {} of them outliers",
+            report.points,
+            report.invalid,
+            report.grazing,
+            report.behind,
+            report.outside_panel,
+            culled.outliers
+        ),
+        advice: "check that the rig, the pattern and the photograph belong together, and that nothing has moved since the calibration; a handful of points that make no surface stay with --cull off".into(),
+    }
+}
+
+/// Positions and the camera's centre in other coordinates.
+fn turn(cloud: &mut PointCloud, pose: &Pose) {
+    for p in &mut cloud.points {
+        p.position = pose.transform(&p.position);
+    }
+    cloud.camera_centre = pose.transform(&cloud.camera_centre);
 }
 
 /// Refuses a cloud when many of its matches are impossible: what the rest says is chance, too.
@@ -209,11 +274,11 @@ pub fn in_frame(mut cloud: PointCloud, rig: &Rig, frame: Frame) -> Result<PointC
     }
     let camera_from_sheet = first_view(rig)?.camera_from_sheet;
     let to = if frame == Frame::Plane { camera_from_sheet.inverse() } else { camera_from_sheet };
-    for p in &mut cloud.points {
-        p.position = to.transform(&p.position);
+    turn(&mut cloud, &to);
+    if frame == Frame::Camera {
+        // Not what rounding makes of it.
+        cloud.camera_centre = Point3::origin();
     }
-    cloud.camera_centre =
-        if frame == Frame::Plane { to.transform(&Point3::origin()) } else { Point3::origin() };
     cloud.frame = frame;
     Ok(cloud)
 }
@@ -221,7 +286,7 @@ pub fn in_frame(mut cloud: PointCloud, rig: &Rig, frame: Frame) -> Result<PointC
 /// A camera and a projector some 220 mm to its left and above, both looking at a point a metre away.
 #[cfg(test)]
 pub(crate) fn test_rig() -> Rig {
-    use crate::geometry::{Camera, Distortion, Intrinsics, Pose};
+    use crate::geometry::{Camera, Distortion, Intrinsics};
     use crate::rig::{Device, StereoPose};
     use nalgebra::{Point2, Rotation3, Vector3};
     let device = |width, height, focal, pp| Device {

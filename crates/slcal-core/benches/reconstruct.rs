@@ -1,0 +1,102 @@
+//! Time of the stages between matches and cloud, for 40,000 points on one thread. Run with
+//! `cargo bench -p slcal-core --bench reconstruct`.
+
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use nalgebra::{DMatrix, Point2, Point3, Rotation3, Vector3};
+use slcal_core::geometry::{Camera, Distortion, Intrinsics, Pose};
+use slcal_core::reconstruct::{CullRule, Culler, TriangulateConfig, Triangulator};
+use slcal_core::{Covariance, Device, Match, Matches, PointCloud, Rig, StereoPose};
+
+fn rig(camera: Distortion, projector: Distortion) -> Rig {
+    let device = |width, height, focal, pp, distortion| Device {
+        model: Camera { width, height, intrinsics: Intrinsics::square(focal, pp), distortion },
+        sigma: None,
+    };
+    let names = ["focal_px", "cx_px", "cy_px"];
+    let lens = |device: &'static str| names.iter().map(move |n| format!("{device}.{n}"));
+    let pose = ["rx_rad", "ry_rad", "rz_rad", "tx_mm", "ty_mm", "tz_mm"];
+    let parameters: Vec<String> = lens("camera")
+        .chain(lens("projector"))
+        .chain(pose.iter().map(|n| format!("projector_from_camera.{n}")))
+        .collect();
+    Rig {
+        camera: device(1280, 960, 1536.0, Point2::new(639.5, 479.5), camera),
+        projector: Some(device(1024, 768, 1638.4, Point2::new(511.5, 383.5), projector)),
+        stereo: Some(StereoPose {
+            projector_from_camera: Pose {
+                rotation: Rotation3::from_euler_angles(0.08, -0.2, 0.0),
+                translation: Vector3::new(200.0, 80.0, 20.0),
+            },
+            sigma_t_mm: None,
+            sigma_r_rad: None,
+        }),
+        views: Vec::new(),
+        method: "bench".into(),
+        quality: None,
+        covariance: Some(Covariance { parameters, matrix: DMatrix::identity(12, 12) * 1e-4 }),
+    }
+}
+
+/// 625 lines across 64 stripes on a bent surface.
+fn matches(rig: &Rig) -> Matches {
+    let (projector, stereo) = (rig.projector.expect("a projector"), rig.stereo.expect("a pose"));
+    let mut items = Vec::new();
+    for line in 0..625 {
+        for slit in 0..64 {
+            let pixel = Point2::new(120.0 + 16.3 * f64::from(slit), 150.0 + f64::from(line));
+            let bearing = rig.camera.model.bearing(pixel).expect("within the lens");
+            let depth = 1000.0 + 60.0 * (pixel.x / 200.0).sin() + 0.05 * pixel.y;
+            let point = stereo.projector_from_camera.transform(&Point3::from(bearing * depth));
+            let lit = projector.model.project(&point).expect("in front");
+            items.push(Match {
+                camera: pixel,
+                projector_column: Some(lit.x),
+                projector_row: None,
+                slit: Some(slit as u16),
+                confidence: 1.0,
+                sigma_px: 0.05,
+                color: [128; 3],
+            });
+        }
+    }
+    Matches { items }
+}
+
+fn reconstruct(c: &mut Criterion) {
+    let mut group = c.benchmark_group("reconstruct");
+    let bent = Distortion { k1: -0.12, k2: 0.03, ..Distortion::NONE };
+    // The panel's margin is wide: what is timed is triangulation, not refusal.
+    let config = TriangulateConfig { panel_margin: 5.0, ..TriangulateConfig::default() };
+    let lenses =
+        [("plain", [Distortion::NONE; 2]), ("camera", [bent, Distortion::NONE]), ("both", [bent; 2])];
+    for (name, [camera, projector]) in lenses {
+        let rig = rig(camera, projector);
+        let matches = matches(&rig);
+        group.throughput(Throughput::Elements(matches.items.len() as u64));
+        for known in [true, false] {
+            let mut rig = rig.clone();
+            rig.covariance = rig.covariance.filter(|_| known);
+            let mut triangulator = Triangulator::new(&rig, config).expect("a rig");
+            let mut cloud = PointCloud::default();
+            let share = if known { "with the rig's share" } else { "noise alone" };
+            group.bench_function(format!("triangulate/{name}, {share}"), |b| {
+                b.iter(|| triangulator.triangulate(&matches, &mut cloud));
+            });
+        }
+    }
+    let rig = rig(Distortion::NONE, Distortion::NONE);
+    let mut cloud = PointCloud::default();
+    Triangulator::new(&rig, config).expect("a rig").triangulate(&matches(&rig), &mut cloud);
+    let mut culler = Culler::default();
+    group.bench_function("cull", |b| {
+        b.iter_batched_ref(
+            || cloud.clone(),
+            |cloud| culler.cull(cloud, CullRule::Auto).expect("a surface"),
+            BatchSize::LargeInput,
+        );
+    });
+    group.finish();
+}
+
+criterion_group!(benches, reconstruct);
+criterion_main!(benches);
