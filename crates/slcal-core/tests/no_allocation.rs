@@ -1,46 +1,56 @@
-//! After the first frames nothing is allocated.
+//! After the first frames of a video nothing is allocated, from the photograph to the mesh.
 
-use nalgebra::{Point2, Point3};
-use slcal_core::reconstruct::{CullRule, Culler};
-use slcal_core::{CloudPoint, PointCloud};
+use std::path::Path;
 
-/// How often memory is asked for in the meantime.
-fn allocations(work: impl FnOnce()) -> u64 {
-    allocation_counter::measure(work).count_total
+use image::RgbImage;
+use slcal_core::format::read_rig;
+use slcal_core::pattern::{StripeConfig, StripePattern};
+use slcal_core::photo::{Layout, PhotoView, Samples};
+use slcal_core::reconstruct::{ReconstructConfig, Reconstructor};
+use slcal_core::{Frame, Rig};
+
+/// One of the photographs of the demonstration.
+fn photo(name: &str) -> RgbImage {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../slcal-cli/demo").join(name);
+    image::open(path).unwrap().to_rgb8()
+}
+
+fn rig() -> Rig {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../slcal-cli/demo/truth_rig.json");
+    let mut rig = read_rig(&std::fs::read(path).unwrap()[..]).unwrap();
+    // With a share of the rig in every σ.
+    rig.covariance = Some(slcal_core::Covariance {
+        parameters: ["camera.focal_px", "projector.cy_px", "projector_from_camera.tx_mm"]
+            .map(String::from)
+            .to_vec(),
+        matrix: nalgebra::DMatrix::identity(3, 3),
+    });
+    rig
 }
 
 #[test]
-fn spade() {
-    let frame = |k: f64| {
-        let mut cloud = PointCloud::default();
-        for v in 0..500 {
-            for s in 0..60 {
-                let (v, s) = (f64::from(v), f64::from(s));
-                let u = 40.0
-                    + 16.0 * s
-                    + 3.0 * (v / 90.0 + s * 0.3 + k).sin()
-                    + 0.05 * (v * 7.7 + s * 13.3).sin();
-                let z = 1000.0 + 30.0 * (u / 150.0).sin() + if u > 500.0 { 200.0 } else { 0.0 };
-                cloud.points.push(CloudPoint {
-                    position: Point3::new((u - 500.0) * z / 1500.0, (v - 250.0) * z / 1500.0, z),
-                    pixel: Point2::new(u, v),
-                    color: [0; 3],
-                    sigma_mm: 0.1,
-                    noise_mm: 0.1,
-                    slit: 0,
-                    confidence: 1.0,
+fn a_reconstructor_allocates_nothing_once_it_has_seen_its_frames() {
+    let rig = rig();
+    let stripes = StripePattern::new([1024, 768], &StripeConfig::default()).unwrap();
+    let frames: Vec<RgbImage> = ["board.jpg", "head.jpg"].map(photo).to_vec();
+    for frame in [Frame::Camera, Frame::Plane] {
+        let config = ReconstructConfig { mesh: true, frame, ..ReconstructConfig::default() };
+        let mut scanner = Reconstructor::new(&rig, &stripes, config).unwrap();
+        for round in 0..4 {
+            for picture in &frames {
+                let (width, height) = (picture.width() as usize, picture.height() as usize);
+                let samples = Samples::U8(picture.as_raw());
+                let view = PhotoView::new(samples, width, height, 3 * width, Layout::Rgb).unwrap();
+                let mut points = 0;
+                let count = allocation_counter::measure(|| {
+                    points = scanner.reconstruct(view).map_or(0, |r| r.cloud.points.len());
                 });
+                assert!(points > 5000, "{points}");
+                println!("round {round}: {} allocations for {points} points", count.count_total);
+                if round > 1 {
+                    assert_eq!(count.count_total, 0);
+                }
             }
         }
-        cloud
-    };
-    let mut culler = Culler::default();
-    let mut all: Vec<PointCloud> = (0..8).map(|k| frame(f64::from(k))).collect();
-    for (i, cloud) in all.iter_mut().enumerate() {
-        cloud.triangles.reserve(100_000);
-        let t = std::time::Instant::now();
-        let mut report = None;
-        let n = allocations(|| report = Some(culler.cull(cloud, CullRule::Auto)));
-        println!("{i} {n} {:?} {report:?}", t.elapsed());
     }
 }

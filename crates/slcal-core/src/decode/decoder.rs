@@ -28,6 +28,8 @@ pub struct Decoder {
     config: DecodeConfig,
     candidates: Candidates,
     palette: Vec<[f32; 3]>,
+    /// Distance of neighbouring slits over their width.
+    period_in_widths: f32,
     tables: Tables,
     noise: Noise,
     look: LookScratch,
@@ -67,6 +69,7 @@ impl Decoder {
             config,
             candidates: Candidates::new(pattern)?,
             palette: pattern.palette.iter().map(|c| c.map(light)).collect(),
+            period_in_widths: (pattern.period_px() / pattern.width_px) as f32,
             tables: Tables::default(),
             noise: Noise::new(config.encoding),
             look: LookScratch::default(),
@@ -86,6 +89,11 @@ impl Decoder {
     #[must_use]
     pub fn last(&self) -> &Decoding {
         &self.out
+    }
+
+    /// Changes the last report for another one, whose memory the next one will use.
+    pub(crate) fn swap_report(&mut self, with: &mut super::DecodeReport) {
+        std::mem::swap(&mut self.out.report, with);
     }
 
     /// What the last successful call found, without a copy.
@@ -135,7 +143,7 @@ impl Decoder {
         self.scratch.extend(self.curves.crossings.iter().map(Crossing::width));
         let width = middle(&mut self.scratch).unwrap_or(look.half_period_px);
 
-        let ratio = (self.pattern.period_px() / self.pattern.width_px) as f32;
+        let ratio = self.period_in_widths;
         self.numbers.choose(&mut self.curves, width);
         self.numbers.learn_hues(&self.palette, &self.pattern.sequence);
         let (reversed, fit) = try_pattern(&mut self.numbers, &self.curves, &self.candidates, ratio)?;

@@ -17,7 +17,7 @@ use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::{Frame, PointCloud};
-use crate::decode::{DecodeConfig, DecodeInput, DecodeReport, decode_frames};
+use crate::decode::{DecodeConfig, DecodeInput, DecodeReport, Decoder};
 use crate::error::{Error, Result};
 use crate::geometry::Pose;
 use crate::matches::Matches;
@@ -59,12 +59,13 @@ pub struct Reconstruction {
     pub cull: CullReport,
 }
 
-/// Reconstructs one photograph after another with the same rig and pattern.
+/// Reconstructs one photograph after another with the same rig and pattern. After the first photographs nothing is
+/// allocated any more.
 #[derive(Debug, Clone)]
 pub struct Reconstructor {
-    rig: Rig,
-    pattern: StripePattern,
-    config: ReconstructConfig,
+    /// Width and height of its photographs, px.
+    camera: [u32; 2],
+    decoder: Decoder,
     stages: Stages,
     result: Reconstruction,
 }
@@ -76,9 +77,6 @@ impl Reconstructor {
     /// [`Error::Invalid`] for a rig without a projector, a pattern for another panel, the sheet's frame with a rig that
     /// has no views, or a configuration out of range.
     pub fn new(rig: &Rig, pattern: &StripePattern, config: ReconstructConfig) -> Result<Self> {
-        config.decode.validate()?;
-        config.triangulate.validate()?;
-        pattern.validate()?;
         let Some(projector) = rig.projector else {
             return Err(Error::invalid(
                 "rig",
@@ -94,17 +92,10 @@ impl Reconstructor {
                 format!("one for {}x{} px", pattern.projector[0], pattern.projector[1]),
             ));
         }
-        if config.frame == Frame::Plane {
-            first_view(rig)?;
-        }
         let stages = Stages::new(rig, &config)?;
-        Ok(Self {
-            rig: rig.clone(),
-            pattern: pattern.clone(),
-            config,
-            stages,
-            result: Reconstruction::default(),
-        })
+        let decoder = Decoder::new(pattern, config.decode)?;
+        let camera = [rig.camera.model.width, rig.camera.model.height];
+        Ok(Self { camera, decoder, stages, result: Reconstruction::default() })
     }
 
     /// The cloud of one photograph. It is the reconstructor's own, valid until the next photograph; clone it to keep it.
@@ -120,19 +111,19 @@ impl Reconstructor {
     /// # Errors
     /// As [`Reconstructor::reconstruct`].
     pub fn reconstruct_frames(&mut self, input: &DecodeInput<'_>) -> Result<&Reconstruction> {
-        let camera = &self.rig.camera.model;
+        let [width, height] = self.camera;
         let found = (input.photo.width(), input.photo.height());
-        if found != (camera.width as usize, camera.height as usize) {
+        if found != (width as usize, height as usize) {
             return Err(Error::invalid(
                 "photograph",
-                format!("the size of the rig's camera, {}x{} px", camera.width, camera.height),
+                format!("the size of the rig's camera, {width}x{height} px"),
                 format!("{}x{} px; take it with the same camera at the same setting", found.0, found.1),
             ));
         }
-        let decoding = decode_frames(input, &self.pattern, &self.config.decode)?;
+        let decoding = self.decoder.decode(input)?;
         self.stages.run(&decoding.matches, &mut self.result)?;
         check_possible(&self.result.triangulate, decoding.matches.items.len())?;
-        self.result.decode = Some(decoding.report);
+        self.decoder.swap_report(self.result.decode.get_or_insert_default());
         Ok(&self.result)
     }
 }
@@ -194,7 +185,6 @@ impl Stages {
 
     /// Replaces the content of `result`.
     fn run(&mut self, matches: &Matches, result: &mut Reconstruction) -> Result<()> {
-        result.decode = None;
         result.cull = CullReport::default();
         let cloud = &mut result.cloud;
         result.triangulate = self.triangulator.triangulate(matches, cloud);

@@ -1,0 +1,54 @@
+//! Threads change no bit of a result (the feature `rayon`; without it both runs are on one thread).
+
+use std::path::Path;
+
+use nalgebra::{DMatrix, Point2};
+use slcal_core::format::read_rig;
+use slcal_core::reconstruct::{TriangulateConfig, triangulate};
+use slcal_core::{Covariance, Match, Matches, Rig};
+
+/// The rig of the demonstration, with a bent lens and some covariance.
+fn rig() -> Rig {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../slcal-cli/demo/truth_rig.json");
+    let mut rig = read_rig(&std::fs::read(path).unwrap()[..]).unwrap();
+    rig.camera.model.distortion.k1 = -0.1;
+    rig.covariance = Some(Covariance {
+        parameters: ["camera.focal_px", "projector.cy_px", "projector_from_camera.tx_mm"]
+            .map(String::from)
+            .to_vec(),
+        matrix: DMatrix::identity(3, 3),
+    });
+    rig
+}
+
+#[test]
+fn points_are_the_same_on_any_number_of_threads() {
+    let rig = rig();
+    let items = (0..60_000_u32).map(|i| {
+        let (line, slit) = (i / 60, (i % 60) as u16);
+        let u = 100.0 + 17.0 * f64::from(slit) + 3.0 * (0.01 * f64::from(line) + f64::from(slit)).sin();
+        Match {
+            // Some are refused, so that parts give different numbers of points.
+            camera: Point2::new(if i % 17 == 0 { f64::NAN } else { u }, f64::from(line)),
+            projector_column: Some(8.0 + 16.0 * f64::from(slit)),
+            projector_row: None,
+            slit: Some(slit),
+            confidence: 1.0,
+            sigma_px: 0.05,
+            color: [0; 3],
+        }
+    });
+    let matches = Matches { items: items.collect() };
+    let config = TriangulateConfig { panel_margin: 5.0, ..TriangulateConfig::default() };
+    let one = triangulate(&rig, &matches, &config).unwrap();
+    let many = triangulate(&rig, &matches, &TriangulateConfig { parallel: true, ..config }).unwrap();
+    assert!(one.0.points.len() > 10_000 && one.1.rig_sigma_known, "{:?}", one.1);
+    assert_eq!(one.1, many.1);
+    for (p, q) in one.0.points.iter().zip(&many.0.points) {
+        let bits = |p: &slcal_core::CloudPoint| {
+            [p.position.x, p.position.y, p.position.z, p.sigma_mm, p.noise_mm].map(f64::to_bits)
+        };
+        assert_eq!(bits(p), bits(q));
+    }
+    assert_eq!(one, many);
+}
