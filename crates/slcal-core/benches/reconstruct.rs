@@ -37,20 +37,29 @@ fn rig(camera: Distortion, projector: Distortion) -> Rig {
     }
 }
 
-/// 625 lines across 64 stripes on a bent surface.
+/// 625 lines across 64 stripes on a surface a metre away, slanted and bent; every slit at its own column.
 fn matches(rig: &Rig) -> Matches {
     let (projector, stereo) = (rig.projector.expect("a projector"), rig.stereo.expect("a pose"));
+    let column = |pixel: Point2<f64>| {
+        let bearing = rig.camera.model.bearing(pixel).expect("within the lens");
+        let depth = 1000.0 + 60.0 * (pixel.x / 200.0).sin() + 0.05 * pixel.y;
+        let point = stereo.projector_from_camera.transform(&Point3::from(bearing * depth));
+        projector.model.project(&point).expect("in front").x
+    };
     let mut items = Vec::new();
     for line in 0..625 {
+        let v = 150.0 + f64::from(line);
+        let first = column(Point2::new(150.0, 460.0));
+        let mut u = 150.0;
         for slit in 0..64 {
-            let pixel = Point2::new(120.0 + 16.3 * f64::from(slit), 150.0 + f64::from(line));
-            let bearing = rig.camera.model.bearing(pixel).expect("within the lens");
-            let depth = 1000.0 + 60.0 * (pixel.x / 200.0).sin() + 0.05 * pixel.y;
-            let point = stereo.projector_from_camera.transform(&Point3::from(bearing * depth));
-            let lit = projector.model.project(&point).expect("in front");
+            let wanted = first + 13.0 * f64::from(slit);
+            for _ in 0..8 {
+                let here = column(Point2::new(u, v));
+                u -= (here - wanted) / (column(Point2::new(u + 0.5, v)) - column(Point2::new(u - 0.5, v)));
+            }
             items.push(Match {
-                camera: pixel,
-                projector_column: Some(lit.x),
+                camera: Point2::new(u, v),
+                projector_column: Some(wanted),
                 projector_row: None,
                 slit: Some(slit as u16),
                 confidence: 1.0,

@@ -12,7 +12,8 @@ use std::fs;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use slcal_core::format::{Pattern, read_pattern, read_rig};
+use slcal_core::format::{read_pattern, read_rig};
+use slcal_core::pattern::Pattern;
 use slcal_core::photo::{Layout, PhotoView, Samples};
 use slcal_core::reconstruct::{ReconstructConfig, Reconstructor};
 
