@@ -34,10 +34,10 @@ pub(crate) enum SimulateVerb {
                       slcal simulate scene --surface sphere --noise 3 --crosstalk 0.2 --out ball\n  \
                       slcal reconstruct --rig rig.json --pattern ball/pattern.json ball/photo.png -o cloud.ply\n  \
                       slcal triangulate --rig ball/rig.json ball/truth_matches.csv -o truth.ply\n\nThe folder then holds \
-                      photo.png, white.png and black.png (full and no light), pattern.png and pattern.json, rig.json (the\n\
+                      photo.png, white.png and black.png (full and no light), pattern.png and pattern.json, rig.json (the \
                       truth), truth_matches.csv (where the camera sees each slit or corner, without error), truth_cloud.ply (those \
-                      points),\nand for every pixel truth_column.pfm, truth_row.pfm (projector px, NaN where its light does not fall), \
-                      truth_depth.pfm (mm)\nand truth_surface.png (0 nothing, 1 the first surface, ...).")]
+                      points), and for every pixel truth_column.pfm, truth_row.pfm (projector px, NaN where its light does not fall), \
+                      truth_depth.pfm (mm) and truth_surface.png (0 nothing, 1 the first surface, ...).")]
     Scene(Box<SceneArgs>),
 }
 
