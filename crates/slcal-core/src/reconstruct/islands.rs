@@ -7,6 +7,10 @@ use crate::cloud::PointCloud;
 /// stripes over about one and a half of their distances. What is smaller is a chance match.
 const LEAST_AREA: f64 = 3.0;
 
+/// Below this area a strip two stripes wide is no surface: runs of wrong stripes are about as long as stripes are far apart
+/// or a few times that; a curve that is followed further has been confirmed by all of its lines.
+const LEAST_AREA_OF_STRIP: f64 = 12.0;
+
 /// Finds islands; keeps its buffers.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Islands {
@@ -36,7 +40,7 @@ impl Islands {
     /// is the usual side of a triangle in the image; where it is zero, every triangle is a surface.
     ///
     /// A strip that is two stripes wide has no point within it, triangles all round: two wrong stripes beside each other
-    /// agree by chance, or because one mistake shifted both; the third one confirms them.
+    /// agree by chance, or because one mistake shifted both; a third one confirms them, or the length of the strip.
     pub(super) fn keep_surfaces(&mut self, cloud: &mut PointCloud, usual_px: f64) -> usize {
         let n = cloud.points.len();
         self.join(n, &cloud.triangles);
@@ -52,13 +56,15 @@ impl Islands {
                 self.wide[root] |= self.missing[*v as usize] == 0;
             }
         }
-        let least = LEAST_AREA * usual_px * usual_px;
+        let square = usual_px * usual_px;
+        let (least, least_of_strip) = (LEAST_AREA * square, LEAST_AREA_OF_STRIP * square);
         self.number.clear();
         let mut next = 0_u32;
         for i in 0..n {
             let root = self.parent[i] as usize;
-            let stays =
-                self.area[root] > 0.0 && (usual_px == 0.0 || (self.area[root] >= least && self.wide[root]));
+            let stays = self.area[root] > 0.0
+                && (usual_px == 0.0
+                    || self.area[root] >= if self.wide[root] { least } else { least_of_strip });
             self.number.push(if stays { next } else { u32::MAX });
             next += u32::from(stays);
         }
