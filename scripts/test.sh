@@ -9,6 +9,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 echo "== Rust"
 cargo test --locked
+cargo test --locked -p slcal-core --features rayon --test threads
 
 echo "== Python"
 rm -rf target/wheels

@@ -223,6 +223,36 @@ mod tests {
         assert!(c.points.iter().all(|p| (p.position.z - 1000.0).abs() < 1e-9));
     }
 
+    /// Two wrong stripes beside each other, over three of their distances: no third one confirms them. At twice and half
+    /// the resolution the same share of the points goes.
+    #[test]
+    fn two_wrong_stripes_go_at_any_resolution() {
+        for scale in [1_u32, 2, 4] {
+            let (step, lines) = (6 * scale, 30 * scale);
+            let mut c = PointCloud::default();
+            for line in 0..lines {
+                for k in 0..30 {
+                    let wrong = (14..16).contains(&k) && (5 * scale..25 * scale).contains(&line);
+                    let z = if wrong { 1250.0 } else { 1000.0 };
+                    let (x, y) = (f64::from(k * step), f64::from(line));
+                    c.points.push(CloudPoint {
+                        position: Point3::new(x, y, 500.0 * f64::from(scale))
+                            * (z / 500.0 / f64::from(scale)),
+                        pixel: nalgebra::Point2::new(x, y),
+                        color: [0; 3],
+                        sigma_mm: 0.1,
+                        noise_mm: 0.1,
+                        slit: k as u16,
+                        confidence: 1.0,
+                    });
+                }
+            }
+            let report = cull(&mut c, CullRule::Auto).unwrap();
+            assert_eq!(report.outliers, 40 * scale as usize, "scale {scale}");
+            assert!(c.points.iter().all(|p| (p.position.z - 1000.0).abs() < 1e-9));
+        }
+    }
+
     #[test]
     fn what_is_culled_does_not_depend_on_the_frame() {
         let surface = |x: f64, y: f64| {
