@@ -19,8 +19,8 @@ const MISSED_SLIT: f32 = 2.5;
 /// One crossing between two slits that is none.
 const EXTRA: f32 = 1.0;
 /// Going on with the next slit where the surface seems to have changed: the crossings are more than `FAR` times as far
-/// apart as their widths suggest, or one is more than `BRIGHTER` times as bright as the other; more than twice as much
-/// says so twice.
+/// apart as their widths suggest, or one sends more than `BRIGHTER` times as much light as the other; more than twice as
+/// much says so twice.
 const BREAK: f32 = 2.5;
 const FAR: f32 = 1.7;
 const BRIGHTER: f32 = 2.0;
@@ -258,9 +258,11 @@ fn costs(nodes: &[Node], i: usize, back: usize, period_per_width: f32) -> (f32, 
     let Some(a) = i.checked_sub(back).map(|i| &nodes[i]) else { return (0.0, 0.0) };
     let b = &nodes[i];
     let periods = (b.u - a.u) / (0.5 * (a.width + b.width) * period_per_width);
-    let brighter = |times: f32| a.light > times * b.light || b.light > times * a.light;
-    let lit =
-        BREAK * (f32::from(u8::from(brighter(BRIGHTER))) + f32::from(u8::from(brighter(2.0 * BRIGHTER))));
+    let ratio = |a: f32, b: f32| (a / b).max(b / a);
+    // Where a surface turns away from the projector, a slit's light is spread over more of it: then light times width
+    // changes less than light.
+    let change = ratio(a.light, b.light).min(ratio(a.light * a.width, b.light * b.width));
+    let lit = BREAK * (f32::from(u8::from(change > BRIGHTER)) + f32::from(u8::from(change > 2.0 * BRIGHTER)));
     let spaced = |fits: bool| if fits { lit } else { BREAK };
     (spaced(periods < FAR), spaced((NEAR_TWO..NEAR_TWO + 1.0).contains(&periods)))
 }

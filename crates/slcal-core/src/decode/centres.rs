@@ -17,6 +17,8 @@ const MAX_SCALE_RATIO: f32 = 1.8;
 const MIN_CUT_SHARE: f32 = 0.08;
 /// The same where only one side is there to tell.
 const MIN_CUT_SHARE_AT_END: f32 = 0.12;
+/// Stripes wider than expected are not cut; where light fades along them they may seem so, by this share and no more.
+const MAX_WIDE_SHARE: f32 = 0.15;
 /// Scatter of widths in units of which a cut must stand out.
 const CUT_SIGMAS: f32 = 4.0;
 /// Share of the change of scale from one side to the other by which the expected width is uncertain.
@@ -98,18 +100,43 @@ impl Neighbourhood {
     }
 }
 
+/// Which neighbours bear out the width of a stripe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Witness {
+    Both,
+    /// One side, and how much of what is tolerated it took, 0–1.
+    Side(usize, f32),
+}
+
 impl Scales {
-    /// The logarithm of the width over the expected one, how far it may be off for the change of scale about, and whether
-    /// both sides were there; `None` where nothing tells.
-    fn misfit(&self) -> Option<(f32, f32, bool)> {
-        match (self.gap, self.stripe) {
-            ([Some(a), Some(b)], _) => Some((self.own - 0.5 * (a + b), CURVED * 0.5 * (a - b).abs(), true)),
-            ([Some(gap), None], [Some(stripe), _]) | ([None, Some(gap)], [_, Some(stripe)]) => {
-                let change = gap - stripe;
-                Some((self.own - gap - change, CURVED * 2.0 * change.abs(), false))
-            }
-            _ => None,
+    /// The logarithm of the width over the expected one, and how far it may be off for the change of scale about, by
+    /// interpolation between the gaps.
+    fn between(&self) -> Option<(f32, f32)> {
+        let [a, b] = [self.gap[0]?, self.gap[1]?];
+        Some((self.own - 0.5 * (a + b), CURVED * 0.5 * (a - b).abs()))
+    }
+
+    /// The same by extrapolation from the gap and the stripe on one side.
+    fn beyond(&self, side: usize) -> Option<(f32, f32)> {
+        let (gap, stripe) = (self.gap[side]?, self.stripe[side]?);
+        let change = gap - stripe;
+        Some((self.own - gap - change, CURVED * 2.0 * change.abs()))
+    }
+
+    /// Who bears out that the stripe is whole; on a surface with a fold in the gap beside it, only the other side can.
+    fn witness(&self, scatter: f32) -> Option<Witness> {
+        // How much of what is tolerated a misfit takes.
+        let strain = |(misfit, slack): (f32, f32), least: f32| {
+            let narrow = least.max(CUT_SIGMAS * scatter) + slack;
+            if misfit < 0.0 { -misfit / narrow } else { misfit / (narrow + MAX_WIDE_SHARE) }
+        };
+        if self.between().is_some_and(|m| strain(m, MIN_CUT_SHARE) < 1.0) {
+            return Some(Witness::Both);
         }
+        let least = if self.gap.iter().all(Option::is_some) { MIN_CUT_SHARE } else { MIN_CUT_SHARE_AT_END };
+        let sides = (0..2).filter_map(|side| Some((side, strain(self.beyond(side)?, least))));
+        let best = sides.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, strain)| *strain < 1.0);
+        best.map(|(side, strain)| Witness::Side(side, strain))
     }
 }
 
@@ -157,23 +184,25 @@ pub(super) fn locate(
             }
         }
     };
-    each(&mut |_, _, scales| {
-        if let Some((misfit, _, true)) = scales.misfit() {
-            scratch.push(misfit.abs());
-        }
-    });
+    each(&mut |_, _, scales| scratch.extend(scales.between().map(|m| m.0.abs())));
     // The median of |x| of a normal variable.
     let scatter = middle(scratch).unwrap_or(0.0) / 0.6745;
     out.clear();
     out.resize(curves.crossings.len(), Centre { u: f32::NAN, sigma: 0.0, cut: false });
-    each(&mut |i, n, scales| {
+    each(&mut |i, mut n, scales| {
         // A stripe alone on its surface may be cut or not: nothing tells.
-        let cut = scales.misfit().is_none_or(|(misfit, slack, both)| {
-            let least = if both { MIN_CUT_SHARE } else { MIN_CUT_SHARE_AT_END };
-            misfit.abs() > least.max(CUT_SIGMAS * scatter) + slack
-        });
-        let (u, gain) = interpolate(&n, spacing);
-        out[i] = Centre { u: if cut { f32::NAN } else { u }, sigma: gain * n.own.edge_sigma, cut };
+        let witness = scales.witness(scatter);
+        let (u, gain) = match witness {
+            Some(Witness::Side(side, strain)) => {
+                *(if side == 0 { &mut n.after } else { &mut n.before }) = None;
+                at_end(&n, side, strain, spacing)
+            }
+            _ => interpolate(&n, spacing),
+        };
+        out[i] = match witness {
+            Some(_) => Centre { u, sigma: gain * n.own.edge_sigma, cut: false },
+            None => Centre { u: f32::NAN, sigma: 0.0, cut: true },
+        };
     });
 }
 
@@ -190,10 +219,34 @@ fn interpolate(n: &Neighbourhood, spacing: &Spacing<'_>) -> (f32, f32) {
         nodes[count] = (n.gap_px(1, spacing) - half, after.left);
         count += 1;
     }
-    let nodes = &nodes[..count];
+    polynomial_at_zero(&nodes[..count])
+}
+
+/// The centre of the last stripe of a surface: its outer edge may be an outline. The more its width strains what the
+/// inner edges let expect, the more these alone decide.
+fn at_end(n: &Neighbourhood, side: usize, strain: f32, spacing: &Spacing<'_>) -> (f32, f32) {
+    let (Some(other), sign) =
+        (if side == 0 { n.before } else { n.after }, if side == 0 { -1.0 } else { 1.0 })
+    else {
+        return interpolate(n, spacing);
+    };
+    let (half, gap) = (spacing.half_px, n.gap_px(side, spacing));
+    let (inner, outer) = if side == 0 { (n.own.left, n.own.right) } else { (n.own.right, n.own.left) };
+    let (near, far) = if side == 0 { (other.right, other.left) } else { (other.left, other.right) };
+    let nodes = [
+        (sign * half, inner),
+        (sign * (gap - half), near),
+        (sign * (gap + half), far),
+        (-sign * half, outer),
+    ];
+    let (with, without) = (polynomial_at_zero(&nodes), polynomial_at_zero(&nodes[..3]));
+    (with.0 + strain * (without.0 - with.0), with.1 + strain * (without.1 - with.1))
+}
+
+/// Lagrange's polynomial through (projector px, image px) at zero, and σ of it over σ of the image positions.
+fn polynomial_at_zero(nodes: &[(f32, f32)]) -> (f32, f32) {
     let (mut u, mut variance) = (0.0, 0.0);
     for (i, &(x, at)) in nodes.iter().enumerate() {
-        // Lagrange's weight at zero.
         let mut weight = 1.0;
         for (j, &(other, _)) in nodes.iter().enumerate() {
             if i != j {
@@ -204,11 +257,6 @@ fn interpolate(n: &Neighbourhood, spacing: &Spacing<'_>) -> (f32, f32) {
         variance += weight * weight;
     }
     (u, variance.sqrt())
-}
-
-fn middle(values: &mut [f32]) -> Option<f32> {
-    let at = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(at, f32::total_cmp).1)
 }
 
 /// The measured over the predicted scatter of centres along their curves.
@@ -225,4 +273,9 @@ pub(super) fn sigma_scale(curves: &Curves, centres: &[Centre], scratch: &mut Vec
     }
     // Median of |x| of a normal variable, and the variance of a second difference.
     middle(scratch).map_or(1.0, |m| (m / 0.6745 / 1.5_f32.sqrt()).clamp(0.1, 10.0))
+}
+
+fn middle(values: &mut [f32]) -> Option<f32> {
+    let at = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(at, f32::total_cmp).1)
 }

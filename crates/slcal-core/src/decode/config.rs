@@ -56,8 +56,8 @@ pub struct Dropped {
     pub ambiguous: usize,
     /// The neighbour on the line has the same number, with better reason.
     pub inconsistent: usize,
-    /// Narrower than what is about it lets expect, or fading out: an outline or a shadow cuts it, so that its slit's
-    /// centre cannot be told.
+    /// Of another width than what is about it lets expect: an outline or a shadow cuts it, so that its slit's centre cannot
+    /// be told.
     pub cut: usize,
     /// Confidence below the one asked for.
     pub unsure: usize,

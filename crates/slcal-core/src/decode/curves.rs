@@ -10,8 +10,6 @@ const MIN_COLOR_COSINE: f32 = 0.88;
 const MAX_RATIO: f32 = 2.0;
 /// Weight of the newest step in a curve's direction.
 const SLOPE_GAIN: f32 = 0.3;
-/// Blur reaches no further than this many stripe widths: with more, there would be no stripes.
-const FADE_WIDTHS: f32 = 1.0;
 
 const END: u32 = u32::MAX;
 
@@ -31,7 +29,6 @@ pub(super) struct Curves {
     /// Where each curve starts in `order`, and the end.
     starts: Vec<u32>,
     sums: Vec<[f64; 3]>,
-    lights: Vec<f32>,
 }
 
 pub(super) fn unit(c: [f32; 3]) -> Option<[f32; 3]> {
@@ -152,34 +149,6 @@ impl Curves {
                 let (a, b) = (at.saturating_sub(reach), (at + reach + 1).min(curve.len()));
                 let mean = std::array::from_fn(|k| (self.sums[b][k] - self.sums[a][k]) as f32);
                 out[i as usize] = unit(mean).unwrap_or([0.0; 3]);
-            }
-        }
-    }
-
-    /// Crossings at the ends of curves that lie beyond where the stripe has half its light: what blur makes of the border
-    /// of the light, or of the surface.
-    pub(super) fn fading(&mut self, fading: &mut Vec<bool>) {
-        fading.clear();
-        fading.resize(self.crossings.len(), false);
-        for w in self.starts.windows(2) {
-            let curve = &self.order[w[0] as usize..w[1] as usize];
-            let ends: [&mut dyn Iterator<Item = &u32>; 2] = [&mut curve.iter(), &mut curve.iter().rev()];
-            for (from, end) in ends.into_iter().zip([curve.first(), curve.last()]) {
-                let Some(&end) = end else { continue };
-                let blurred = (FADE_WIDTHS * self.crossings[end as usize].width()).ceil() as usize;
-                if curve.len() < 2 * blurred {
-                    continue;
-                }
-                let light = |i: u32| total(self.crossings[i as usize].color);
-                self.lights.clear();
-                let at = |k: usize, forward: bool| curve[if forward { k } else { curve.len() - 1 - k }];
-                let forward = curve.first() == Some(&end);
-                self.lights.extend((blurred..2 * blurred).map(|k| light(at(k, forward))));
-                let middle = self.lights.len() / 2;
-                let half = 0.5 * *self.lights.select_nth_unstable_by(middle, f32::total_cmp).1;
-                for &i in from.take(blurred).take_while(|&&i| light(i) < half) {
-                    fading[i as usize] = true;
-                }
             }
         }
     }

@@ -36,7 +36,6 @@ pub struct Decoder {
     bands: Vec<Band>,
     curves: Curves,
     numbers: Numbers,
-    fading: Vec<bool>,
     centres: Vec<Centre>,
     gaps_px: Vec<f32>,
     scratch: Vec<f32>,
@@ -76,7 +75,6 @@ impl Decoder {
             bands: vec![Band::default(); BANDS],
             curves: Curves::default(),
             numbers: Numbers::default(),
-            fading: Vec::new(),
             centres: Vec::new(),
             gaps_px: Vec::new(),
             scratch: Vec::new(),
@@ -158,7 +156,6 @@ impl Decoder {
         let spacing = Spacing { half_px, ..spacing };
         centres::locate(&self.curves, votes, &spacing, &mut self.scratch, &mut self.centres);
         let sigma_scale = centres::sigma_scale(&self.curves, &self.centres, &mut self.scratch);
-        self.curves.fading(&mut self.fading);
 
         let n = self.curves.crossings.len();
         let hues = &self.numbers.hues;
@@ -236,7 +233,7 @@ impl Decoder {
                     report.dropped.inconsistent += 1;
                     continue;
                 }
-                if self.fading[i] || centre.cut || !centre.u.is_finite() {
+                if centre.cut || !centre.u.is_finite() {
                     report.dropped.cut += 1;
                     continue;
                 }
