@@ -52,21 +52,24 @@ pub(super) struct Node {
     pub(super) hint: (u16, f32),
 }
 
-/// How a path came to a cell.
-const JUMPED: u8 = 0;
-const NEXT: u8 = 1;
-const MISSED: u8 = 2;
-const SKIPPED: u8 = 3;
+/// How a path came to a cell; as wide as a score, so that both are written side by side.
+const JUMPED: u32 = 0;
+const NEXT: u32 = 1;
+const MISSED: u32 = 2;
+const SKIPPED: u32 = 3;
 
 /// Aligns lines with the pattern; keeps its tables.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Aligner {
     score: Vec<f32>,
-    how: Vec<u8>,
+    how: Vec<u32>,
     gain: Vec<f32>,
     /// The best score among the crossings before, at a slit before each; and of the present row.
     best: Vec<f32>,
-    running: Vec<f32>,
+    running: [Vec<f32>; 2],
+    /// The best score of each row, and among all rows before it.
+    row_top: Vec<f32>,
+    top_before: Vec<f32>,
     path: Vec<(u32, u16)>,
 }
 
@@ -101,6 +104,8 @@ impl Aligner {
         self.gain.resize(k, 0.0);
         self.best.clear();
         self.best.resize(k, 0.0);
+        self.row_top.clear();
+        self.top_before.clear();
         let mut top = 0.0_f32;
         for i in 0..n {
             let (step, missed) = costs(nodes, i, 1, period_per_width);
@@ -127,11 +132,14 @@ impl Aligner {
                 current,
                 &mut self.how[i * k..(i + 1) * k],
             );
-            running_maximum(current, &mut self.running);
-            for (best, &r) in self.best.iter_mut().skip(1).zip(&self.running) {
+            let running = running_maximum(current, &mut self.running);
+            for (best, &r) in self.best.iter_mut().skip(1).zip(running) {
                 *best = best.max(r);
             }
-            top = top.max(self.running.last().copied().unwrap_or(0.0));
+            let row_top = running.last().copied().unwrap_or(0.0);
+            self.top_before.push(top);
+            self.row_top.push(row_top);
+            top = top.max(row_top);
         }
         top
     }
@@ -139,30 +147,41 @@ impl Aligner {
     /// Follows the best path back from the end, whose score is `top`.
     fn trace(&mut self, top: f32, n: usize, k: usize) {
         self.path.clear();
-        let row = k + PAD;
-        let score = |i: usize, j: usize| self.score[(i + 2) * row + PAD + j];
-        // The cell with a score, before crossing `n` and slit `k`: jumps are few, so that they are not noted down.
-        let cell = |wanted: f32, n: usize, k: usize| {
-            (0..n).rev().find_map(|i| (0..k).find(|&j| score(i, j) >= wanted).map(|j| (i, j)))
-        };
-        let mut at = cell(top, n, k);
-        while let Some((i, j)) = at {
+        let mut at = self.best_cell(n, k).filter(|c| c.0 >= top);
+        while let Some((_, i, j)) = at {
             self.path.push((i as u32, j as u16));
-            let how = self.how[i * k + j];
-            at = match how {
-                NEXT => Some((i - 1, j - 1)),
-                MISSED => Some((i - 1, j - 2)),
-                SKIPPED => Some((i - 2, j - 1)),
+            let step = |i: usize, j: usize| Some((0.0, i, j));
+            at = match self.how[i * k + j] {
+                NEXT => step(i - 1, j - 1),
+                MISSED => step(i - 1, j - 2),
+                SKIPPED => step(i - 2, j - 1),
                 _ => {
-                    let most =
-                        |k: usize| (0..i).flat_map(|i| (0..k).map(move |j| score(i, j))).fold(0.0, f32::max);
-                    let (ahead, anywhere) = (most(j), most(k));
-                    let (wanted, k) =
-                        if ahead - JUMP >= anywhere - JUMP_BACK { (ahead, j) } else { (anywhere, k) };
-                    if wanted > 0.0 { cell(wanted, i, k) } else { None }
+                    let ahead = self.best_cell(i, j);
+                    let score = ahead.map_or(0.0, |c| c.0.max(0.0));
+                    let back = self.top_before[i] - JUMP_BACK > score - JUMP;
+                    if back { self.best_cell(i, k) } else { ahead }.filter(|c| c.0 > 0.0)
                 }
             };
         }
+    }
+
+    /// The best cell among the first `n` crossings and `k` slits, with its score: looked for instead of noted down, since
+    /// jumps are few.
+    fn best_cell(&self, n: usize, k: usize) -> Option<(f32, usize, usize)> {
+        let row = self.best.len() + PAD;
+        let mut best: Option<(f32, usize, usize)> = None;
+        for i in (0..n).rev() {
+            if best.is_some_and(|b| b.0 >= self.row_top[i]) {
+                continue;
+            }
+            let scores = &self.score[(i + 2) * row + PAD..][..k];
+            for (j, &s) in scores.iter().enumerate() {
+                if best.is_none_or(|b| s > b.0) {
+                    best = Some((s, i, j));
+                }
+            }
+        }
+        best
     }
 
     /// Labels the runs of neighbouring crossings on neighbouring slits, without a change of surface within, that are long
@@ -219,7 +238,7 @@ fn advance(
     best_before: &[f32],
     gain: &[f32],
     score: &mut [f32],
-    how: &mut [u8],
+    how: &mut [u32],
 ) {
     let k = gain.len();
     let (last, second) = rows;
@@ -238,19 +257,23 @@ fn advance(
     }
 }
 
-/// The largest value up to each place, by doubling steps.
-fn running_maximum(values: &[f32], out: &mut Vec<f32>) {
-    out.clear();
-    out.extend_from_slice(values);
+/// The largest value up to each place, by doubling steps from one buffer to the other.
+fn running_maximum<'b>(values: &[f32], buffers: &'b mut [Vec<f32>; 2]) -> &'b [f32] {
+    let n = values.len();
+    let [from, to] = buffers;
+    from.clear();
+    from.extend_from_slice(values);
+    to.resize(n, 0.0);
     let mut reach = 1;
-    while reach < values.len() {
-        // From the far end, so that every place still sees the values of the step before.
-        for chunk_end in (1..=out.len() - reach).rev() {
-            let j = chunk_end - 1;
-            out[j + reach] = out[j + reach].max(out[j]);
+    while reach < n {
+        to[..reach].copy_from_slice(&from[..reach]);
+        for ((o, a), b) in to[reach..].iter_mut().zip(&from[reach..]).zip(&from[..n - reach]) {
+            *o = a.max(*b);
         }
+        std::mem::swap(from, to);
         reach *= 2;
     }
+    &from[..n]
 }
 
 /// What it costs to go on from the crossing `back` before `i` with the next slit, and with the one after that.

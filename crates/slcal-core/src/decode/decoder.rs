@@ -144,8 +144,8 @@ impl Decoder {
         let ratio = self.period_in_widths;
         self.numbers.choose(&mut self.curves, width);
         self.numbers.learn_hues(&self.palette, &self.pattern.sequence);
-        let (reversed, fit) = try_pattern(&mut self.numbers, &self.curves, &self.candidates, ratio)?;
-        let slits = if reversed { &self.candidates.back } else { &self.candidates.ahead };
+        let (reversed, fit) = try_pattern(&mut self.numbers, &self.curves, &mut self.candidates, ratio)?;
+        let slits = self.candidates.slits(reversed);
         self.numbers.number(&self.curves, Code { slits, period_per_width: ratio });
 
         self.space_slits(reversed);

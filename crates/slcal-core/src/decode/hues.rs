@@ -16,10 +16,10 @@ const MIN_MEMBERS: f32 = 20.0;
 /// only some hues are seen.
 const BALANCE_ROUNDS: usize = 5;
 const MAX_BALANCE: f32 = 3.0;
-/// Rounds in which the brightness of hues is compared between neighbours; and neighbours that differ by more than this
-/// factor, what is known taken off, lie on different surfaces.
+/// Rounds in which the brightness of hues is compared between neighbours; and neighbours whose light differs by
+/// more than a factor of 2.5 (in logarithms), what is known taken off, lie on different surfaces.
 const BRIGHTNESS_ROUNDS: usize = 6;
-const SAME_SURFACE: f32 = 2.5;
+const SAME_SURFACE_LN: f32 = 0.92;
 
 /// No hue.
 pub(super) const NO_HUE: u8 = u8::MAX;
@@ -31,8 +31,9 @@ pub(super) struct Sample {
     pub(super) unit: [f32; 3],
     /// 1σ of the direction by noise, rad.
     pub(super) sigma: f32,
-    /// Light.
+    /// Light, and its logarithm.
     pub(super) light: f32,
+    pub(super) log_light: f32,
 }
 
 /// Directions in linear RGB of the hues as this camera sees them: projector and camera primaries, crosstalk and white
@@ -123,6 +124,9 @@ impl Hues {
     /// Compares neighbours: hues are spread unevenly over surfaces that are near and far, so that no average over the
     /// photograph would do.
     fn learn_brightness(&mut self, samples: &[Sample]) {
+        for b in &mut self.brightness {
+            *b = b.ln();
+        }
         for _ in 0..BRIGHTNESS_ROUNDS {
             // The weight counts pairs; the first entry sums what they say beyond what is known.
             self.sums.clear();
@@ -130,9 +134,8 @@ impl Hues {
             for (w, hue) in samples.windows(2).zip(self.assigned.windows(2)) {
                 let [a, b] = [usize::from(hue[0]), usize::from(hue[1])];
                 let (Some(&x), Some(&y)) = (self.brightness.get(a), self.brightness.get(b)) else { continue };
-                let ratio = w[0].light * y / (w[1].light * x);
-                if a != b && ratio < SAME_SURFACE && ratio * SAME_SURFACE > 1.0 {
-                    let e = ratio.ln();
+                let e = w[0].log_light - x - (w[1].log_light - y);
+                if a != b && e.abs() < SAME_SURFACE_LN {
                     for (h, e) in [(a, e), (b, -e)] {
                         self.sums[h].weight += 1.0;
                         self.sums[h].direction[0] += e;
@@ -141,8 +144,11 @@ impl Hues {
             }
             for (b, s) in self.brightness.iter_mut().zip(&self.sums) {
                 // Half of it, for the other hue moves as well.
-                *b *= (0.5 * s.direction[0] / s.weight.max(1.0)).exp();
+                *b += 0.5 * s.direction[0] / s.weight.max(1.0);
             }
+        }
+        for b in &mut self.brightness {
+            *b = b.exp();
         }
         let mean = self.brightness.iter().sum::<f32>() / self.brightness.len().max(1) as f32;
         for b in &mut self.brightness {

@@ -90,7 +90,13 @@ impl Numbers {
         self.seen.clear();
         self.seen.extend(self.chosen.iter().map(|&i| {
             let c = &curves.crossings[i as usize];
-            Sample { unit: self.smooth[i as usize], sigma: c.color_sigma, light: total(c.color) }
+            let light = total(c.color);
+            Sample {
+                unit: self.smooth[i as usize],
+                sigma: c.color_sigma,
+                light,
+                log_light: light.max(1e-9).ln(),
+            }
         }));
         self.samples.clone_from(&self.seen);
         self.votes.clear();
@@ -105,24 +111,38 @@ impl Numbers {
         self.hues.learn(&self.samples, None);
     }
 
-    /// How well a code fits on about `lines` of the lines: the score, nats, and the number of crossings on them.
-    pub(super) fn score(&mut self, curves: &Curves, code: Code<'_>, lines: usize) -> (f32, usize) {
+    /// How well each code fits on about `lines` of the lines, into `scores`, nats; and the number of crossings on them.
+    pub(super) fn score(
+        &mut self,
+        curves: &Curves,
+        codes: &[Vec<u8>],
+        period_per_width: f32,
+        lines: usize,
+        scores: &mut Vec<f32>,
+    ) -> usize {
         let all = self.starts.len() - 1;
-        let (mut score, mut tried) = (0.0, 0);
+        let mut tried = 0;
+        scores.clear();
+        scores.resize(codes.len(), 0.0);
         for k in 0..lines.min(all) {
             let line = (2 * k + 1) * all / (2 * lines.min(all));
             let range = self.starts[line] as usize..self.starts[line + 1] as usize;
             tried += range.len();
-            score += self.align(curves, code, range);
+            self.prepare(curves, range.clone());
+            for (slits, score) in codes.iter().zip(scores.iter_mut()) {
+                *score += self.align(Code { slits, period_per_width }, range.clone());
+            }
         }
-        (score, tried)
+        tried
     }
 
     /// Numbers all crossings.
     pub(super) fn number(&mut self, curves: &Curves, code: Code<'_>) {
         for pass in 0..=LEARNING_PASSES {
             for line in 0..self.starts.len() - 1 {
-                self.align(curves, code, self.starts[line] as usize..self.starts[line + 1] as usize);
+                let range = self.starts[line] as usize..self.starts[line + 1] as usize;
+                self.prepare(curves, range.clone());
+                self.align(code, range);
             }
             self.vote(curves);
             if pass < LEARNING_PASSES {
@@ -131,7 +151,8 @@ impl Numbers {
         }
     }
 
-    fn align(&mut self, curves: &Curves, code: Code<'_>, range: std::ops::Range<usize>) -> f32 {
+    /// What alignment looks at on a line.
+    fn prepare(&mut self, curves: &Curves, range: std::ops::Range<usize>) {
         let hues = self.hues.directions.len();
         self.odds.clear();
         self.odds.resize(range.len() * hues, 0.0);
@@ -151,6 +172,9 @@ impl Numbers {
                 hint: (vote.label, vote.support),
             });
         }
+    }
+
+    fn align(&mut self, code: Code<'_>, range: std::ops::Range<usize>) -> f32 {
         let labels = &mut self.labels[range];
         self.aligner.align(code.slits, code.period_per_width, &self.nodes, &self.odds, labels)
     }

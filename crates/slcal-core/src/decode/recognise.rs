@@ -1,12 +1,12 @@
 //! Whether the photograph shows this pattern: in colour, with its code and no other's.
 
 use super::curves::Curves;
-use super::number::{Code, Numbers};
+use super::number::Numbers;
 use crate::error::{Error, Result};
 use crate::pattern::StripePattern;
 
 /// Lines on which the pattern and its decoys are tried.
-const LINES: usize = 32;
+const LINES: usize = 24;
 /// Difference between the strongest and the weakest channel, as a share of the strongest, below which a photograph is
 /// grey.
 const MIN_SATURATION: f32 = 0.15;
@@ -46,9 +46,9 @@ pub(super) fn check_color(curves: &Curves, scratch: &mut Vec<f32>) -> Result<()>
 /// good a code, but another one.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Candidates {
-    pub(super) ahead: Vec<u8>,
-    pub(super) back: Vec<u8>,
-    decoys: Vec<Vec<u8>>,
+    /// Forwards, backwards, then the decoys.
+    codes: Vec<Vec<u8>>,
+    scores: Vec<f32>,
 }
 
 impl Candidates {
@@ -63,12 +63,19 @@ impl Candidates {
                 n,
             ));
         }
-        let backwards = |s: &[u8]| s.iter().rev().copied().collect::<Vec<u8>>();
         let turned = |shift: usize| -> Vec<u8> {
             pattern.sequence.iter().map(|&s| ((usize::from(s) + shift) % n) as u8).collect()
         };
-        let decoys = (1..n).flat_map(|shift| [turned(shift), backwards(&turned(shift))]).collect();
-        Ok(Self { ahead: pattern.sequence.clone(), back: backwards(&pattern.sequence), decoys })
+        let both_ways = |ahead: Vec<u8>| {
+            let back = ahead.iter().rev().copied().collect();
+            [ahead, back]
+        };
+        Ok(Self { codes: (0..n).flat_map(|shift| both_ways(turned(shift))).collect(), scores: Vec::new() })
+    }
+
+    /// The hues in the order in which lines meet the slits.
+    pub(super) fn slits(&self, reversed: bool) -> &[u8] {
+        self.codes.get(usize::from(reversed)).map_or(&[], Vec::as_slice)
     }
 }
 
@@ -76,18 +83,15 @@ impl Candidates {
 pub(super) fn try_pattern(
     numbers: &mut Numbers,
     curves: &Curves,
-    candidates: &Candidates,
+    candidates: &mut Candidates,
     period_per_width: f32,
 ) -> Result<(bool, f64)> {
-    let mut tried = 0;
-    let mut score = |slits: &[u8]| {
-        let (score, crossings) = numbers.score(curves, Code { slits, period_per_width }, LINES);
-        tried = crossings;
-        score
-    };
-    let (ahead, back) = (score(&candidates.ahead), score(&candidates.back));
+    let Candidates { codes, scores } = candidates;
+    let tried = numbers.score(curves, codes, period_per_width, LINES, scores);
+    let score = |k: usize| scores.get(k).copied().unwrap_or(0.0);
+    let (ahead, back) = (score(0), score(1));
     let best = ahead.max(back);
-    let decoy = candidates.decoys.iter().map(|d| score(d)).fold(0.0, f32::max);
+    let decoy = scores.iter().skip(2).copied().fold(0.0, f32::max);
     let fit = best / tried.max(1) as f32;
     if fit < MIN_FIT || best < MIN_OVER_DECOY * decoy {
         return Err(Error::NotFound {
