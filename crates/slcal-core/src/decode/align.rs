@@ -28,8 +28,10 @@ const BRIGHTER: f32 = 2.0;
 const NEAR_TWO: f32 = 1.5;
 /// Fewer neighbouring crossings on neighbouring slits than this are no evidence: two colours occur in many places.
 const MIN_RUN: usize = 3;
-/// Share of the log-odds of perfect colours that a run must have: a run of three with one wrong colour fits elsewhere, too.
+/// Share of the log-odds of perfect colours that a run must have: a run of three with one wrong colour fits elsewhere, too;
+/// and one or two at the end of a run, behind a change of light.
 const MIN_RUN_ODDS: f32 = 0.55;
+const MIN_REST_ODDS: f32 = 0.9;
 /// What all votes for a slit along the curve of a crossing are worth, in nats.
 const VOTE_GAIN: f32 = 4.0;
 
@@ -108,8 +110,8 @@ impl Aligner {
         self.top_before.clear();
         let mut top = 0.0_f32;
         for i in 0..n {
-            let (step, missed) = costs(nodes, i, 1, period_per_width);
-            let (extra, _) = costs(nodes, i, 2, period_per_width);
+            let one = step(nodes, i, 1, period_per_width);
+            let extra = EXTRA + step(nodes, i, 2, period_per_width).next;
             let own = &odds[i * hues..(i + 1) * hues];
             for (g, &s) in self.gain.iter_mut().zip(slits) {
                 *g = MATCH_GAIN + own[usize::from(s)];
@@ -122,7 +124,7 @@ impl Aligner {
             let (before, current) = self.score.split_at_mut((i + 2) * row);
             let (second, last) = (&before[i * row..(i + 1) * row], &before[(i + 1) * row..]);
             let steps =
-                Steps { back: top - JUMP_BACK, step, missed: MISSED_SLIT + missed, extra: EXTRA + extra };
+                Steps { back: top - JUMP_BACK, step: one.next, missed: MISSED_SLIT + one.missed, extra };
             let current = &mut current[PAD..row];
             advance(
                 &steps,
@@ -134,7 +136,7 @@ impl Aligner {
             );
             let running = running_maximum(current, &mut self.running);
             for (best, &r) in self.best.iter_mut().skip(1).zip(running) {
-                *best = best.max(r);
+                *best = if r > *best { r } else { *best };
             }
             let row_top = running.last().copied().unwrap_or(0.0);
             self.top_before.push(top);
@@ -184,8 +186,9 @@ impl Aligner {
         best
     }
 
-    /// Labels the runs of neighbouring crossings on neighbouring slits, without a change of surface within, that are long
-    /// enough and whose colours fit; and what earlier rounds have agreed on.
+    /// Labels the runs of neighbouring crossings on neighbouring slits that are long enough and whose colours fit, and what
+    /// earlier rounds have agreed on. A run goes on across a moderate change of light, a shadow or a fold, but what stands
+    /// behind it must fit by itself: the next hues occur in other places, too.
     fn keep_runs(
         &self,
         slits: &[u8],
@@ -195,31 +198,39 @@ impl Aligner {
         labels: &mut [u16],
     ) {
         let hues = odds.len() / nodes.len().max(1);
-        let least = MIN_RUN_ODDS * (hues as f32).ln();
-        let mut start = 0;
-        for p in 1..=self.path.len() {
-            let goes_on = p < self.path.len() && {
-                let ((i, j), (i_next, j_next)) = (self.path[p], self.path[p - 1]);
-                i + 1 == i_next
-                    && j + 1 == j_next
-                    && costs(nodes, i_next as usize, 1, period_per_width).0 == 0.0
-            };
-            if goes_on {
-                continue;
-            }
-            let run = &self.path[start..p];
-            let fit: f32 =
-                run.iter().map(|&(i, j)| odds[i as usize * hues + usize::from(slits[usize::from(j)])]).sum();
-            let accepted = run.len() >= MIN_RUN && fit >= least * run.len() as f32;
-            for &(i, j) in run {
-                let hint = nodes[i as usize].hint;
-                if accepted || (hint.0 == j && hint.1 > 0.5) {
-                    labels[i as usize] = j;
+        let perfect = (hues as f32).ln();
+        let fits = |part: &[(u32, u16)], share: f32| {
+            let odds = |&(i, j): &(u32, u16)| odds[i as usize * hues + usize::from(slits[usize::from(j)])];
+            part.iter().map(odds).sum::<f32>() >= share * perfect * part.len() as f32
+        };
+        // The path runs backwards.
+        let link = |pair: &[(u32, u16)]| {
+            let [(i_next, j_next), (i, j)] = [pair[0], pair[1]];
+            let follows = i + 1 == i_next && j + 1 == j_next;
+            if follows { step(nodes, i_next as usize, 1, period_per_width).surface } else { Surface::Other }
+        };
+        for run in split(&self.path, |pair| link(pair) != Surface::Other) {
+            let long = run.len() >= MIN_RUN && fits(run, MIN_RUN_ODDS);
+            for part in split(run, |pair| link(pair) == Surface::Same) {
+                let share = if part.len() >= MIN_RUN { MIN_RUN_ODDS } else { MIN_REST_ODDS };
+                let accepted = long && fits(part, share);
+                for &(i, j) in part {
+                    let hint = nodes[i as usize].hint;
+                    if accepted || (hint.0 == j && hint.1 > 0.5) {
+                        labels[i as usize] = j;
+                    }
                 }
             }
-            start = p;
         }
     }
+}
+
+/// Cuts a path wherever two neighbours on it do not belong together.
+fn split<'p>(
+    path: &'p [(u32, u16)],
+    together: impl Fn(&[(u32, u16)]) -> bool,
+) -> impl Iterator<Item = &'p [(u32, u16)]> {
+    path.chunk_by(move |a, b| together(&[*a, *b]))
 }
 
 struct Steps {
@@ -245,7 +256,8 @@ fn advance(
     let (next, missed, skipped) = (&last[1..=k], &last[..k], &second[1..=k]);
     let (best_before, score, how) = (&best_before[..k], &mut score[..k], &mut how[..k]);
     for j in 0..k {
-        let (mut best, mut kind) = ((best_before[j] - JUMP).max(steps.back), JUMPED);
+        let ahead = best_before[j] - JUMP;
+        let (mut best, mut kind) = (if ahead > steps.back { ahead } else { steps.back }, JUMPED);
         let a = next[j] - steps.step;
         (best, kind) = if a > best { (a, NEXT) } else { (best, kind) };
         let b = missed[j] - steps.missed;
@@ -268,7 +280,7 @@ fn running_maximum<'b>(values: &[f32], buffers: &'b mut [Vec<f32>; 2]) -> &'b [f
     while reach < n {
         to[..reach].copy_from_slice(&from[..reach]);
         for ((o, a), b) in to[reach..].iter_mut().zip(&from[reach..]).zip(&from[..n - reach]) {
-            *o = a.max(*b);
+            *o = if a > b { *a } else { *b };
         }
         std::mem::swap(from, to);
         reach *= 2;
@@ -276,18 +288,50 @@ fn running_maximum<'b>(values: &[f32], buffers: &'b mut [Vec<f32>; 2]) -> &'b [f
     &from[..n]
 }
 
-/// What it costs to go on from the crossing `back` before `i` with the next slit, and with the one after that.
-fn costs(nodes: &[Node], i: usize, back: usize, period_per_width: f32) -> (f32, f32) {
-    let Some(a) = i.checked_sub(back).map(|i| &nodes[i]) else { return (0.0, 0.0) };
+/// What it costs to go on from one crossing to another.
+struct Step {
+    /// With the next slit.
+    next: f32,
+    /// With the one after that.
+    missed: f32,
+    /// What the light and the distance say of the surface in between.
+    surface: Surface,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Surface {
+    Same,
+    /// Lit otherwise: a shadow, a fold, another one.
+    Doubtful,
+    Other,
+}
+
+/// The step from the crossing `back` before `i`.
+fn step(nodes: &[Node], i: usize, back: usize, period_per_width: f32) -> Step {
+    let Some(a) = i.checked_sub(back).map(|i| &nodes[i]) else {
+        return Step { next: 0.0, missed: 0.0, surface: Surface::Same };
+    };
     let b = &nodes[i];
     let periods = (b.u - a.u) / (0.5 * (a.width + b.width) * period_per_width);
-    let ratio = |a: f32, b: f32| (a / b).max(b / a);
+    let ratio = |a: f32, b: f32| if a > b { a / b } else { b / a };
     // Where a surface turns away from the projector, a slit's light is spread over more of it: then light times width
     // changes less than light.
-    let change = ratio(a.light, b.light).min(ratio(a.light * a.width, b.light * b.width));
+    let (light, flux) = (ratio(a.light, b.light), ratio(a.light * a.width, b.light * b.width));
+    let change = if light < flux { light } else { flux };
     let lit = BREAK * (f32::from(u8::from(change > BRIGHTER)) + f32::from(u8::from(change > 2.0 * BRIGHTER)));
     let spaced = |fits: bool| if fits { lit } else { BREAK };
-    (spaced(periods < FAR), spaced((NEAR_TWO..NEAR_TWO + 1.0).contains(&periods)))
+    let surface = if periods > FAR || change > 2.0 * BRIGHTER {
+        Surface::Other
+    } else if change > BRIGHTER {
+        Surface::Doubtful
+    } else {
+        Surface::Same
+    };
+    Step {
+        next: spaced(periods < FAR),
+        missed: spaced((NEAR_TWO..NEAR_TWO + 1.0).contains(&periods)),
+        surface,
+    }
 }
 
 #[cfg(test)]
@@ -362,16 +406,15 @@ mod tests {
                 // A jump ahead is cheaper than one back; the first start counts as one ahead.
                 let mut from = score - if last.is_none_or(|(_, q)| q < j) { JUMP } else { JUMP_BACK };
                 if let Some((p, q)) = last {
-                    let (step, missed) = costs(nodes, i, 1, 2.0);
-                    let (extra, _) = costs(nodes, i, 2, 2.0);
+                    let (one, two) = (step(nodes, i, 1, 2.0), step(nodes, i, 2, 2.0));
                     if p + 1 == i && q + 1 == j {
-                        from = from.max(score - step);
+                        from = from.max(score - one.next);
                     }
                     if p + 1 == i && q + 2 == j {
-                        from = from.max(score - MISSED_SLIT - missed);
+                        from = from.max(score - MISSED_SLIT - one.missed);
                     }
                     if p + 2 == i && q + 1 == j {
-                        from = from.max(score - EXTRA - extra);
+                        from = from.max(score - EXTRA - two.next);
                     }
                 }
                 best = best.max(go(slits, nodes, odds, i + 1, Some((i, j)), from + gain));

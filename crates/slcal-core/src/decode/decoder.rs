@@ -20,6 +20,9 @@ use crate::photo::Encoding;
 
 /// Parts into which a photograph's lines are cut; each can be searched by a thread of its own.
 const BANDS: usize = 16;
+/// Lines one way are across the stripes when what looks like stripes is closer together there, unless there is less than
+/// this share of what is seen the other way.
+const COVERED_SHARE: f64 = 0.4;
 
 /// Decodes one photograph after another with the same pattern; once it has seen a few it needs no more memory.
 #[derive(Debug, Clone)]
@@ -123,8 +126,17 @@ impl Decoder {
         let [rows, columns] = [Scan::Rows, Scan::Columns].map(|scan| LineReader::new(input, tables, scan));
         self.noise.measure(&rows);
         let [a, b] = [&rows, &columns].map(|r| look(r, &self.noise, &mut self.look).map(|l| (*r, l)));
-        let covered = |l: &Option<(LineReader<'_>, Look)>| l.as_ref().map_or(-1.0, |l| l.1.covered_px);
-        let (first, second) = if covered(&b) > covered(&a) { (b, a) } else { (a, b) };
+        // Slanted stripes are crossed either way: across them is where they are close together.
+        let columns_first = match (&a, &b) {
+            (Some((_, a)), Some((_, b))) => {
+                let (mine, other) = (a.covered_px, b.covered_px);
+                let shorter = b.half_period_px < a.half_period_px;
+                if shorter { other > COVERED_SHARE * mine } else { mine < COVERED_SHARE * other }
+            }
+            (None, Some(_)) => true,
+            _ => false,
+        };
+        let (first, second) = if columns_first { (b, a) } else { (a, b) };
         let Some((reader, look)) = first else { return Err(no_stripes()) };
         let Err(error) = self.decode_lines(&reader, &look) else { return Ok(()) };
         match second {

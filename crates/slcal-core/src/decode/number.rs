@@ -13,7 +13,7 @@ const LINES_PER_WIDTH: f32 = 2.0;
 /// as across two. Colours are averaged over half of it.
 const REACH_WIDTHS: f32 = 4.0;
 /// Rounds in which hues are learned anew from what was decoded, and votes are heard.
-const LEARNING_PASSES: usize = 2;
+const LEARNING_PASSES: usize = 1;
 /// Votes of this support teach hues and surfaces.
 const SURE: f32 = 0.8;
 /// Share of the votes cast that the winner must have, and share of all about that must have voted for it.
@@ -24,6 +24,9 @@ const MIN_SUPPORT: f32 = 0.4;
 const SURFACE_REACH: usize = 6;
 const MIN_SURFACE: usize = 6;
 const MIN_CHANNEL: f32 = 0.08;
+/// Rounds in which it is sought, and the change of a channel at which it is found.
+const SURFACE_ROUNDS: usize = 5;
+const SURFACE_TOLERANCE: f32 = 0.05;
 
 /// A slit number for a crossing and how sure it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -238,25 +241,52 @@ impl Numbers {
             while to + 1 < line.end && to - at < SURFACE_REACH && joined(to) {
                 to += 1;
             }
-            let (mut seen, mut expected, mut n) = ([0.0_f32; 3], [0.0_f32; 3], 0);
-            for near in from..=to {
-                let Some(direction) = self.hues.directions.get(usize::from(hue(near))) else { continue };
-                n += 1;
-                for k in 0..3 {
-                    seen[k] += self.seen[near].unit[k];
-                    expected[k] += direction[k];
-                }
-            }
-            let least = MIN_CHANNEL * n as f32;
-            if n < MIN_SURFACE || expected.iter().chain(&seen).any(|&x| x < least) {
-                continue;
-            }
-            let own = self.seen[at].unit;
-            if let Some(unit) = unit(std::array::from_fn(|k| own[k] * expected[k] / seen[k])) {
-                self.samples[at].unit = unit;
+            if let Some(gain) = self.surface_gain(from..=to)
+                && let Some(direction) = self.hues.directions.get(usize::from(hue(at)))
+            {
+                let own = self.seen[at];
+                let lit: f32 =
+                    (0..3).map(|k| direction[k] * gain[k]).sum::<f32>() / direction.iter().sum::<f32>();
+                self.samples[at].unit = divided(own.unit, gain);
+                self.samples[at].light = own.light / lit;
+                self.samples[at].log_light = own.log_light - lit.ln();
             }
         }
     }
+
+    /// What a surface reflects of each channel, up to a factor, from neighbouring stripes on it: with it taken off, the
+    /// directions of their colours have the sum that those of their hues have.
+    fn surface_gain(&self, stripes: std::ops::RangeInclusive<usize>) -> Option<[f32; 3]> {
+        let hue = |at: &usize| self.hues.directions.get(usize::from(self.hue_labels[*at]));
+        let (mut expected, mut n) = ([0.0_f32; 3], 0);
+        for direction in stripes.clone().filter_map(|at| hue(&at)) {
+            n += 1;
+            expected = std::array::from_fn(|k| expected[k] + direction[k]);
+        }
+        let least = MIN_CHANNEL * n as f32;
+        let mut gain = [1.0_f32; 3];
+        for _ in 0..SURFACE_ROUNDS {
+            let mut seen = [0.0_f32; 3];
+            for at in stripes.clone().filter(|at| hue(at).is_some()) {
+                let unit = divided(self.seen[at].unit, gain);
+                seen = std::array::from_fn(|k| seen[k] + unit[k]);
+            }
+            if n < MIN_SURFACE || expected.iter().chain(&seen).any(|&x| x < least) {
+                return None;
+            }
+            let change: [f32; 3] = std::array::from_fn(|k| seen[k] / expected[k]);
+            gain = std::array::from_fn(|k| gain[k] * change[k]);
+            if change.iter().all(|c| (c - 1.0).abs() < SURFACE_TOLERANCE) {
+                break;
+            }
+        }
+        let mean = gain.iter().sum::<f32>() / 3.0;
+        Some(gain.map(|g| g / mean))
+    }
+}
+
+fn divided(color: [f32; 3], gain: [f32; 3]) -> [f32; 3] {
+    unit(std::array::from_fn(|k| color[k] / gain[k])).unwrap_or(color)
 }
 
 fn change(counts: &mut Vec<(u16, u32)>, label: u16, by: i32) {

@@ -117,7 +117,9 @@ fn measure(line: &Line, hill: Hill, scale: Scale, noise: &Noise) -> Option<Cross
         _ => std::array::from_fn(|k| 0.5 * (dark_left[k] + dark_right[k])),
     };
     let saturated = core.iter().any(|&c| c > SATURATED);
-    let color: [f32; 3] = std::array::from_fn(|k| core[k] - dark[k]);
+    // A clipped core has lost its hue; the edges, where the light comes up from the dark, still have it.
+    let lit = if saturated { flanks(&line.rgb, left.at, right.at).unwrap_or(core) } else { core };
+    let color: [f32; 3] = std::array::from_fn(|k| lit[k] - dark[k]);
     let sigma = noise.sigma(core);
     let height = left.height.min(right.height);
     let strength = total(color);
@@ -133,6 +135,21 @@ fn measure(line: &Line, hill: Hill, scale: Scale, noise: &Noise) -> Option<Cross
         color_sigma: sigma / strength * (1.0 / pixels + 0.25).sqrt(),
         saturated,
     })
+}
+
+/// The mean over the pixels of both edges that are not clipped.
+fn flanks(line: &[[f32; 3]], left: f32, right: f32) -> Option<[f32; 3]> {
+    let (mut sum, mut n) = ([0.0; 3], 0.0);
+    for edge in [left, right] {
+        let from = (edge - 0.5).round().max(0.0) as usize;
+        for p in line.iter().skip(from).take(2).filter(|p| p.iter().all(|&c| c < SATURATED)) {
+            for (s, c) in sum.iter_mut().zip(p) {
+                *s += c;
+            }
+            n += 1.0;
+        }
+    }
+    (n > 0.0).then(|| sum.map(|s| s / n))
 }
 
 struct Edge {
