@@ -226,10 +226,10 @@ impl Aligner {
 }
 
 /// Cuts a path wherever two neighbours on it do not belong together.
-fn split<'p>(
-    path: &'p [(u32, u16)],
+fn split(
+    path: &[(u32, u16)],
     together: impl Fn(&[(u32, u16)]) -> bool,
-) -> impl Iterator<Item = &'p [(u32, u16)]> {
+) -> impl Iterator<Item = &[(u32, u16)]> {
     path.chunk_by(move |a, b| together(&[*a, *b]))
 }
 

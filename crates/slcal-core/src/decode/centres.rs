@@ -24,6 +24,14 @@ const CUT_SIGMAS: f32 = 4.0;
 /// Share of the change of scale from one side to the other by which the expected width is uncertain.
 const CURVED: f32 = 0.5;
 
+/// Variance of a centre less the cubic through its four neighbours, over that of a centre: 1 + (1 + 16 + 16 + 1)/36 = 1.94 if
+/// centres were independent, 2.29 by the edges that they share; less again by what sampling does to neighbours alike,
+/// which no difference shows.
+const CUBIC_VARIANCE: f32 = 2.05;
+/// What the whole photograph says of σ counts as much as this many centres.
+const PRIOR_WEIGHT: f64 = 10.0;
+/// A squared miss counts at most this many times what is usual.
+const MAX_RATIO: f32 = 1000.0;
 /// Every so many lines tell a median as well as all.
 const SAMPLED: usize = 4;
 
@@ -265,20 +273,72 @@ fn polynomial_at_zero(nodes: &[(f32, f32)]) -> (f32, f32) {
     (u, variance.sqrt())
 }
 
-/// The measured over the predicted scatter of centres along their curves.
-pub(super) fn sigma_scale(curves: &Curves, centres: &[Centre], scratch: &mut Vec<f32>) -> f32 {
+/// Makes σ what the scatter of the centres says: each is compared with the cubic through the two slits on either side,
+/// which tells noise, what sampling and blur do to edges, and detail finer than the stripes alike. The scatter over ±
+/// `reach` lines along the curve, and with less weight over the whole photograph, scales the prediction.
+pub(super) fn measure_sigma(
+    curves: &Curves,
+    votes: &[Vote],
+    reach: usize,
+    work: &mut SigmaWork,
+    centres: &mut [Centre],
+) {
+    let SigmaWork { ratios, scratch, sums } = work;
+    ratios.clear();
+    ratios.resize(centres.len(), f32::NAN);
     scratch.clear();
-    for curve in curves.iter().filter(|c| c.len() >= 5) {
-        for w in curve.windows(3).step_by(3) {
-            let [a, b, c] = [w[0], w[1], w[2]].map(|i| centres[i as usize]);
-            let ratio = (b.u - 0.5 * (a.u + c.u)).abs() / b.sigma;
+    for y in 0..curves.line_count() {
+        let line = curves.of(y);
+        for i in line.start + 2..line.end.saturating_sub(2).max(line.start + 2) {
+            let label = votes[i].label;
+            let row = [i - 2, i - 1, i, i + 1, i + 2];
+            // NONE is far above any label that has two more beyond it.
+            if !(2..NONE - 2).contains(&label)
+                || row.iter().zip(label - 2..).any(|(&j, l)| votes[j].label != l)
+            {
+                continue;
+            }
+            let [a, b, c, d, e] = row.map(|j| centres[j].u);
+            let miss = c - (4.0 * (b + d) - a - e) / 6.0;
+            let ratio = miss * miss / (CUBIC_VARIANCE * centres[i].sigma * centres[i].sigma);
             if ratio.is_finite() {
-                scratch.push(ratio);
+                ratios[i] = ratio;
+                if y % SAMPLED == 0 {
+                    scratch.push(ratio);
+                }
             }
         }
     }
-    // Median of |x| of a normal variable, and the variance of a second difference.
-    middle(scratch).map_or(1.0, |m| (m / 0.6745 / 1.5_f32.sqrt()).clamp(0.1, 10.0))
+    // The median of the square of a normal variable; some prediction must do where no five slits stand side by side.
+    let usual = middle(scratch).map_or(1.0, |m| (m / 0.455).clamp(0.01, 100.0));
+    for curve in curves.iter() {
+        sums.clear();
+        sums.push((0.0, 0.0));
+        let (mut sum, mut n) = (0.0_f64, 0.0_f64);
+        for &i in curve {
+            let ratio = ratios[i as usize];
+            if ratio.is_finite() {
+                // One that is cut unnoticed shall not speak for all.
+                sum += f64::from(ratio.min(MAX_RATIO * usual));
+                n += 1.0;
+            }
+            sums.push((sum, n));
+        }
+        for (at, &i) in curve.iter().enumerate() {
+            let (from, to) = (sums[at.saturating_sub(reach)], sums[(at + reach + 1).min(curve.len())]);
+            let (sum, n) = (to.0 - from.0, to.1 - from.1);
+            let scale = (sum + PRIOR_WEIGHT * f64::from(usual)) / (n + PRIOR_WEIGHT);
+            centres[i as usize].sigma *= scale.sqrt() as f32;
+        }
+    }
+}
+
+/// Working memory of [`measure_sigma`].
+#[derive(Debug, Clone, Default)]
+pub(super) struct SigmaWork {
+    ratios: Vec<f32>,
+    scratch: Vec<f32>,
+    sums: Vec<(f64, f64)>,
 }
 
 fn middle(values: &mut [f32]) -> Option<f32> {

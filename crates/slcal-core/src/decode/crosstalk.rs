@@ -27,7 +27,7 @@ pub(super) fn crosstalk(
     let mut out = [[0.0; 3]; 3];
     for k in 0..3 {
         let top = m.column(k).amax();
-        if !(top > 0.0) {
+        if top <= 0.0 {
             return None;
         }
         for (row, out) in out.iter_mut().enumerate() {

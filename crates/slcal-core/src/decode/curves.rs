@@ -64,10 +64,8 @@ impl Curves {
         let n = self.crossings.len();
         self.units.clear();
         self.units.extend(self.crossings.iter().map(|c| unit(c.color).unwrap_or([0.0; 3])));
-        for (list, value) in [(&mut self.next, END)] {
-            list.clear();
-            list.resize(n, value);
-        }
+        self.next.clear();
+        self.next.resize(n, END);
         self.has_previous.clear();
         self.has_previous.resize(n, false);
         self.slope.clear();

@@ -3,23 +3,25 @@
 use nalgebra::Point2;
 
 use super::align::NONE;
-use super::centres::{self, Centre, Spacing};
+use super::centres::{self, Centre, SigmaWork, Spacing};
 use super::config::{DecodeConfig, DecodeInput, Decoding, Dropped, Lines};
 use super::crosstalk::crosstalk;
 use super::curves::Curves;
 use super::lines::{self, Line, LineReader, Scan, Tables};
 use super::noise::Noise;
 use super::number::{Code, Numbers};
-use super::recognise::{Candidates, check_color, try_pattern};
+use super::recognise::{Candidates, check_color, check_runs, try_pattern};
 use super::scale::{Look, LookScratch, look};
 use super::stripes::{self, Crossing, Scratch};
 use crate::error::{Error, Result};
 use crate::matches::Match;
-use crate::pattern::{Axis, StripePattern};
+use crate::pattern::{Axis, StripePattern, unique_window};
 use crate::photo::Encoding;
 
 /// Parts into which a photograph's lines are cut; each can be searched by a thread of its own.
 const BANDS: usize = 16;
+/// The scatter of centres is counted over this many stripe widths along a curve to either side.
+const SIGMA_WIDTHS: f32 = 3.0;
 /// Lines one way are across the stripes when what looks like stripes is closer together there, unless there is less than
 /// this share of what is seen the other way.
 const COVERED_SHARE: f64 = 0.4;
@@ -31,6 +33,8 @@ pub struct Decoder {
     config: DecodeConfig,
     candidates: Candidates,
     palette: Vec<[f32; 3]>,
+    /// So many neighbouring hues occur once.
+    window: usize,
     /// Distance of neighbouring slits over their width.
     period_in_widths: f32,
     tables: Tables,
@@ -41,6 +45,7 @@ pub struct Decoder {
     numbers: Numbers,
     centres: Vec<Centre>,
     gaps_px: Vec<f32>,
+    sigma_work: SigmaWork,
     scratch: Vec<f32>,
     slits_seen: Vec<bool>,
     out: Decoding,
@@ -71,6 +76,7 @@ impl Decoder {
             config,
             candidates: Candidates::new(pattern)?,
             palette: pattern.palette.iter().map(|c| c.map(light)).collect(),
+            window: unique_window(&pattern.sequence),
             period_in_widths: (pattern.period_px() / pattern.width_px) as f32,
             tables: Tables::default(),
             noise: Noise::new(config.encoding),
@@ -80,6 +86,7 @@ impl Decoder {
             numbers: Numbers::default(),
             centres: Vec::new(),
             gaps_px: Vec::new(),
+            sigma_work: SigmaWork::default(),
             scratch: Vec::new(),
             slits_seen: Vec::new(),
             out: Decoding::default(),
@@ -160,6 +167,8 @@ impl Decoder {
         let slits = self.candidates.slits(reversed);
         self.numbers.number(&self.curves, Code { slits, period_per_width: ratio });
 
+        check_runs(&self.curves, &self.numbers.votes, self.window, &mut self.scratch)?;
+
         self.space_slits(reversed);
         let nominal = (0.5 * self.pattern.width_px) as f32;
         let spacing = Spacing { gaps_px: &self.gaps_px, half_px: nominal };
@@ -167,7 +176,8 @@ impl Decoder {
         let half_px = centres::measure_half_width(&self.curves, votes, &spacing, &mut self.scratch);
         let spacing = Spacing { half_px, ..spacing };
         centres::locate(&self.curves, votes, &spacing, &mut self.scratch, &mut self.centres);
-        let sigma_scale = centres::sigma_scale(&self.curves, &self.centres, &mut self.scratch);
+        let reach = (SIGMA_WIDTHS * width).ceil() as usize;
+        centres::measure_sigma(&self.curves, votes, reach, &mut self.sigma_work, &mut self.centres);
 
         let n = self.curves.crossings.len();
         let hues = &self.numbers.hues;
@@ -187,7 +197,7 @@ impl Decoder {
         report.code_fit = fit;
         report.reversed = reversed;
         report.turned = (reader.scan == Scan::Rows) != (self.pattern.axis == Axis::Columns);
-        self.collect(reader, sigma_scale)
+        self.collect(reader)
     }
 
     /// All stripes of all lines; returns how many bright bands were none.
@@ -224,7 +234,7 @@ impl Decoder {
         }
     }
 
-    fn collect(&mut self, reader: &LineReader<'_>, sigma_scale: f32) -> Result<()> {
+    fn collect(&mut self, reader: &LineReader<'_>) -> Result<()> {
         let (curves, votes, centres) = (&self.curves, &self.numbers.votes, &self.centres);
         let report = &mut self.out.report;
         let matches = &mut self.out.matches.items;
@@ -270,7 +280,7 @@ impl Decoder {
                     projector_row: (!columns).then_some(px),
                     slit: Some(slit as u16),
                     confidence,
-                    sigma_px: f64::from(centre.sigma * sigma_scale).max(1e-3),
+                    sigma_px: f64::from(centre.sigma).max(1e-3),
                     color: srgb(reader.code(y, at), self.config.encoding),
                 });
             }

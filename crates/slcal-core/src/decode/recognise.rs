@@ -1,7 +1,8 @@
 //! Whether the photograph shows this pattern: in colour, with its code and no other's.
 
+use super::align::NONE;
 use super::curves::Curves;
-use super::number::Numbers;
+use super::number::{Numbers, Vote};
 use crate::error::{Error, Result};
 use crate::pattern::StripePattern;
 
@@ -15,6 +16,8 @@ const MIN_OVER_DECOY: f32 = 1.25;
 /// Score per crossing below which even the best code does not fit, in nats: a perfect fit has ln(hues) + 1, photographs
 /// without the pattern 0.2, and clutter among the crossings dilutes it.
 const MIN_FIT: f32 = 0.35;
+/// Every further slit fits by chance with one over the number of hues.
+const BEYOND_WINDOW: usize = 2;
 
 /// Refuses photographs without colour, such as a grey picture stored as RGB.
 pub(super) fn check_color(curves: &Curves, scratch: &mut Vec<f32>) -> Result<()> {
@@ -37,6 +40,42 @@ pub(super) fn check_color(curves: &Curves, scratch: &mut Vec<f32>) -> Result<()>
             advice:
                 "the stripes are told apart by their hues: give the colour photograph of the coloured pattern"
                     .into(),
+        });
+    }
+    Ok(())
+}
+
+/// Refuses numbers that hold together no further than any code's do: on lines under another code, windows that occur in
+/// this one are found all over, but they do not continue. Half the numbered crossings of the right one stand in runs of
+/// more than the code's window and [`BEYOND_WINDOW`].
+pub(super) fn check_runs(
+    curves: &Curves,
+    votes: &[Vote],
+    window: usize,
+    scratch: &mut Vec<f32>,
+) -> Result<()> {
+    scratch.clear();
+    for y in 0..curves.line_count() {
+        let line = &votes[curves.of(y)];
+        for run in line.chunk_by(|a, b| a.label != NONE && a.label + 1 == b.label) {
+            if run[0].label != NONE {
+                scratch.extend(run.iter().map(|_| run.len() as f32));
+            }
+        }
+    }
+    let middle = scratch.len() / 2;
+    let usual = scratch
+        .get_mut(..)
+        .filter(|s| !s.is_empty())
+        .map_or(0.0, |s| *s.select_nth_unstable_by(middle, f32::total_cmp).1);
+    if usual < (window + BEYOND_WINDOW) as f32 {
+        return Err(Error::NotFound {
+            what: "the pattern's code",
+            seen: format!(
+                "{} stripe crossings; those that fit the code follow each other for {usual} slits, where {window} fit by chance",
+                curves.crossings.len()
+            ),
+            advice: "check that the pattern file is the one that was projected".into(),
         });
     }
     Ok(())

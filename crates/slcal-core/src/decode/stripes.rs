@@ -104,7 +104,7 @@ fn measure(line: &Line, hill: Hill, scale: Scale, noise: &Noise) -> Option<Cross
     let left = edge(&line.total, top, before, scale)?;
     let right = edge(&line.total, top, after, scale)?;
     let width = right.at - left.at;
-    if !(width > 0.5) {
+    if width.is_nan() || width <= 0.5 {
         return None;
     }
     let core = mean(&line.rgb, left.at + 0.25 * width, right.at - 0.25 * width);
@@ -123,7 +123,8 @@ fn measure(line: &Line, hill: Hill, scale: Scale, noise: &Noise) -> Option<Cross
     let sigma = noise.sigma(core);
     let height = left.height.min(right.height);
     let strength = total(color);
-    if !(strength > MIN_CONTRAST * sigma && height > MIN_CONTRAST * sigma) {
+    let strong = strength.min(height) > MIN_CONTRAST * sigma;
+    if !strong {
         return None;
     }
     let pixels = (0.5 * width).max(1.0);
@@ -174,7 +175,7 @@ fn edge(light: &[f32], top: usize, valley: usize, scale: Scale) -> Option<Edge> 
     let high = 0.5 * (at(first) + at(first.saturating_sub(1)));
     let low = 0.5 * (at(last) + at((last + 1).min(length)));
     let height = high - low;
-    if !(height > MIN_EDGE_SHARE * (at(0) - at(length))) {
+    if height.is_nan() || height <= MIN_EDGE_SHARE * (at(0) - at(length)) {
         return None;
     }
     let mut sum = 0.0;

@@ -96,6 +96,9 @@ fn stripes_along_rows_and_mirrored_ones_decode_as_well() {
     assert!(right == 1.0 && bias.abs() < 0.01 && decoding.report.reversed, "{right} {bias}");
 }
 
+/// From a turned photograph's pixels to the upright one's.
+type Back = fn(f64, f64) -> (f64, f64);
+
 #[test]
 fn a_turned_camera_sees_the_same_stripes() {
     let (pattern, h) = (pattern(Axis::Columns), slanted());
@@ -106,7 +109,7 @@ fn a_turned_camera_sees_the_same_stripes() {
     // No line of a plane meets a slit twice.
     let expected: std::collections::BTreeMap<_, _> =
         reference.matches.items.iter().map(|m| ((m.camera.y as i64, m.slit), m.camera.x)).collect();
-    let turned: [(RgbImage, fn(f64, f64) -> (f64, f64), bool); 3] = [
+    let turned: [(RgbImage, Back, bool); 3] = [
         (image::imageops::rotate180(&upright), |x, y| (899.0 - x, 159.0 - y), false),
         (image::imageops::rotate90(&upright), |x, y| (y, 159.0 - x), true),
         (image::imageops::flip_horizontal(&upright), |x, y| (899.0 - x, y), false),
