@@ -22,8 +22,21 @@ pub(super) struct Line {
     pub(super) rgb: Vec<[f32; 3]>,
     /// The scalar in which stripes of all hues stand out.
     pub(super) total: Vec<f32>,
+    /// Which pixels the photograph clips, when companions have changed their light.
+    clipped: Vec<bool>,
     black: Vec<[f32; 3]>,
     white: Vec<[f32; 3]>,
+}
+
+/// Light above this share of the full one is clipped.
+const CLIPPED: f32 = 0.98;
+
+impl Line {
+    /// Whether the photograph clips a pixel in some channel.
+    pub(super) fn is_clipped(&self, at: usize) -> bool {
+        let known = self.clipped.get(at).copied();
+        known.unwrap_or_else(|| self.rgb.get(at).is_some_and(|p| p.iter().any(|&c| c > CLIPPED)))
+    }
 }
 
 /// Tables from code values to light; made once for each sample type and kept.
@@ -119,6 +132,10 @@ impl<'a> LineReader<'a> {
     /// were given.
     pub(super) fn read(&self, line: usize, out: &mut Line) {
         self.load(&self.frames.photo, line, &mut out.rgb);
+        out.clipped.clear();
+        if self.has_companion() {
+            out.clipped.extend(out.rgb.iter().map(|p| p.iter().any(|&c| c > CLIPPED)));
+        }
         if let Some(view) = &self.frames.black {
             self.load(view, line, &mut out.black);
             subtract(&mut out.rgb, &out.black);

@@ -50,8 +50,6 @@ pub(super) struct Scale {
 const MIN_EDGE_SHARE: f32 = 0.4;
 /// Height over the noise of a pixel below which a stripe is dropped.
 const MIN_CONTRAST: f32 = 3.0;
-/// Light above this share of the full one is clipped.
-const SATURATED: f32 = 0.98;
 
 /// Working memory of [`find`].
 #[derive(Debug, Clone, Default)]
@@ -116,9 +114,9 @@ fn measure(line: &Line, hill: Hill, scale: Scale, noise: &Noise) -> Option<Cross
         (false, true) => dark_right,
         _ => std::array::from_fn(|k| 0.5 * (dark_left[k] + dark_right[k])),
     };
-    let saturated = core.iter().any(|&c| c > SATURATED);
+    let saturated = line.is_clipped((0.5 * (left.at + right.at)).round().max(0.0) as usize);
     // A clipped core has lost its hue; the edges, where the light comes up from the dark, still have it.
-    let lit = if saturated { flanks(&line.rgb, left.at, right.at).unwrap_or(core) } else { core };
+    let lit = if saturated { flanks(line, left.at, right.at).unwrap_or(core) } else { core };
     let color: [f32; 3] = std::array::from_fn(|k| lit[k] - dark[k]);
     let sigma = noise.sigma(core);
     let height = left.height.min(right.height);
@@ -139,11 +137,11 @@ fn measure(line: &Line, hill: Hill, scale: Scale, noise: &Noise) -> Option<Cross
 }
 
 /// The mean over the pixels of both edges that are not clipped.
-fn flanks(line: &[[f32; 3]], left: f32, right: f32) -> Option<[f32; 3]> {
+fn flanks(line: &Line, left: f32, right: f32) -> Option<[f32; 3]> {
     let (mut sum, mut n) = ([0.0; 3], 0.0);
     for edge in [left, right] {
         let from = (edge - 0.5).round().max(0.0) as usize;
-        for p in line.iter().skip(from).take(2).filter(|p| p.iter().all(|&c| c < SATURATED)) {
+        for (_, p) in line.rgb.iter().enumerate().skip(from).take(2).filter(|(x, _)| !line.is_clipped(*x)) {
             for (s, c) in sum.iter_mut().zip(p) {
                 *s += c;
             }
