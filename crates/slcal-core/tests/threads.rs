@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use nalgebra::{DMatrix, Point2};
+use slcal_core::decode::{DecodeConfig, decode};
 use slcal_core::format::read_rig;
+use slcal_core::pattern::{StripeConfig, StripePattern};
+use slcal_core::photo::PhotoView;
 use slcal_core::reconstruct::{TriangulateConfig, triangulate};
 use slcal_core::{Covariance, Match, Matches, Rig};
 
@@ -50,5 +53,17 @@ fn points_are_the_same_on_any_number_of_threads() {
         };
         assert_eq!(bits(p), bits(q));
     }
+    assert_eq!(one, many);
+}
+
+#[test]
+fn stripes_are_the_same_on_any_number_of_threads() {
+    let stripes = StripePattern::new([1024, 768], &StripeConfig::default()).unwrap();
+    let picture =
+        image::open(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/sphere.jpg")).unwrap();
+    let photo = PhotoView::try_from(&picture).unwrap();
+    let one = decode(photo, &stripes, &DecodeConfig::default()).unwrap();
+    let many = decode(photo, &stripes, &DecodeConfig { parallel: true, ..DecodeConfig::default() }).unwrap();
+    assert!(one.matches.items.len() > 10_000);
     assert_eq!(one, many);
 }

@@ -84,13 +84,14 @@ impl Aligner {
         period_per_width: f32,
         nodes: &[Node],
         odds: &[f32],
+        lenient: bool,
         labels: &mut [u16],
     ) -> f32 {
         let top = self.fill(slits, period_per_width, nodes, odds);
         labels.fill(NONE);
         if top > 0.0 {
             self.trace(top, nodes.len(), slits.len());
-            self.keep_runs(slits, period_per_width, nodes, odds, labels);
+            self.keep_runs(slits, period_per_width, nodes, odds, lenient, labels);
         }
         top
     }
@@ -195,6 +196,7 @@ impl Aligner {
         period_per_width: f32,
         nodes: &[Node],
         odds: &[f32],
+        lenient: bool,
         labels: &mut [u16],
     ) {
         let hues = odds.len() / nodes.len().max(1);
@@ -212,11 +214,12 @@ impl Aligner {
         for run in split(&self.path, |pair| link(pair) != Surface::Other) {
             let long = run.len() >= MIN_RUN && fits(run, MIN_RUN_ODDS);
             for part in split(run, |pair| link(pair) == Surface::Same) {
-                let share = if part.len() >= MIN_RUN { MIN_RUN_ODDS } else { MIN_REST_ODDS };
-                let accepted = long && fits(part, share);
+                let rest = part.len() < MIN_RUN;
+                let accepted =
+                    long && (lenient || !rest) && fits(part, if rest { MIN_REST_ODDS } else { MIN_RUN_ODDS });
                 for &(i, j) in part {
                     let hint = nodes[i as usize].hint;
-                    if accepted || (hint.0 == j && hint.1 > 0.5) {
+                    if accepted || (lenient && hint.0 == j && hint.1 > 0.5) {
                         labels[i as usize] = j;
                     }
                 }
@@ -350,7 +353,7 @@ mod tests {
         let odds: Vec<f32> =
             seen.iter().flat_map(|s| (0..3).map(move |h| if h == s.1 { 1.0 } else { -3.0 })).collect();
         let mut labels = vec![NONE; nodes.len()];
-        Aligner::default().align(&HUES, 2.0, &nodes, &odds, &mut labels);
+        Aligner::default().align(&HUES, 2.0, &nodes, &odds, false, &mut labels);
         labels.into_iter().map(|l| if l == NONE { -1 } else { i32::from(l) }).collect()
     }
 
@@ -440,7 +443,7 @@ mod tests {
                 .collect();
             let odds: Vec<f32> = (0..3 * n).map(|_| rng.random_range(-3.0..6.0)).collect();
             let mut labels = vec![NONE; n];
-            let found = Aligner::default().align(&slits, 2.0, &nodes, &odds, &mut labels);
+            let found = Aligner::default().align(&slits, 2.0, &nodes, &odds, false, &mut labels);
             let best = brute_force(&slits, &nodes, &odds);
             assert!((found - best).abs() < 1e-4, "{found} for {best}");
         }

@@ -14,11 +14,14 @@ pub struct DecodeConfig {
     pub encoding: Encoding,
     /// Matches of lower confidence are dropped and counted, 0–1.
     pub min_confidence: f64,
+    /// Lines are searched on the threads of the caller's rayon pool (the cargo feature `rayon`; without it on one
+    /// thread). The result is the same, bit for bit.
+    pub parallel: bool,
 }
 
 impl Default for DecodeConfig {
     fn default() -> Self {
-        Self { encoding: Encoding::Srgb, min_confidence: 0.4 }
+        Self { encoding: Encoding::Srgb, min_confidence: 0.4, parallel: false }
     }
 }
 

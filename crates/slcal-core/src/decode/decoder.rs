@@ -215,7 +215,7 @@ impl Decoder {
                 band.ends.push(band.crossings.len() as u32);
             }
         };
-        self.bands.iter_mut().enumerate().for_each(search);
+        each_band(&mut self.bands, self.config.parallel, search);
         self.curves.clear();
         for band in &self.bands {
             let before = self.curves.crossings.len() as u32;
@@ -268,7 +268,7 @@ impl Decoder {
                 let slit = if report.reversed { n - 1 - label } else { label };
                 self.slits_seen[slit] = true;
                 let (along, across) = (y as f64, f64::from(centre.u));
-                let at = (across.round().max(0.0) as usize).min(reader.length() - 1);
+                let at = ((across + 0.5).max(0.0) as usize).min(reader.length() - 1);
                 let columns = self.pattern.axis == Axis::Columns;
                 let px = self.pattern.centres_px[slit];
                 matches.push(Match {
@@ -299,6 +299,19 @@ impl Decoder {
         }
         Ok(())
     }
+}
+
+/// Calls `search` with every band, on several threads when asked to and built to.
+fn each_band(bands: &mut [Band], parallel: bool, search: impl Fn((usize, &mut Band)) + Sync + Send) {
+    #[cfg(feature = "rayon")]
+    if parallel {
+        use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
+        bands.par_iter_mut().enumerate().for_each(search);
+        return;
+    }
+    #[cfg(not(feature = "rayon"))]
+    let _ = parallel;
+    bands.iter_mut().enumerate().for_each(search);
 }
 
 fn no_stripes() -> Error {

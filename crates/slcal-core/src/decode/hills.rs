@@ -37,26 +37,23 @@ pub(super) fn find(light: &[f32], noise: &Noise, noise_share: f32, hills: &mut V
     let (mut low, mut low_at) = (first, 0);
     let (mut high, mut high_at) = (first, 0);
     let mut rising = false;
-    let mut threshold = rise(first, noise, sigmas);
+    // Looked up when the light turns, not at every pixel of a slope.
+    let mut threshold = None;
     for (x, &v) in light.iter().enumerate() {
         if rising {
             if v > high {
-                (high, high_at) = (v, x);
-                threshold = high - (FALL * (high - low)).max(sigmas * noise.sigma_of_total(high));
-            } else if v < threshold {
+                (high, high_at, threshold) = (v, x, None);
+            } else if v < *threshold.get_or_insert_with(|| fall(low, high, noise, sigmas)) {
                 hills.push(Hill { before: low_at as u32, top: high_at as u32, after: x as u32 });
-                (low, low_at, rising) = (v, x, false);
-                threshold = rise(low, noise, sigmas);
+                (low, low_at, rising, threshold) = (v, x, false, None);
             }
         } else if v < low {
-            (low, low_at) = (v, x);
-            threshold = rise(low, noise, sigmas);
-        } else if v > threshold {
+            (low, low_at, threshold) = (v, x, None);
+        } else if v > *threshold.get_or_insert_with(|| rise(low, noise, sigmas)) {
             if let Some(hill) = hills.last_mut() {
                 hill.after = low_at as u32;
             }
-            (high, high_at, rising) = (v, x, true);
-            threshold = high - (FALL * (high - low)).max(sigmas * noise.sigma_of_total(high));
+            (high, high_at, rising, threshold) = (v, x, true, None);
         }
     }
     if !rising && let Some(hill) = hills.last_mut() {
@@ -67,6 +64,10 @@ pub(super) fn find(light: &[f32], noise: &Noise, noise_share: f32, hills: &mut V
 
 fn rise(low: f32, noise: &Noise, sigmas: f32) -> f32 {
     low + (RISE * low).max(sigmas * noise.sigma_of_total(low))
+}
+
+fn fall(low: f32, high: f32, noise: &Noise, sigmas: f32) -> f32 {
+    high - (FALL * (high - low)).max(sigmas * noise.sigma_of_total(high))
 }
 
 /// Takes out wiggles, and joins hills with a dent between them.

@@ -133,7 +133,7 @@ impl Numbers {
             tried += range.len();
             self.prepare(curves, range.clone());
             for (slits, score) in codes.iter().zip(scores.iter_mut()) {
-                *score += self.align(Code { slits, period_per_width }, range.clone());
+                *score += self.align(Code { slits, period_per_width }, range.clone(), true);
             }
         }
         tried
@@ -145,7 +145,7 @@ impl Numbers {
             for line in 0..self.starts.len() - 1 {
                 let range = self.starts[line] as usize..self.starts[line + 1] as usize;
                 self.prepare(curves, range.clone());
-                self.align(code, range);
+                self.align(code, range, pass < LEARNING_PASSES);
             }
             self.vote(curves);
             if pass < LEARNING_PASSES {
@@ -177,9 +177,9 @@ impl Numbers {
         }
     }
 
-    fn align(&mut self, code: Code<'_>, range: std::ops::Range<usize>) -> f32 {
+    fn align(&mut self, code: Code<'_>, range: std::ops::Range<usize>, lenient: bool) -> f32 {
         let labels = &mut self.labels[range];
-        self.aligner.align(code.slits, code.period_per_width, &self.nodes, &self.odds, labels)
+        self.aligner.align(code.slits, code.period_per_width, &self.nodes, &self.odds, lenient, labels)
     }
 
     /// The winner among the aligned lines within reach of each crossing along its curve.

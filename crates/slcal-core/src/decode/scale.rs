@@ -6,11 +6,12 @@ use super::noise::Noise;
 use super::stripes::{Scale, Scratch, hills_of};
 
 /// Lines looked at.
-const LINES: usize = 24;
+const LINES: usize = 16;
 /// Neighbouring stripes are about as far apart as the next ones: within this ratio, blur and slant included.
 const REGULAR: f32 = 1.7;
 /// The least smoothing that sees this share of what the best one sees is taken.
 const ENOUGH: f64 = 0.85;
+const GONE: f64 = 0.5;
 /// Smoothing over this share of a stripe's width leaves stripes of half the usual width visible.
 const SMOOTHING_SHARE: f32 = 0.25;
 /// Fewer hills than this per line on average are no stripes.
@@ -55,6 +56,10 @@ pub(super) fn look(reader: &LineReader<'_>, noise: &Noise, work: &mut LookScratc
         }
         if best.is_none_or(|(_, most)| ENOUGH * covered > most) {
             best = Some((reach, covered));
+        }
+        // Smoothed away: more smoothing brings nothing back.
+        if best.is_some_and(|(_, most)| covered < GONE * most) {
+            break;
         }
     }
     let (reach, covered_px) = best?;

@@ -1,5 +1,6 @@
 //! Stripes on one line: hills whose two edges are measured to sub-pixel.
 
+use super::curves::unit;
 use super::hills::{self, Hill};
 use super::lines::Line;
 use super::noise::Noise;
@@ -114,10 +115,14 @@ fn measure(line: &Line, hill: Hill, scale: Scale, noise: &Noise) -> Option<Cross
         (false, true) => dark_right,
         _ => std::array::from_fn(|k| 0.5 * (dark_left[k] + dark_right[k])),
     };
-    let saturated = line.is_clipped((0.5 * (left.at + right.at)).round().max(0.0) as usize);
+    let saturated = line.is_clipped((0.5 * (left.at + right.at) + 0.5).max(0.0) as usize);
     // A clipped core has lost its hue; the edges, where the light comes up from the dark, still have it.
-    let lit = if saturated { flanks(line, left.at, right.at).unwrap_or(core) } else { core };
-    let color: [f32; 3] = std::array::from_fn(|k| lit[k] - dark[k]);
+    let above = |light: [f32; 3]| -> [f32; 3] { std::array::from_fn(|k| light[k] - dark[k]) };
+    let mut color = above(core);
+    if saturated && let Some(hue) = flanks(line, left.at, right.at).and_then(|f| unit(above(f))) {
+        let share = total(color) / total(hue);
+        color = hue.map(|c| c * share);
+    }
     let sigma = noise.sigma(core);
     let height = left.height.min(right.height);
     let strength = total(color);
@@ -192,8 +197,9 @@ fn edge(light: &[f32], top: usize, valley: usize, scale: Scale) -> Option<Edge> 
 
 fn mean(line: &[[f32; 3]], from: f32, to: f32) -> [f32; 3] {
     let last = line.len() - 1;
-    let a = (from.round().max(0.0) as usize).min(last);
-    let b = (to.round().max(0.0) as usize).clamp(a, last);
+    // Half a pixel more and truncated: rounded, without a call of the system's library for each.
+    let a = ((from + 0.5).max(0.0) as usize).min(last);
+    let b = ((to + 0.5).max(0.0) as usize).clamp(a, last);
     let mut sum = [0.0; 3];
     for p in &line[a..=b] {
         for (s, c) in sum.iter_mut().zip(p) {
