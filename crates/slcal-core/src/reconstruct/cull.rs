@@ -3,9 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::delaunay::Delaunay;
 use super::islands::Islands;
 use super::neighbourhood::Neighbourhood;
+use super::net::Net;
 use crate::cloud::{CloudPoint, PointCloud};
 use crate::error::{Error, Result};
 use crate::solve::median;
@@ -68,7 +68,7 @@ pub fn cull(cloud: &mut PointCloud, rule: CullRule) -> Result<CullReport> {
 /// Culls one cloud after another and keeps its buffers.
 #[derive(Debug, Clone, Default)]
 pub struct Culler {
-    net: Delaunay,
+    net: Net,
     /// Of each triangle.
     shapes: Vec<Shape>,
     lengths: Vec<f64>,
@@ -107,10 +107,7 @@ impl Culler {
 
     /// All triangles between the points, as the cloud's.
     fn delaunay(&mut self, cloud: &mut PointCloud) {
-        self.net.triangulate(cloud.points.iter().map(|p| {
-            let known = p.position.iter().all(|x| x.is_finite());
-            if known { [p.pixel.x, p.pixel.y] } else { [f64::NAN; 2] }
-        }));
+        self.net.triangulate(&cloud.points);
         cloud.triangles.clear();
         // Anticlockwise with y up; the image's y points down.
         cloud.triangles.extend(self.net.triangles().map(|[a, b, c]| [a, c, b]));

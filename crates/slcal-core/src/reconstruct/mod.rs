@@ -1,10 +1,10 @@
 //! Matches + [`Rig`] → [`PointCloud`]: triangulation, removal of outliers, mesh.
 
 mod cull;
-mod delaunay;
 mod islands;
 mod light;
 mod neighbourhood;
+mod net;
 mod sigma;
 mod triangulate;
 #[cfg(test)]
@@ -59,8 +59,8 @@ pub struct Reconstruction {
     pub cull: CullReport,
 }
 
-/// Reconstructs one photograph after another with the same rig and pattern. After the first photographs nothing is
-/// allocated any more.
+/// Reconstructs one photograph after another with the same rig and pattern. After the first photographs no
+/// buffer grows any more (see "Cost" in the documentation of the architecture).
 #[derive(Debug, Clone)]
 pub struct Reconstructor {
     /// Width and height of its photographs, px.
