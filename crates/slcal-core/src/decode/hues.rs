@@ -9,7 +9,7 @@ const MAX_SPREAD_RAD: f32 = 0.35;
 /// Share of crossings whose colour says nothing (reflections, two stripes in one, coloured surfaces).
 const OUTLIERS: f32 = 0.03;
 /// Rounds of expectation and maximisation; the means settle in three or four.
-const ROUNDS: usize = 8;
+const ROUNDS: usize = 5;
 /// A class is learned from at least this many crossings.
 const MIN_MEMBERS: f32 = 20.0;
 /// Rounds in which the channels' balance is sought, and how far it may go: more is not balance, but a pattern of which

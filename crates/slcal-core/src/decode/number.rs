@@ -14,6 +14,8 @@ const LINES_PER_WIDTH: f32 = 2.0;
 const REACH_WIDTHS: f32 = 4.0;
 /// Rounds in which hues are learned anew from what was decoded, and votes are heard.
 const LEARNING_PASSES: usize = 1;
+/// While learning, every so many of the aligned lines vote.
+const TEACHING_LINES: usize = 2;
 /// Votes of this support teach hues and surfaces.
 const SURE: f32 = 0.8;
 /// Share of the votes cast that the winner must have, and share of all about that must have voted for it.
@@ -57,6 +59,8 @@ pub(super) struct Numbers {
     /// Crossings on aligned lines, by index, line after line; and where each such line starts.
     chosen: Vec<u32>,
     starts: Vec<u32>,
+    /// The aligned line that each of them lies on.
+    line_of: Vec<u32>,
     /// Their colours as seen, and with the surface's own colour taken off.
     seen: Vec<Sample>,
     samples: Vec<Sample>,
@@ -81,12 +85,14 @@ impl Numbers {
         self.chosen.clear();
         self.starts.clear();
         self.starts.push(0);
+        self.line_of.clear();
         self.place.clear();
         self.place.resize(curves.crossings.len(), u32::MAX);
         for line in (step / 2..curves.line_count()).step_by(step) {
             for i in curves.of(line) {
                 self.place[i] = self.chosen.len() as u32;
                 self.chosen.push(i as u32);
+                self.line_of.push(self.starts.len() as u32 - 1);
             }
             self.starts.push(self.chosen.len() as u32);
         }
@@ -142,12 +148,14 @@ impl Numbers {
     /// Numbers all crossings.
     pub(super) fn number(&mut self, curves: &Curves, code: Code<'_>) {
         for pass in 0..=LEARNING_PASSES {
-            for line in 0..self.starts.len() - 1 {
+            // Some lines teach as much as all.
+            let stride = if pass < LEARNING_PASSES { TEACHING_LINES } else { 1 };
+            for line in (0..self.starts.len() - 1).step_by(stride) {
                 let range = self.starts[line] as usize..self.starts[line + 1] as usize;
                 self.prepare(curves, range.clone());
                 self.align(code, range, pass < LEARNING_PASSES);
             }
-            self.vote(curves);
+            self.vote(curves, stride);
             if pass < LEARNING_PASSES {
                 self.learn_from_votes(code);
             }
@@ -183,13 +191,20 @@ impl Numbers {
     }
 
     /// The winner among the aligned lines within reach of each crossing along its curve.
-    fn vote(&mut self, curves: &Curves) {
+    fn vote(&mut self, curves: &Curves, stride: usize) {
         let (reach, counts) = (self.reach, &mut self.counts);
         for curve in curves.iter() {
             counts.clear();
             // Aligned lines in the window, whether they voted or not.
             let mut seats = 0_u32;
-            let ballot = |at: usize| self.place[curve[at] as usize];
+            let ballot = |at: usize| {
+                let place = self.place[curve[at] as usize];
+                if place == u32::MAX || self.line_of[place as usize] % stride as u32 == 0 {
+                    place
+                } else {
+                    u32::MAX
+                }
+            };
             let label = |place: u32| self.labels[place as usize];
             for at in 0..reach.min(curve.len()) {
                 if ballot(at) != u32::MAX {

@@ -139,13 +139,20 @@ impl<'a> PhotoView<'a> {
         let [r, g, b] = self.layout.rgb_offsets();
         let channels = self.layout.channels();
         let range = y * self.row_stride..y * self.row_stride + self.width * channels;
-        match self.samples {
-            Samples::U8(s) => {
+        match (self.samples, table.of_bytes()) {
+            // No index can lie outside this table, and pixels of three samples are arrays: nothing is checked per sample.
+            (Samples::U8(s), Some(t)) if channels == 3 => {
+                for (o, p) in out.iter_mut().zip(s[range].as_chunks::<3>().0) {
+                    let light = p.map(|c| t[usize::from(c)]);
+                    *o = [light[r], light[g], light[b]];
+                }
+            }
+            (Samples::U8(s), _) => {
                 for (o, p) in out.iter_mut().zip(s[range].chunks_exact(channels)) {
                     *o = [p[r], p[g], p[b]].map(|c| table.light(usize::from(c)));
                 }
             }
-            Samples::U16(s) => {
+            (Samples::U16(s), _) => {
                 for (o, p) in out.iter_mut().zip(s[range].chunks_exact(channels)) {
                     *o = [p[r], p[g], p[b]].map(|c| table.light(usize::from(c)));
                 }
