@@ -1,5 +1,5 @@
 //! A capture program that reconstructs its camera's frames: borrowed rows of BGR from the driver's own memory, one scanner
-//! for all frames, nothing allocated per frame.
+//! for all frames, buffers that stay from frame to frame.
 //!
 //! ```sh
 //! slcal demo --out demo

@@ -21,6 +21,8 @@ pub struct Distortion {
 /// Newton from the distorted point converges in four or five steps inside the model's range; more means that the
 /// point has no preimage.
 const MAX_NEWTON_STEPS: usize = 30;
+/// A step squares the error: after one of this size what is left is rounding.
+const LAST_NEWTON_STEP: f64 = 1e-9;
 
 impl Distortion {
     /// No distortion.
@@ -92,17 +94,24 @@ impl Distortion {
         if self.is_none() {
             return Some(d);
         }
+        self.undistort_with_jacobian(d).map(|(x, _)| x)
+    }
+
+    /// As [`Distortion::undistort`], with d(distorted)/d(ideal) there.
+    #[must_use]
+    pub fn undistort_with_jacobian(&self, d: Vector2<f64>) -> Option<(Vector2<f64>, Matrix2<f64>)> {
         let mut x = d;
+        let mut jacobian = self.jacobian(x);
         for _ in 0..MAX_NEWTON_STEPS {
             let error = self.distort(x) - d;
-            let jacobian = self.jacobian(x);
             if jacobian.determinant() <= 0.0 {
                 return None;
             }
             let step = jacobian.try_inverse()? * error;
             x -= step;
-            if step.norm() <= 1e-14 * (1.0 + x.norm()) {
-                return (self.jacobian(x).determinant() > 0.0).then_some(x);
+            jacobian = self.jacobian(x);
+            if step.norm_squared() <= LAST_NEWTON_STEP * LAST_NEWTON_STEP * (1.0 + x.norm_squared()) {
+                return (jacobian.determinant() > 0.0).then_some((x, jacobian));
             }
         }
         None

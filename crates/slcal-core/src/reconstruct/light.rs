@@ -1,5 +1,10 @@
 //! Where a camera's ray meets the light of a projector column or row.
 
+// Without a call between match and point; left alone, the compiler hands every hit over in memory.
+#![allow(clippy::inline_always)]
+
+use std::cmp::Ordering;
+
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::triangulate::Refused;
@@ -7,7 +12,7 @@ use crate::geometry::{Camera, Pose};
 
 /// Newton's iteration has converged when a step is below this share of the inverse depth; as every step squares the
 /// error, what is left is rounding.
-const CONVERGED: f64 = 1e-10;
+const CONVERGED: f64 = 1e-8;
 /// Three or four steps do for any lens; more are needed where column and row contradict each other.
 const MAX_STEPS: usize = 30;
 
@@ -76,7 +81,7 @@ impl Light {
     /// h·(z·q + t) = 0 gives the depth z in closed form (paper, eq. 17–19, solved on the ray). Where the lens bends it, or
     /// column and row overdetermine the depth, Newton (Gauss–Newton on the residuals in px) goes on from there. The unknown
     /// is 1/z, in which a coordinate on the panel is nearly linear, and which passes through zero at infinity.
-    #[inline]
+    #[inline(always)]
     pub(super) fn meet(&self, q: &Vector3<f64>, wanted: [Option<f64>; 2]) -> Result<Hit, Refused> {
         let mut inverse_depth = self.start(q, wanted);
         if !inverse_depth.is_finite() {
@@ -106,7 +111,7 @@ impl Light {
     }
 
     /// Behind, grazing and outside the panel.
-    #[inline]
+    #[inline(always)]
     fn check(&self, q: &Vector3<f64>, hit: &Hit) -> Result<(), Refused> {
         let least = self.least_sin2 * q.norm_squared();
         if !hit.coordinates().any(|c| c.h.dot(q).powi(2) >= least * c.h.norm_squared()) {
@@ -122,20 +127,21 @@ impl Light {
         Ok(())
     }
 
-    #[inline]
+    #[inline(always)]
     fn pixel(&self, ideal: Vector2<f64>) -> Vector2<f64> {
         let at = if self.bent { self.projector.distortion.distort(ideal) } else { ideal };
         self.projector.intrinsics.pixel(at).coords
     }
 
     /// The rows of K's 2×2 part.
+    #[inline(always)]
     pub(super) fn k_row(&self, axis: usize) -> Vector2<f64> {
         let k = &self.projector.intrinsics;
         if axis == 0 { Vector2::new(k.fx, k.skew) } else { Vector2::new(0.0, k.fy) }
     }
 
     /// 1/z without distortion, by the coordinate that shows it better.
-    #[inline]
+    #[inline(always)]
     fn start(&self, q: &Vector3<f64>, wanted: [Option<f64>; 2]) -> f64 {
         let centre = self.projector.intrinsics.principal_point();
         let (mut best, mut inverse_depth) = (0.0, f64::NAN);
@@ -153,7 +159,7 @@ impl Light {
     }
 
     /// What is seen from the projector of the ray's point at an inverse depth.
-    #[inline]
+    #[inline(always)]
     fn at(&self, q: &Vector3<f64>, inverse_depth: f64, wanted: [Option<f64>; 2]) -> Result<Hit, Refused> {
         let t = &self.pose.translation;
         let p = q + t * inverse_depth;
@@ -162,8 +168,8 @@ impl Light {
         }
         let ideal = p.xy() / p.z;
         let bend = if self.bent { self.projector.distortion.jacobian(ideal) } else { Matrix2::identity() };
-        let turned_over = bend.determinant();
-        if turned_over.is_nan() || turned_over <= 0.0 {
+        let turned_over = self.bent && bend.determinant().partial_cmp(&0.0) != Some(Ordering::Greater);
+        if turned_over {
             // Beyond the fold of the model: no light leaves there.
             return Err(Refused::OutsidePanel);
         }

@@ -1,5 +1,8 @@
 //! Camera ray ∩ light of the projector.
 
+// Without a call between match and point; left alone, the compiler hands every hit over in memory.
+#![allow(clippy::inline_always)]
+
 use nalgebra::{Matrix2, Point3, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -268,7 +271,7 @@ impl Triangulator {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn point(
         &self,
         matches: &[Match],
@@ -289,7 +292,7 @@ impl Triangulator {
         let z = 1.0 / hit.inverse_depth;
         let noise_mm = self.noise(matches, i, &ray, &hit);
         let of_rig = self.rig_share(m, &ray, &hit, shares);
-        let sigma_mm = noise_mm.hypot(of_rig);
+        let sigma_mm = (noise_mm * noise_mm + of_rig * of_rig).sqrt();
         let position = Point3::from(ray.bearing * z);
         if !(sigma_mm.is_finite() && z.is_finite()) {
             return Err(Refused::Grazing);
@@ -306,21 +309,23 @@ impl Triangulator {
         })
     }
 
-    #[inline]
+    #[inline(always)]
     fn ray(&self, m: &Match) -> std::result::Result<CameraRay, Refused> {
-        let bearing = self.camera.bearing(m.camera).ok_or(Refused::Invalid)?;
-        let by_pixel = if self.bent {
-            let unbent = self.camera.distortion.jacobian(bearing.xy()).try_inverse();
-            unbent.ok_or(Refused::Invalid)? * self.by_pixel
+        let seen = self.by_pixel * (m.camera - self.camera.intrinsics.principal_point());
+        let (ideal, by_pixel) = if self.bent {
+            let (ideal, bend) =
+                self.camera.distortion.undistort_with_jacobian(seen).ok_or(Refused::Invalid)?;
+            (ideal, bend.try_inverse().ok_or(Refused::Invalid)? * self.by_pixel)
         } else {
-            self.by_pixel
+            (seen, self.by_pixel)
         };
+        let bearing = ideal.push(1.0);
         let in_projector = self.light.pose.rotation.matrix() * bearing;
         Ok(CameraRay { bearing, in_projector, by_pixel, length: bearing.norm() })
     }
 
     /// 1σ along the ray from the noise of the match, mm.
-    #[inline]
+    #[inline(always)]
     fn noise(&self, matches: &[Match], i: usize, ray: &CameraRay, hit: &Hit) -> f64 {
         let m = &matches[i];
         let rotation = self.light.pose.rotation.matrix();
@@ -341,7 +346,7 @@ impl Triangulator {
 
     /// 1σ along the ray from the rig, mm. Over the square of the depth it changes little along a slit, whose light is (nearly)
     /// a plane: the last one is taken where it was computed close by.
-    #[inline]
+    #[inline(always)]
     fn rig_share(&self, m: &Match, ray: &CameraRay, hit: &Hit, shares: &mut [Share; REMEMBERED]) -> f64 {
         let Some(rig) = &self.rig else { return 0.0 };
         let z2 = 1.0 / (hit.inverse_depth * hit.inverse_depth);
@@ -369,8 +374,10 @@ impl Triangulator {
 
 /// The image coordinate that was measured: stripes are found on lines of pixels, so that the other one is an integer. Where
 /// both are or neither is, the one by which the panel's coordinate changes faster.
+#[inline(always)]
 fn across(m: &Match, facing: [f64; 2]) -> usize {
-    let whole = [m.camera.x.fract() == 0.0, m.camera.y.fract() == 0.0];
+    // By casts, which need no call where `fract` does.
+    let whole = [m.camera.x, m.camera.y].map(|x| x as i64 as f64 == x);
     match whole {
         [false, true] => 0,
         [true, false] => 1,
@@ -379,19 +386,22 @@ fn across(m: &Match, facing: [f64; 2]) -> usize {
 }
 
 /// How fast the panel's coordinate changes along a line of the image, px per px, from the neighbouring slits on it.
+#[inline(always)]
 fn surface_slope(matches: &[Match], i: usize, axis: usize, across: usize) -> Option<f64> {
     let m = &matches[i];
     let coordinate = |m: &Match| if axis == 0 { m.projector_column } else { m.projector_row };
     let (slit, here) = (m.slit?, coordinate(m)?);
-    let to = |j: usize| {
-        let other = matches.get(j)?;
+    let to = |other: &Match| {
         let same_line = other.camera[1 - across].to_bits() == m.camera[1 - across].to_bits();
+        if !(same_line && other.slit?.abs_diff(slit) == 1) {
+            return None;
+        }
         let step = other.camera[across] - m.camera[across];
         let slope = (coordinate(other)? - here) / step;
-        (same_line && other.slit?.abs_diff(slit) == 1 && slope.is_finite() && slope != 0.0)
-            .then_some((slope, step.abs()))
+        (slope.is_finite() && slope != 0.0).then_some((slope, step.abs()))
     };
-    let (before, after) = (i.checked_sub(1).and_then(to), to(i + 1));
+    let before = if i > 0 { to(&matches[i - 1]) } else { None };
+    let after = if i + 1 < matches.len() { to(&matches[i + 1]) } else { None };
     match (before, after) {
         (Some((a, da)), Some((b, db))) if (1.0 / SAME_SLOPE..=SAME_SLOPE).contains(&(a / b)) => {
             // Of the parabola through all three, here.
