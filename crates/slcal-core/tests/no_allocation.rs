@@ -71,7 +71,7 @@ fn stripes_with_holes(seed: u32) -> PointCloud {
     for line in 0..500_u32 {
         for slit in 0..60_u32 {
             let patch = (line / 20 * 60 + slit).wrapping_add(seed).wrapping_mul(0x9e37_79b9);
-            if patch >> 16 & 7 == 0 {
+            if (patch >> 16).is_multiple_of(8) {
                 continue;
             }
             let (v, s) = (f64::from(line), f64::from(slit));

@@ -1,11 +1,9 @@
 //! Stripes are curves: crossings linked from line to line.
 
-use super::stripes::{Crossing, total};
+use super::stripes::{Crossing, Paint};
 
 /// A crossing continues a curve when it lies within this share of the stripe's width of where the curve points.
-const LINK_SHARE: f32 = 0.5;
-/// Cosine of the angle between the colours of linked crossings.
-const MIN_COLOR_COSINE: f32 = 0.88;
+const LINK_SHARE: f32 = 0.25;
 /// Ratio of the strengths and of the widths of linked crossings.
 const MAX_RATIO: f32 = 2.0;
 /// Weight of the newest step in a curve's direction.
@@ -19,8 +17,8 @@ pub(super) struct Curves {
     pub(super) crossings: Vec<Crossing>,
     /// Crossings of line y: `lines[y]..lines[y + 1]`.
     pub(super) lines: Vec<u32>,
-    /// Directions of the colours.
-    pub(super) units: Vec<[f32; 3]>,
+    /// Colours of the crossings on every so many lines, line after line: a stripe has the same on the lines between.
+    pub(super) paints: Vec<Paint>,
     next: Vec<u32>,
     has_previous: Vec<bool>,
     slope: Vec<f32>,
@@ -28,7 +26,7 @@ pub(super) struct Curves {
     order: Vec<u32>,
     /// Where each curve starts in `order`, and the end.
     starts: Vec<u32>,
-    sums: Vec<[f64; 3]>,
+    sums: Vec<(usize, [f64; 3])>,
 }
 
 pub(super) fn unit(c: [f32; 3]) -> Option<[f32; 3]> {
@@ -40,6 +38,7 @@ pub(super) fn unit(c: [f32; 3]) -> Option<[f32; 3]> {
 impl Curves {
     pub(super) fn clear(&mut self) {
         self.crossings.clear();
+        self.paints.clear();
         self.lines.clear();
         self.lines.push(0);
     }
@@ -62,8 +61,6 @@ impl Curves {
     /// Links crossings of neighbouring lines.
     pub(super) fn link(&mut self) {
         let n = self.crossings.len();
-        self.units.clear();
-        self.units.extend(self.crossings.iter().map(|c| unit(c.color).unwrap_or([0.0; 3])));
         self.next.clear();
         self.next.resize(n, END);
         self.has_previous.clear();
@@ -121,32 +118,41 @@ impl Curves {
     fn alike(&self, i: usize, j: usize, miss: f32) -> bool {
         let (a, b) = (&self.crossings[i], &self.crossings[j]);
         let within = |x: f32, y: f32| x <= MAX_RATIO * y && y <= MAX_RATIO * x;
-        let (p, q) = (self.units[i], self.units[j]);
-        let cosine = p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
         miss <= (LINK_SHARE * a.width().min(b.width())).max(1.0)
-            && cosine >= MIN_COLOR_COSINE
-            && within(total(a.color), total(b.color))
+            && within(a.height, b.height)
             && within(a.width(), b.width())
     }
 
-    /// The mean direction of colour over ± `reach` lines along the curve, for every crossing.
-    pub(super) fn smooth_units(&mut self, reach: usize, out: &mut Vec<[f32; 3]>) {
+    /// The mean direction of colour over ± `reach` lines along the curve, for every painted crossing; `place` is where a
+    /// crossing stands among these, `u32::MAX` for the others.
+    pub(super) fn smooth_units(&mut self, place: &[u32], reach: usize, out: &mut Vec<[f32; 3]>) {
         out.clear();
-        out.resize(self.crossings.len(), [0.0; 3]);
+        out.resize(self.paints.len(), [0.0; 3]);
         for w in self.starts.windows(2) {
             let curve = &self.order[w[0] as usize..w[1] as usize];
+            let painted = |&(at, &i): &(usize, &u32)| {
+                let place = place[i as usize];
+                (place != u32::MAX).then_some((at, place as usize))
+            };
             self.sums.clear();
             let mut sum = [0.0_f64; 3];
-            self.sums.push(sum);
-            for &i in curve {
-                let c = self.units[i as usize];
+            for (at, place) in curve.iter().enumerate().filter_map(|x| painted(&x)) {
+                self.sums.push((at, sum));
+                let c = self.paints[place].unit;
                 sum = std::array::from_fn(|k| sum[k] + f64::from(c[k]));
-                self.sums.push(sum);
             }
-            for (at, &i) in curve.iter().enumerate() {
-                let (a, b) = (at.saturating_sub(reach), (at + reach + 1).min(curve.len()));
-                let mean = std::array::from_fn(|k| (self.sums[b][k] - self.sums[a][k]) as f32);
-                out[i as usize] = unit(mean).unwrap_or([0.0; 3]);
+            self.sums.push((usize::MAX, sum));
+            // The first and one past the last within reach: both only move on.
+            let (mut from, mut to) = (0, 0);
+            for (at, place) in curve.iter().enumerate().filter_map(|x| painted(&x)) {
+                while self.sums[from].0 + reach < at {
+                    from += 1;
+                }
+                while self.sums[to].0 <= at + reach {
+                    to += 1;
+                }
+                let mean = std::array::from_fn(|k| (self.sums[to].1[k] - self.sums[from].1[k]) as f32);
+                out[place] = unit(mean).unwrap_or([0.0; 3]);
             }
         }
     }

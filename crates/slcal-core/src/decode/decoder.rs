@@ -9,10 +9,10 @@ use super::crosstalk::crosstalk;
 use super::curves::Curves;
 use super::lines::{self, Line, LineReader, Scan, Tables};
 use super::noise::Noise;
-use super::number::{Code, Numbers};
+use super::number::{AlignedLines, Code, Numbers};
 use super::recognise::{Candidates, check_color, check_runs, try_pattern};
 use super::scale::{Look, LookScratch, look};
-use super::stripes::{self, Crossing, Scratch};
+use super::stripes::{self, Crossing, Paint, Scratch};
 use crate::error::{Error, Result};
 use crate::matches::Match;
 use crate::pattern::{Axis, StripePattern, unique_window};
@@ -57,6 +57,7 @@ struct Band {
     line: Line,
     scratch: Scratch,
     crossings: Vec<Crossing>,
+    paints: Vec<Paint>,
     /// Crossings up to and including each line.
     ends: Vec<u32>,
     weak: usize,
@@ -153,7 +154,8 @@ impl Decoder {
     }
 
     fn decode_lines(&mut self, reader: &LineReader<'_>, look: &Look) -> Result<()> {
-        let weak = self.find(reader, look);
+        let aligned = AlignedLines::for_width(look.half_period_px);
+        let weak = self.find(reader, look, aligned);
         self.curves.link();
         check_color(&self.curves, &mut self.scratch)?;
         self.scratch.clear();
@@ -161,7 +163,7 @@ impl Decoder {
         let width = middle(&mut self.scratch).unwrap_or(look.half_period_px);
 
         let ratio = self.period_in_widths;
-        self.numbers.choose(&mut self.curves, width);
+        self.numbers.choose(&mut self.curves, aligned, width);
         self.numbers.learn_hues(&self.palette, &self.pattern.sequence);
         let (reversed, fit) = try_pattern(&mut self.numbers, &self.curves, &mut self.candidates, ratio)?;
         let slits = self.candidates.slits(reversed);
@@ -192,8 +194,8 @@ impl Decoder {
         report.hues_seen.extend(hues.directions.iter().map(|d| d.map(f64::from)));
         report.crosstalk = crosstalk(&self.palette, &hues.directions, &hues.brightness);
         report.hue_spread_rad = f64::from(hues.spread_rad);
-        let saturated = self.curves.crossings.iter().filter(|c| c.saturated).count();
-        report.saturated = saturated as f64 / n.max(1) as f64;
+        let saturated = self.curves.paints.iter().filter(|p| p.saturated).count();
+        report.saturated = saturated as f64 / self.curves.paints.len().max(1) as f64;
         report.code_fit = fit;
         report.reversed = reversed;
         report.turned = (reader.scan == Scan::Rows) != (self.pattern.axis == Axis::Columns);
@@ -201,17 +203,24 @@ impl Decoder {
     }
 
     /// All stripes of all lines; returns how many bright bands were none.
-    fn find(&mut self, reader: &LineReader<'_>, look: &Look) -> usize {
+    fn find(&mut self, reader: &LineReader<'_>, look: &Look, aligned: AlignedLines) -> usize {
         let count = reader.count();
         let noise = &self.noise;
         let search = |(b, band): (usize, &mut Band)| {
             band.crossings.clear();
+            band.paints.clear();
             band.ends.clear();
             band.weak = 0;
             for y in b * count / BANDS..(b + 1) * count / BANDS {
-                reader.read(y, &mut band.line);
-                band.weak +=
-                    stripes::find(&band.line, look.scale, noise, &mut band.scratch, &mut band.crossings);
+                let Band { line, scratch, crossings, paints, .. } = band;
+                let paints = if aligned.contain(y) {
+                    reader.read(y, line);
+                    Some(paints)
+                } else {
+                    reader.read_total(y, line);
+                    None
+                };
+                band.weak += stripes::find(line, look.scale, noise, scratch, crossings, paints);
                 band.ends.push(band.crossings.len() as u32);
             }
         };
@@ -220,6 +229,7 @@ impl Decoder {
         for band in &self.bands {
             let before = self.curves.crossings.len() as u32;
             self.curves.crossings.extend_from_slice(&band.crossings);
+            self.curves.paints.extend_from_slice(&band.paints);
             self.curves.lines.extend(band.ends.iter().map(|e| before + e));
         }
         self.bands.iter().map(|b| b.weak).sum()

@@ -128,6 +128,19 @@ impl<'a> LineReader<'a> {
         }
     }
 
+    /// The projector's light on a line, all channels together: what [`LineReader::read`] gives without its colours, which
+    /// are left as they were.
+    pub(super) fn read_total(&self, line: usize, out: &mut Line) {
+        let photo = &self.frames.photo;
+        match (self.scan, self.tables.of(photo)) {
+            (Scan::Rows, Some(table)) if !self.has_companion() => {
+                out.total.resize(self.length(), 0.0);
+                photo.linear_total_row(line, table, &mut out.total);
+            }
+            _ => self.read(line, out),
+        }
+    }
+
     /// The projector's light on a line: the black frame taken off and the white frame's colour divided out, where they
     /// were given.
     pub(super) fn read(&self, line: usize, out: &mut Line) {

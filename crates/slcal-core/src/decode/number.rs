@@ -4,7 +4,6 @@
 use super::align::{Aligner, NONE, Node};
 use super::curves::{Curves, unit};
 use super::hues::{Hues, NO_HUE, Sample};
-use super::stripes::total;
 
 /// Lines that are aligned, per width of a stripe: colours are averaged along curves, so that neighbouring lines say the
 /// same.
@@ -29,6 +28,22 @@ const MIN_CHANNEL: f32 = 0.08;
 /// Rounds in which it is sought, and the change of a channel at which it is found.
 const SURFACE_ROUNDS: usize = 5;
 const SURFACE_TOLERANCE: f32 = 0.05;
+
+/// The lines that are aligned with the pattern; crossings on them are painted, in the same order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct AlignedLines {
+    step: usize,
+}
+
+impl AlignedLines {
+    pub(super) fn for_width(width_px: f32) -> Self {
+        Self { step: ((width_px / LINES_PER_WIDTH).round() as usize).max(1) }
+    }
+
+    pub(super) fn contain(self, line: usize) -> bool {
+        line % self.step == self.step / 2
+    }
+}
 
 /// A slit number for a crossing and how sure it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,18 +92,16 @@ pub(super) struct Numbers {
 }
 
 impl Numbers {
-    /// Picks the lines to be aligned and averages colours along curves.
-    pub(super) fn choose(&mut self, curves: &mut Curves, width_px: f32) {
-        let step = ((width_px / LINES_PER_WIDTH).round() as usize).max(1);
+    /// Takes the crossings of the lines to be aligned and averages their colours along curves.
+    pub(super) fn choose(&mut self, curves: &mut Curves, aligned: AlignedLines, width_px: f32) {
         self.reach = ((REACH_WIDTHS * width_px).ceil() as usize).max(3);
-        curves.smooth_units(self.reach / 2, &mut self.smooth);
         self.chosen.clear();
         self.starts.clear();
         self.starts.push(0);
         self.line_of.clear();
         self.place.clear();
         self.place.resize(curves.crossings.len(), u32::MAX);
-        for line in (step / 2..curves.line_count()).step_by(step) {
+        for line in (0..curves.line_count()).filter(|&y| aligned.contain(y)) {
             for i in curves.of(line) {
                 self.place[i] = self.chosen.len() as u32;
                 self.chosen.push(i as u32);
@@ -96,16 +109,13 @@ impl Numbers {
             }
             self.starts.push(self.chosen.len() as u32);
         }
+        curves.smooth_units(&self.place, self.reach / 2, &mut self.smooth);
         self.seen.clear();
-        self.seen.extend(self.chosen.iter().map(|&i| {
-            let c = &curves.crossings[i as usize];
-            let light = total(c.color);
-            Sample {
-                unit: self.smooth[i as usize],
-                sigma: c.color_sigma,
-                light,
-                log_light: light.max(1e-9).ln(),
-            }
+        self.seen.extend(curves.paints.iter().zip(&self.smooth).map(|(p, &unit)| Sample {
+            unit,
+            sigma: p.sigma,
+            light: p.light,
+            log_light: p.light.max(1e-9).ln(),
         }));
         self.samples.clone_from(&self.seen);
         self.votes.clear();
@@ -199,7 +209,7 @@ impl Numbers {
             let mut seats = 0_u32;
             let ballot = |at: usize| {
                 let place = self.place[curve[at] as usize];
-                if place == u32::MAX || self.line_of[place as usize] % stride as u32 == 0 {
+                if place == u32::MAX || self.line_of[place as usize].is_multiple_of(stride as u32) {
                     place
                 } else {
                     u32::MAX

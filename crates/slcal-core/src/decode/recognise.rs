@@ -22,7 +22,8 @@ const BEYOND_WINDOW: usize = 2;
 /// Refuses photographs without colour, such as a grey picture stored as RGB.
 pub(super) fn check_color(curves: &Curves, scratch: &mut Vec<f32>) -> Result<()> {
     scratch.clear();
-    scratch.extend(curves.units.iter().map(|c| {
+    scratch.extend(curves.paints.iter().map(|p| {
+        let c = p.unit;
         let (low, high) = c.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &c| (l.min(c), h.max(c)));
         (high - low) / high.max(f32::MIN_POSITIVE)
     }));

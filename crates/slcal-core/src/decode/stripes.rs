@@ -11,12 +11,21 @@ pub(super) struct Crossing {
     /// Sub-pixel positions of its two edges along the line, px.
     pub(super) left: f32,
     pub(super) right: f32,
-    /// Light of its core above the dark bands beside it.
-    pub(super) color: [f32; 3],
+    /// Light above the dark bands beside it, all channels together.
+    pub(super) height: f32,
     /// Predicted 1σ of an edge, px.
     pub(super) edge_sigma: f32,
-    /// 1σ of the core's colour over its strength, rad.
-    pub(super) color_sigma: f32,
+}
+
+/// The colour of a crossing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Paint {
+    /// Direction of the core's light above the dark bands beside it, in linear RGB; zero where it has none.
+    pub(super) unit: [f32; 3],
+    /// All channels of it together.
+    pub(super) light: f32,
+    /// 1σ of the direction by noise, rad.
+    pub(super) sigma: f32,
     /// Whether the core is clipped in some channel.
     pub(super) saturated: bool,
 }
@@ -49,6 +58,8 @@ pub(super) struct Scale {
 
 /// An edge must carry this share of the hill's height.
 const MIN_EDGE_SHARE: f32 = 0.4;
+/// Edges closer than this are one.
+const MIN_WIDTH_PX: f32 = 0.5;
 /// Height over the noise of a pixel below which a stripe is dropped.
 const MIN_CONTRAST: f32 = 3.0;
 
@@ -76,21 +87,26 @@ pub(super) fn hills_of<'s>(
     &scratch.hills
 }
 
-/// Appends the stripes of a line to `crossings`, in ascending position, and returns how many hills were none.
+/// Appends the stripes of a line to `crossings`, in ascending position, and their colours to `paints` when it is given;
+/// returns how many hills were none.
 pub(super) fn find(
     line: &Line,
     scale: Scale,
     noise: &Noise,
     scratch: &mut Scratch,
     crossings: &mut Vec<Crossing>,
+    mut paints: Option<&mut Vec<Paint>>,
 ) -> usize {
     let first = crossings.len();
     hills_of(&line.total, scale.smoothing, noise, scratch);
     let mut weak = 0;
     for &hill in &scratch.hills {
-        match measure(line, hill, scale, noise) {
+        match measure(&line.total, hill, scale, noise) {
             Some(c) if crossings.len() == first || crossings[crossings.len() - 1].right <= c.left => {
                 crossings.push(c);
+                if let Some(paints) = &mut paints {
+                    paints.push(paint(line, hill, &c, noise));
+                }
             }
             _ => weak += 1,
         }
@@ -98,47 +114,46 @@ pub(super) fn find(
     weak
 }
 
-fn measure(line: &Line, hill: Hill, scale: Scale, noise: &Noise) -> Option<Crossing> {
+fn measure(light: &[f32], hill: Hill, scale: Scale, noise: &Noise) -> Option<Crossing> {
     let [before, top, after] = [hill.before, hill.top, hill.after].map(|x| x as usize);
-    let left = edge(&line.total, top, before, scale)?;
-    let right = edge(&line.total, top, after, scale)?;
-    let width = right.at - left.at;
-    if width.is_nan() || width <= 0.5 {
-        return None;
-    }
-    let core = mean(&line.rgb, left.at + 0.25 * width, right.at - 0.25 * width);
-    let [dark_left, dark_right] = [before, after].map(|x| mean(&line.rgb, x as f32 - 1.0, x as f32 + 1.0));
-    // A side that is as bright as the stripe is no dark band (an outline, or a neighbour that is too close).
-    let half = 0.5 * total(core);
-    let dark: [f32; 3] = match (total(dark_left) < half, total(dark_right) < half) {
-        (true, false) => dark_left,
-        (false, true) => dark_right,
-        _ => std::array::from_fn(|k| 0.5 * (dark_left[k] + dark_right[k])),
-    };
-    let saturated = line.is_clipped((0.5 * (left.at + right.at) + 0.5).max(0.0) as usize);
-    // A clipped core has lost its hue; the edges, where the light comes up from the dark, still have it.
-    let above = |light: [f32; 3]| -> [f32; 3] { std::array::from_fn(|k| light[k] - dark[k]) };
-    let mut color = above(core);
-    if saturated && let Some(hue) = flanks(line, left.at, right.at).and_then(|f| unit(above(f))) {
-        let share = total(color) / total(hue);
-        color = hue.map(|c| c * share);
-    }
-    let sigma = noise.sigma(core);
+    let left = edge(light, top, before, scale)?;
+    let right = edge(light, top, after, scale)?;
     let height = left.height.min(right.height);
-    let strength = total(color);
-    let strong = strength.min(height) > MIN_CONTRAST * sigma;
-    if !strong {
-        return None;
-    }
-    let pixels = (0.5 * width).max(1.0);
-    Some(Crossing {
+    let sigma = noise.sigma_of_total(light[top]);
+    let strong = right.at - left.at > MIN_WIDTH_PX && height > MIN_CONTRAST * sigma;
+    strong.then(|| Crossing {
         left: left.at,
         right: right.at,
-        color,
+        height,
         edge_sigma: sigma / height * left.gain.max(right.gain),
-        color_sigma: sigma / strength * (1.0 / pixels + 0.25).sqrt(),
-        saturated,
     })
+}
+
+fn paint(line: &Line, hill: Hill, c: &Crossing, noise: &Noise) -> Paint {
+    let width = c.width();
+    let core = mean(&line.rgb, c.left + 0.25 * width, c.right - 0.25 * width);
+    let beside = |x: u32| mean(&line.rgb, x as f32 - 1.0, x as f32 + 1.0);
+    let (left, right) = (beside(hill.before), beside(hill.after));
+    // A side that is as bright as the stripe is no dark band (an outline, or a neighbour that is too close).
+    let half = 0.5 * total(core);
+    let dark: [f32; 3] = match (total(left) < half, total(right) < half) {
+        (true, false) => left,
+        (false, true) => right,
+        _ => std::array::from_fn(|k| 0.5 * (left[k] + right[k])),
+    };
+    let above = |light: [f32; 3]| -> [f32; 3] { std::array::from_fn(|k| light[k] - dark[k]) };
+    let color = above(core);
+    let light = total(color).max(f32::MIN_POSITIVE);
+    let saturated = line.is_clipped((c.middle() + 0.5).max(0.0) as usize);
+    // A clipped core has lost its hue; the edges, where the light comes up from the dark, still have it.
+    let hue = if saturated { flanks(line, c.left, c.right).map(above) } else { None };
+    let pixels = (0.5 * width).max(1.0);
+    Paint {
+        unit: unit(hue.unwrap_or(color)).unwrap_or([0.0; 3]),
+        light,
+        sigma: noise.sigma(core) / light * (1.0 / pixels + 0.25).sqrt(),
+        saturated,
+    }
 }
 
 /// The mean over the pixels of both edges that are not clipped.

@@ -160,6 +160,33 @@ impl<'a> PhotoView<'a> {
         }
     }
 
+    /// Writes the sum of the channels' linear light of one row into `out`, which must hold `width` entries.
+    pub fn linear_total_row(&self, y: usize, table: &LinearTable, out: &mut [f32]) {
+        let [r, g, b] = self.layout.rgb_offsets();
+        let channels = self.layout.channels();
+        let range = y * self.row_stride..y * self.row_stride + self.width * channels;
+        match (self.samples, table.of_bytes()) {
+            (Samples::U8(s), Some(t)) if channels == 3 => {
+                let light = |c: u8| t[usize::from(c)];
+                for (o, p) in out.iter_mut().zip(s[range].as_chunks::<3>().0) {
+                    *o = light(p[0]) + light(p[1]) + light(p[2]);
+                }
+            }
+            (Samples::U8(s), _) => {
+                let light = |c: u8| table.light(usize::from(c));
+                for (o, p) in out.iter_mut().zip(s[range].chunks_exact(channels)) {
+                    *o = light(p[r]) + light(p[g]) + light(p[b]);
+                }
+            }
+            (Samples::U16(s), _) => {
+                let light = |c: u16| table.light(usize::from(c));
+                for (o, p) in out.iter_mut().zip(s[range].chunks_exact(channels)) {
+                    *o = light(p[r]) + light(p[g]) + light(p[b]);
+                }
+            }
+        }
+    }
+
     /// Writes the linear light (red, green, blue) of one column into `out`, which must hold `height` entries.
     pub fn linear_rgb_column(&self, x: usize, table: &LinearTable, out: &mut [[f32; 3]]) {
         for (y, o) in out.iter_mut().enumerate().take(self.height) {
