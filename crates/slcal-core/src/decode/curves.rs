@@ -3,7 +3,9 @@
 use super::stripes::{Crossing, Paint};
 
 /// A crossing continues a curve when it lies within this share of the stripe's width of where the curve points.
-const LINK_SHARE: f32 = 0.25;
+const LINK_SHARE: f32 = 0.5;
+/// Cosine of the angle between the colours of linked crossings.
+const MIN_COLOR_COSINE: f32 = 0.88;
 /// Ratio of the strengths and of the widths of linked crossings.
 const MAX_RATIO: f32 = 2.0;
 /// Weight of the newest step in a curve's direction.
@@ -120,6 +122,7 @@ impl Curves {
         let within = |x: f32, y: f32| x <= MAX_RATIO * y && y <= MAX_RATIO * x;
         miss <= (LINK_SHARE * a.width().min(b.width())).max(1.0)
             && within(a.height, b.height)
+            && a.hint[0] * b.hint[0] + a.hint[1] * b.hint[1] + a.hint[2] * b.hint[2] >= MIN_COLOR_COSINE
             && within(a.width(), b.width())
     }
 

@@ -213,14 +213,15 @@ impl Decoder {
             band.weak = 0;
             for y in b * count / BANDS..(b + 1) * count / BANDS {
                 let Band { line, scratch, crossings, paints, .. } = band;
-                let paints = if aligned.contain(y) {
+                let colored = aligned.contain(y);
+                if colored {
                     reader.read(y, line);
-                    Some(paints)
                 } else {
                     reader.read_total(y, line);
-                    None
-                };
-                band.weak += stripes::find(line, look.scale, noise, scratch, crossings, paints);
+                }
+                let light_at = |x: usize| reader.light(y, x, line, colored);
+                let paints = colored.then_some(paints);
+                band.weak += stripes::find(line, look.scale, noise, scratch, light_at, crossings, paints);
                 band.ends.push(band.crossings.len() as u32);
             }
         };

@@ -141,6 +141,17 @@ impl<'a> LineReader<'a> {
         }
     }
 
+    /// The projector's light on a pixel of a line that was read into `line`, with or without its colours.
+    pub(super) fn light(&self, y: usize, at: usize, line: &Line, colored: bool) -> [f32; 3] {
+        let photo = &self.frames.photo;
+        match self.tables.of(photo) {
+            Some(table) if !colored && !self.has_companion() && self.scan == Scan::Rows => {
+                photo.linear_rgb(at, y, table)
+            }
+            _ => line.rgb.get(at).copied().unwrap_or([0.0; 3]),
+        }
+    }
+
     /// The projector's light on a line: the black frame taken off and the white frame's colour divided out, where they
     /// were given.
     pub(super) fn read(&self, line: usize, out: &mut Line) {

@@ -12,7 +12,7 @@ const LINES_PER_WIDTH: f32 = 2.0;
 /// as across two. Colours are averaged over half of it.
 const REACH_WIDTHS: f32 = 4.0;
 /// Rounds in which hues are learned anew from what was decoded, and votes are heard.
-const LEARNING_PASSES: usize = 1;
+const LEARNING_PASSES: usize = 2;
 /// While learning, every so many of the aligned lines vote.
 const TEACHING_LINES: usize = 2;
 /// Votes of this support teach hues and surfaces.

@@ -15,6 +15,8 @@ pub(super) struct Crossing {
     pub(super) height: f32,
     /// Predicted 1σ of an edge, px.
     pub(super) edge_sigma: f32,
+    /// About the direction of its colour, from a pixel of it and one beside it: enough to tell it from another stripe.
+    pub(super) hint: [f32; 3],
 }
 
 /// The colour of a crossing.
@@ -94,6 +96,7 @@ pub(super) fn find(
     scale: Scale,
     noise: &Noise,
     scratch: &mut Scratch,
+    light_at: impl Fn(usize) -> [f32; 3],
     crossings: &mut Vec<Crossing>,
     mut paints: Option<&mut Vec<Paint>>,
 ) -> usize {
@@ -101,7 +104,7 @@ pub(super) fn find(
     hills_of(&line.total, scale.smoothing, noise, scratch);
     let mut weak = 0;
     for &hill in &scratch.hills {
-        match measure(&line.total, hill, scale, noise) {
+        match measure(&line.total, hill, scale, noise, &light_at) {
             Some(c) if crossings.len() == first || crossings[crossings.len() - 1].right <= c.left => {
                 crossings.push(c);
                 if let Some(paints) = &mut paints {
@@ -114,14 +117,27 @@ pub(super) fn find(
     weak
 }
 
-fn measure(light: &[f32], hill: Hill, scale: Scale, noise: &Noise) -> Option<Crossing> {
+fn measure(
+    light: &[f32],
+    hill: Hill,
+    scale: Scale,
+    noise: &Noise,
+    light_at: impl Fn(usize) -> [f32; 3],
+) -> Option<Crossing> {
     let [before, top, after] = [hill.before, hill.top, hill.after].map(|x| x as usize);
     let left = edge(light, top, before, scale)?;
     let right = edge(light, top, after, scale)?;
     let height = left.height.min(right.height);
     let sigma = noise.sigma_of_total(light[top]);
     let strong = right.at - left.at > MIN_WIDTH_PX && height > MIN_CONTRAST * sigma;
+    // The darker side is the dark band, more surely than the other.
+    let dark = if light[before] < light[after] { before } else { after };
+    let hint = || {
+        let (lit, dark) = (light_at(((left.at + right.at) * 0.5 + 0.5) as usize), light_at(dark));
+        unit(std::array::from_fn(|k| lit[k] - dark[k])).unwrap_or([0.0; 3])
+    };
     strong.then(|| Crossing {
+        hint: hint(),
         left: left.at,
         right: right.at,
         height,
