@@ -2,13 +2,17 @@
 
 use std::fmt::Write as _;
 
-use slcal_core::decode::DecodeReport;
+use slcal_core::decode::{DecodeReport, Lines};
 use slcal_core::evaluate::FitReport;
 use slcal_core::reconstruct::Reconstruction;
 use slcal_core::{CalibrationReport, Device, PointCloud, Rig, Verdict, View};
 
 /// Above this share of clipped stripes the user is told to expose less.
 const SATURATED_SHARE: f64 = 0.05;
+/// Channels that spill more than this into each other are told: hues get closer.
+const CROSSTALK_SHARE: f64 = 0.1;
+/// Above this noise, in 8-bit grey levels, centres are told to be the worse for it.
+const NOISE_LEVELS: f64 = 4.0;
 
 /// What a calibration found, how sure it is, and what to do about it.
 pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
@@ -172,7 +176,41 @@ fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
         let sentence = "the slits run backwards: the projector stands upside down or behind a mirror";
         remarks.push(("note", sentence.to_owned()));
     }
+    if report.turned {
+        let way = match report.lines {
+            Lines::Rows => "down",
+            Lines::Columns => "across",
+        };
+        let sentence = format!(
+            "the stripes run {way} the photograph, a quarter turn from the pattern's: the camera or the projector is turned"
+        );
+        remarks.push(("note", sentence));
+    }
+    if let Some((into, of, share)) = largest_crosstalk(report)
+        && share > CROSSTALK_SHARE
+    {
+        let percent = 100.0 * share;
+        let sentence = format!("crosstalk: the camera's {into} sees {percent:.0} % of the projector's {of}");
+        remarks.push(("note", sentence));
+    }
+    if report.noise_levels > NOISE_LEVELS {
+        let sentence = format!(
+            "noise of {:.1} grey levels (1σ) scatters the centres: more light or a lower gain makes them surer",
+            report.noise_levels
+        );
+        remarks.push(("note", sentence));
+    }
     remarks
+}
+
+/// The camera's channel that sees most of another primary's light, that primary, and the share.
+fn largest_crosstalk(report: &DecodeReport) -> Option<(&'static str, &'static str, f64)> {
+    const NAMES: [&str; 3] = ["red", "green", "blue"];
+    let matrix = report.crosstalk.as_ref()?;
+    let others = (0..9).map(|i| (i / 3, i % 3)).filter(|(row, column)| row != column);
+    others
+        .map(|(row, column)| (NAMES[row], NAMES[column], matrix[row][column]))
+        .max_by(|a, b| a.2.total_cmp(&b.2))
 }
 
 /// One cloud of many: decoding and points in a line.
@@ -253,6 +291,28 @@ pub(crate) fn fit(surface: &str, report: &FitReport) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn remarks_say_what_is_out_of_the_ordinary_and_nothing_else() {
+        let plain = DecodeReport {
+            crosstalk: Some([[1.0, 0.05, 0.0], [0.02, 1.0, 0.08], [0.0, 0.03, 1.0]]),
+            noise_levels: 1.2,
+            ..DecodeReport::default()
+        };
+        assert!(remarks(&plain).is_empty());
+        let odd = DecodeReport {
+            crosstalk: Some([[1.0, 0.2, 0.0], [0.02, 1.0, 0.08], [0.0, 0.31, 1.0]]),
+            noise_levels: 7.0,
+            turned: true,
+            lines: Lines::Columns,
+            ..plain
+        };
+        let said: Vec<String> = remarks(&odd).into_iter().map(|(_, s)| s).collect();
+        assert_eq!(said.len(), 3);
+        assert!(said[0].contains("run across the photograph"));
+        assert!(said[1].contains("blue sees 31 % of the projector's green"));
+        assert!(said[2].contains("7.0 grey levels"));
+    }
 
     #[test]
     fn small_numbers_keep_two_digits() {

@@ -14,17 +14,18 @@ use std::fs::File;
 use std::io::{BufReader, Write, stdin, stdout};
 use std::time::Instant;
 
-use slcal_core::Rig;
-use slcal_core::decode::{DecodeConfig, decode};
+use slcal_core::PointCloud;
+use slcal_core::decode::{DecodeConfig, DecodeInput, Decoder};
 use slcal_core::format::{read_pattern, read_rig};
-use slcal_core::pattern::{Pattern, StripePattern};
+use slcal_core::pattern::Pattern;
 use slcal_core::photo::{Layout, PhotoView, Samples};
-use slcal_core::reconstruct::{ReconstructConfig, Reconstructor, TriangulateConfig, triangulate};
+use slcal_core::reconstruct::{ReconstructConfig, Reconstructor, TriangulateConfig, Triangulator};
 
 /// What stays from frame to frame.
 struct Scanner {
-    rig: Rig,
-    pattern: StripePattern,
+    decoder: Decoder,
+    triangulator: Triangulator,
+    cloud: PointCloud,
     reconstructor: Reconstructor,
 }
 
@@ -34,11 +35,12 @@ impl Scanner {
         if work == "cloud" {
             return Ok(self.reconstructor.reconstruct(photo)?.cloud.points.len());
         }
-        let decoding = decode(photo, &self.pattern, &DecodeConfig::default())?;
+        let decoding = self.decoder.decode(&DecodeInput { photo, black: None, white: None })?;
         match work {
             "matches" => Ok(decoding.matches.items.len()),
             "points" => {
-                Ok(triangulate(&self.rig, &decoding.matches, &TriangulateConfig::default())?.0.points.len())
+                self.triangulator.triangulate(&decoding.matches, &mut self.cloud);
+                Ok(self.cloud.points.len())
             }
             other => Err(format!("{other}: say matches, points or cloud").into()),
         }
@@ -57,8 +59,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let image = image::open(photo)?.into_rgb8();
     let (width, height) = (image.width() as usize, image.height() as usize);
     let view = PhotoView::new(Samples::U8(image.as_raw()), width, height, 3 * width, Layout::Rgb)?;
-    let reconstructor = Reconstructor::new(&rig, &pattern, ReconstructConfig::default())?;
-    let mut scanner = Scanner { rig, pattern, reconstructor };
+    let mut scanner = Scanner {
+        decoder: Decoder::new(&pattern, DecodeConfig::default())?,
+        triangulator: Triangulator::new(&rig, TriangulateConfig::default())?,
+        cloud: PointCloud::default(),
+        reconstructor: Reconstructor::new(&rig, &pattern, ReconstructConfig::default())?,
+    };
     for line in stdin().lines() {
         let start = Instant::now();
         let points = scanner.frame(line?.trim(), view)?;

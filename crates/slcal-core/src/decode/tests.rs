@@ -1,5 +1,10 @@
 //! Decoding of drawn photographs whose truth is a homography.
 
+mod centres;
+mod colours;
+mod lines;
+mod patterns;
+
 use image::{DynamicImage, Rgb, RgbImage};
 use nalgebra::Matrix3;
 use rand::SeedableRng;

@@ -106,6 +106,25 @@ mod tests {
     }
 
     #[test]
+    fn windows_are_unique_for_all_hues_and_orders_that_patterns_offer() {
+        for hues in 2..=12_u64 {
+            for order in (1..).take_while(|&o| hues.pow(o) <= MAX_LENGTH) {
+                let mut s = de_bruijn(hues as u32, order).unwrap();
+                // As patterns lay it out: with its head again at the end.
+                s.extend_from_within(..order as usize - 1);
+                let window = |w: &[u8]| w.iter().fold(0, |n, &c| n * hues + u64::from(c));
+                let mut seen = vec![false; hues.pow(order) as usize];
+                for w in s.windows(order as usize) {
+                    let at = window(w) as usize;
+                    assert!(!std::mem::replace(&mut seen[at], true), "{hues} hues, order {order}");
+                }
+                assert!(seen.iter().all(|&s| s), "{hues} hues, order {order}");
+            }
+            assert!(de_bruijn(hues as u32, 17).is_err());
+        }
+    }
+
+    #[test]
     fn the_window_of_a_sequence_is_its_order() {
         assert_eq!(unique_window(&de_bruijn(4, 3).unwrap()), 3);
         assert_eq!(unique_window(&de_bruijn(3, 4).unwrap()), 4);

@@ -1,0 +1,66 @@
+//! Time of decoding a frame in memory, on one thread, with a decoder that is used again. Run with
+//! `cargo bench -p slcal-core --features simulate --bench decode`.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use image::DynamicImage;
+use nalgebra::Point3;
+use slcal_core::decode::{DecodeConfig, DecodeInput, Decoder, decode};
+use slcal_core::geometry::Plane;
+use slcal_core::pattern::{StripeConfig, StripePattern};
+use slcal_core::photo::PhotoView;
+use slcal_core::reconstruct::{TriangulateConfig, Triangulator};
+use slcal_core::simulate::{Photographer, PoseConfig, RenderConfig, RigConfig, Scene, Shape, Shown, Surface};
+use slcal_core::{PointCloud, Rig};
+
+/// A ball before a wall, with the noise of a good camera: photographs with stripes, black and white.
+fn photographs(camera: [u32; 2]) -> (Rig, StripePattern, [DynamicImage; 3]) {
+    let default = RigConfig::default();
+    let scale = f64::from(camera[0]) / f64::from(default.camera[0]);
+    let config = RigConfig { camera, camera_focal_px: default.camera_focal_px * scale, ..default };
+    let rig = Scene::new(&config, &[PoseConfig::tilted(0.0, 0.0)]).expect("a scene").rig();
+    let ball = Shape::Sphere { centre: Point3::new(0.0, 0.0, 1050.0), radius_mm: 200.0 };
+    let wall = Plane::from_point_normal(&Point3::new(0.0, 0.0, 1200.0), nalgebra::Vector3::z());
+    let surfaces = [Surface::object(ball), Surface::around(Shape::Plane(wall.expect("a plane")), 0.5)];
+    let photographer = Photographer::new(&rig, &surfaces, &RenderConfig::default()).expect("a rig");
+    let stripes = StripePattern::new(config.projector, &StripeConfig::default()).expect("a pattern");
+    let picture = stripes.image().expect("a picture");
+    let mut frame = 0;
+    let photos = [Shown::Picture(&picture), Shown::Black, Shown::White].map(|shown| {
+        frame += 1;
+        photographer.photograph(shown, frame).expect("a photograph")
+    });
+    (rig, stripes, photos)
+}
+
+fn decoding(c: &mut Criterion) {
+    let mut group = c.benchmark_group("decode");
+    group.sample_size(20);
+    for [width, height] in [[1280, 960], [2560, 1920]] {
+        let (rig, stripes, photos) = photographs([width, height]);
+        let [photo, black, white] = photos.each_ref().map(|p| PhotoView::try_from(p).expect("8 bit RGB"));
+        let alone = DecodeInput { photo, black: None, white: None };
+        let three = DecodeInput { photo, black: Some(black), white: Some(white) };
+        group.throughput(Throughput::Elements(u64::from(width) * u64::from(height)));
+        for (name, input) in [("one frame", &alone), ("with black and white frames", &three)] {
+            let mut decoder = Decoder::new(&stripes, DecodeConfig::default()).expect("a pattern");
+            group.bench_function(format!("{width}x{height}/{name}"), |b| {
+                b.iter(|| decoder.decode(input).expect("stripes").matches.items.len());
+            });
+        }
+        group.bench_function(format!("{width}x{height}/one frame, decoder made anew"), |b| {
+            b.iter(|| {
+                decode(photo, &stripes, &DecodeConfig::default()).expect("stripes").matches.items.len()
+            });
+        });
+        let matches = decode(photo, &stripes, &DecodeConfig::default()).expect("stripes").matches;
+        let mut triangulator = Triangulator::new(&rig, TriangulateConfig::default()).expect("a rig");
+        let mut cloud = PointCloud::default();
+        group.bench_function(format!("{width}x{height}/triangulation after it"), |b| {
+            b.iter(|| triangulator.triangulate(&matches, &mut cloud));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, decoding);
+criterion_main!(benches);

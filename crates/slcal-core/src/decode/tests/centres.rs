@@ -1,0 +1,166 @@
+//! Centres against maps from projector to image that are known.
+
+use rand::SeedableRng;
+use rand_distr::{Distribution, Normal};
+
+use super::super::align::NONE;
+use super::super::centres::{Centre, SigmaWork, Spacing, locate, measure_half_width, measure_sigma};
+use super::super::curves::Curves;
+use super::super::number::Vote;
+use super::super::stripes::Crossing;
+
+/// Slits 8 px wide, 16 px apart.
+const PERIOD: f64 = 16.0;
+const HALF: f64 = 4.0;
+
+fn crossing(left: f64, right: f64) -> Crossing {
+    Crossing {
+        left: left as f32,
+        right: right as f32,
+        color: [0.5; 3],
+        edge_sigma: 0.05,
+        color_sigma: 0.01,
+        saturated: false,
+    }
+}
+
+/// The edges of `n` slits where `u` maps projector columns to.
+fn edges(n: usize, u: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+    (0..n).map(|k| PERIOD * k as f64).map(|x| [u(x - HALF), u(x + HALF)]).collect()
+}
+
+/// All crossings of lines, the k-th of each being slit k, and their centres.
+struct Scene {
+    curves: Curves,
+    votes: Vec<Vote>,
+    gaps: Vec<f32>,
+    half_px: f32,
+    centres: Vec<Centre>,
+}
+
+fn scene(lines: &[Vec<[f64; 2]>]) -> Scene {
+    let (mut curves, mut votes) = (Curves::default(), Vec::new());
+    curves.clear();
+    for line in lines {
+        curves.crossings.extend(line.iter().map(|e| crossing(e[0], e[1])));
+        curves.lines.push(curves.crossings.len() as u32);
+        votes.extend((0..line.len()).map(|k| Vote { label: k as u16, support: 1.0 }));
+    }
+    curves.link();
+    let gaps = vec![PERIOD as f32; lines[0].len() - 1];
+    let (mut scratch, mut centres) = (Vec::new(), Vec::new());
+    let spacing = Spacing { gaps_px: &gaps, half_px: HALF as f32 };
+    let half_px = measure_half_width(&curves, &votes, &spacing, &mut scratch);
+    locate(&curves, &votes, &spacing, &mut scratch, &mut centres);
+    Scene { curves, votes, gaps, half_px, centres }
+}
+
+/// Largest errors of the centres and of the middles of the edges, over all slits but those at either end.
+fn worst(seen: &[[f64; 2]], centres: &[Centre], u: impl Fn(f64) -> f64) -> (f64, f64) {
+    let inner = 1..seen.len() - 1;
+    let error = |k: usize, at: f64| (at - u(PERIOD * k as f64)).abs();
+    let of = |f: &dyn Fn(usize) -> f64| inner.clone().map(f).fold(0.0, f64::max);
+    (of(&|k| error(k, f64::from(centres[k].u))), of(&|k| error(k, 0.5 * (seen[k][0] + seen[k][1]))))
+}
+
+#[test]
+fn the_centre_is_exact_to_third_order() {
+    let u = |x: f64| 30.0 + 1.5 * x + 2e-3 * x * x + 4e-6 * x.powi(3);
+    let seen = edges(20, u);
+    let s = scene(std::slice::from_ref(&seen));
+    let (polynomial, middle) = worst(&seen, &s.centres, u);
+    // What is left is the rounding of positions to 24 bits.
+    assert!(polynomial < 2e-4 && middle > 0.08, "{polynomial} {middle}");
+    // At either end edges are there on one side only.
+    for k in [0, 19] {
+        let error = f64::from(s.centres[k].u) - u(PERIOD * k as f64);
+        assert!(!s.centres[k].cut && error.abs() < 0.02, "{error}");
+    }
+}
+
+#[test]
+fn on_a_strongly_curved_surface_it_is_far_better_than_the_middle_of_the_edges() {
+    // A cylinder seen from the side: its scale falls to a third towards its outlines.
+    let u = |x: f64| 500.0 + 400.0 * ((x - 304.0) / 250.0).sin();
+    let seen = edges(39, u);
+    let s = scene(std::slice::from_ref(&seen));
+    assert!(s.centres.iter().all(|c| !c.cut));
+    let (polynomial, middle) = worst(&seen, &s.centres, u);
+    assert!(polynomial < 2e-3 && middle > 0.04, "{polynomial} {middle}");
+}
+
+#[test]
+fn a_stripe_that_an_outline_cuts_is_told_whichever_side_it_lacks() {
+    let whole = edges(15, |x| 20.0 + 2.0 * x);
+    for lost in [1.5, 2.5, 4.0, 6.0, 9.0] {
+        for side in [0, 1] {
+            let mut seen = whole.clone();
+            seen[7][side] += if side == 0 { lost } else { -lost };
+            let s = scene(std::slice::from_ref(&seen));
+            let cut: Vec<usize> = (0..15).filter(|&k| s.centres[k].cut).collect();
+            assert_eq!(cut, [7], "{lost} px off side {side}");
+            assert!(s.centres[7].u.is_nan());
+        }
+    }
+}
+
+#[test]
+fn a_fold_in_a_gap_does_not_cut_the_stripes_beside_it() {
+    // The scale doubles in the middle of the gap behind slit 6.
+    let fold = 6.5 * PERIOD;
+    let u = |x: f64| 20.0 + 1.5 * x + 1.5 * (x - fold).max(0.0);
+    let seen = edges(14, u);
+    let s = scene(std::slice::from_ref(&seen));
+    assert!(s.centres.iter().all(|c| !c.cut));
+    // Away from the fold all edges lie on one plane. Beside it, the narrower stripe is held against its own side.
+    for k in (0..14).filter(|&k| k != 7) {
+        let error = f64::from(s.centres[k].u) - u(PERIOD * k as f64);
+        assert!(error.abs() < 1e-3, "{error} at {k}");
+    }
+}
+
+#[test]
+fn the_width_of_the_slits_is_measured_as_photographed() {
+    // Light spills over by 0.7 projector px to either side.
+    let seen: Vec<[f64; 2]> =
+        edges(12, |x| 3.0 * x).iter().map(|e| [e[0] - 3.0 * 0.7, e[1] + 3.0 * 0.7]).collect();
+    let half = scene(&[seen]).half_px;
+    assert!((half - 4.7).abs() < 1e-3, "{half}");
+    // No slit has neighbours on both sides: what was drawn must do.
+    assert!((scene(&[edges(2, |x| 3.0 * x)]).half_px - 4.0).abs() < 1e-6);
+}
+
+#[test]
+fn sigma_is_the_scatter_of_the_centres_whatever_was_predicted() {
+    let u = |x: f64| 30.0 + 1.5 * x + 1e-3 * x * x;
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+    for truth in [0.02, 0.05, 0.12] {
+        let noise = Normal::new(0.0, truth).unwrap();
+        let lines: Vec<_> = (0..150)
+            .map(|_| edges(20, u).into_iter().map(|e| e.map(|x| x + noise.sample(&mut rng))).collect())
+            .collect();
+        let mut s = scene(&lines);
+        measure_sigma(&s.curves, &s.votes, 12, &mut SigmaWork::default(), &mut s.centres);
+        let ratios: Vec<f64> = s
+            .centres
+            .iter()
+            .enumerate()
+            .filter(|(i, c)| (2..18).contains(&(i % 20)) && !c.cut)
+            .map(|(i, c)| (f64::from(c.u) - u(PERIOD * (i % 20) as f64)) / f64::from(c.sigma))
+            .collect();
+        assert!(ratios.len() > 2300, "{}", ratios.len());
+        let within = ratios.iter().filter(|r| r.abs() < 1.0).count() as f64 / ratios.len() as f64;
+        assert!((0.65..0.71).contains(&within), "{within} within σ of {truth}");
+    }
+}
+
+#[test]
+fn what_has_no_number_has_no_centre() {
+    let mut s = scene(&[edges(5, |x| 2.0 * x)]);
+    s.votes[2].label = NONE;
+    let spacing = Spacing { gaps_px: &s.gaps, half_px: HALF as f32 };
+    locate(&s.curves, &s.votes, &spacing, &mut Vec::new(), &mut s.centres);
+    assert!(s.centres[2].u.is_nan() && s.centres[1].u.is_finite());
+    locate(&Curves::default(), &[], &spacing, &mut Vec::new(), &mut s.centres);
+    assert!(s.centres.is_empty());
+}
