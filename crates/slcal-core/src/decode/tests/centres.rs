@@ -14,14 +14,7 @@ const PERIOD: f64 = 16.0;
 const HALF: f64 = 4.0;
 
 fn crossing(left: f64, right: f64) -> Crossing {
-    Crossing {
-        left: left as f32,
-        right: right as f32,
-        color: [0.5; 3],
-        edge_sigma: 0.05,
-        color_sigma: 0.01,
-        saturated: false,
-    }
+    Crossing { left: left as f32, right: right as f32, height: 0.5, edge_sigma: 0.05, hint: [0.577; 3] }
 }
 
 /// The edges of `n` slits where `u` maps projector columns to.

@@ -9,7 +9,7 @@ use super::super::config::DecodeInput;
 use super::super::lines::{Line, LineReader, Scan, Tables};
 use super::super::noise::Noise;
 use super::super::scale::{LookScratch, look};
-use super::super::stripes::{Scale, Scratch, find};
+use super::super::stripes::{Crossing, Scale, Scratch, find};
 use crate::photo::{Encoding, PhotoView};
 
 /// The integral up to x of a step at zero blurred by a Gaussian: σ (z Φ(z) + φ(z)), z = x/σ.
@@ -45,6 +45,14 @@ fn noise_of(sigma: f64) -> Noise {
     noise
 }
 
+/// The stripes of a line, and how many hills were none.
+fn crossings(line: &Line, edge: usize, noise: f64) -> (Vec<Crossing>, usize) {
+    let (scale, mut found) = (Scale { smoothing: 0, edge }, Vec::new());
+    let color = |x: usize| line.rgb.get(x).copied().unwrap_or([0.0; 3]);
+    let weak = find(line, scale, &noise_of(noise), &mut Scratch::default(), color, &mut found, None);
+    (found, weak)
+}
+
 #[test]
 fn edges_are_measured_without_bias_whatever_blur_and_phase() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -56,10 +64,8 @@ fn edges_are_measured_without_bias_whatever_blur_and_phase() {
             let stripes: Vec<[f64; 2]> =
                 (0..6).map(|k| 20.0 + phase + 2.0 * width * f64::from(k)).map(|l| [l, l + width]).collect();
             let line = line((13.0 * width) as usize + 40, &stripes, sigma, &mut rng, 0.0);
-            let mut found = Vec::new();
-            let scale = Scale { smoothing: 0, edge };
-            assert_eq!(find(&line, scale, &noise_of(1e-3), &mut Scratch::default(), &mut found), 0);
-            assert_eq!(found.len(), 6);
+            let (found, weak) = crossings(&line, edge, 1e-3);
+            assert_eq!((found.len(), weak), (6, 0));
             for (c, truth) in found.iter().zip(&stripes) {
                 for (at, truth) in [(c.left, truth[0]), (c.right, truth[1])] {
                     let error = f64::from(at) - truth;
@@ -81,9 +87,7 @@ fn the_predicted_sigma_of_an_edge_is_what_noise_makes_of_it() {
     let (mut squares, mut predicted, mut n) = (0.0, 0.0, 0.0);
     for _ in 0..500 {
         let line = line(80, &stripes, 0.8, &mut rng, noise);
-        let mut found = Vec::new();
-        let scale = Scale { smoothing: 0, edge: 3 };
-        find(&line, scale, &noise_of(noise), &mut Scratch::default(), &mut found);
+        let (mut found, _) = crossings(&line, 3, noise);
         // A wiggle of the dark between them is no matter here.
         found.retain(|c| c.width() > 6.0);
         assert_eq!(found.len(), 2);
