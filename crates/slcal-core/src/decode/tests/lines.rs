@@ -89,7 +89,7 @@ fn the_predicted_sigma_of_an_edge_is_what_noise_makes_of_it() {
         let line = line(80, &stripes, 0.8, &mut rng, noise);
         let (mut found, _) = crossings(&line, 3, noise);
         // A wiggle of the dark between them is no matter here.
-        found.retain(|c| c.width() > 6.0);
+        found.retain(|c| c.height > 0.4);
         assert_eq!(found.len(), 2);
         for (c, truth) in found.iter().zip(&stripes) {
             squares += (f64::from(c.left) - truth[0]).powi(2) + (f64::from(c.right) - truth[1]).powi(2);
