@@ -21,6 +21,8 @@ const MIN_CUT_SHARE_AT_END: f32 = 0.12;
 const MAX_WIDE_SHARE: f32 = 0.15;
 /// Scatter of widths in units of which a cut must stand out.
 const CUT_SIGMAS: f32 = 4.0;
+/// What sampling and blur may make of the width of a stripe, px; much of a narrow one.
+const EDGES_PX: f32 = 0.15;
 /// Share of the change of scale from one side to the other by which the expected width is uncertain.
 const CURVED: f32 = 0.5;
 
@@ -139,10 +141,10 @@ impl Scales {
     }
 
     /// Who bears out that the stripe is whole; on a surface with a fold in the gap beside it, only the other side can.
-    fn witness(&self, scatter: f32) -> Option<Witness> {
+    fn witness(&self, scatter: f32, width_px: f32) -> Option<Witness> {
         // How much of what is tolerated a misfit takes.
         let strain = |(misfit, slack): (f32, f32), least: f32| {
-            let narrow = least.max(CUT_SIGMAS * scatter) + slack;
+            let narrow = least.max(CUT_SIGMAS * scatter) + slack + EDGES_PX / width_px;
             if misfit < 0.0 { -misfit / narrow } else { misfit / (narrow + MAX_WIDE_SHARE) }
         };
         if self.between().is_some_and(|m| strain(m, MIN_CUT_SHARE) < 1.0) {
@@ -206,7 +208,7 @@ pub(super) fn locate(
     out.resize(curves.crossings.len(), Centre { u: f32::NAN, sigma: 0.0, cut: false });
     each(1, &mut |i, mut n, scales| {
         // A stripe alone on its surface may be cut or not: nothing tells.
-        let witness = scales.witness(scatter);
+        let witness = scales.witness(scatter, n.own.width());
         let (u, gain) = match witness {
             Some(Witness::Side(side, strain)) => {
                 *(if side == 0 { &mut n.after } else { &mut n.before }) = None;

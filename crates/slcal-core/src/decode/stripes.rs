@@ -148,7 +148,9 @@ fn measure(
 fn paint(line: &Line, hill: Hill, c: &Crossing, noise: &Noise) -> Paint {
     let width = c.width();
     let core = mean(&line.rgb, c.left + 0.25 * width, c.right - 0.25 * width);
-    let beside = |x: u32| mean(&line.rgb, x as f32 - 1.0, x as f32 + 1.0);
+    // A gap about as wide as the stripe: a narrow one has a single dark pixel.
+    let reach = (0.2 * width).min(1.0);
+    let beside = |x: u32| mean(&line.rgb, x as f32 - reach, x as f32 + reach);
     let (left, right) = (beside(hill.before), beside(hill.after));
     // A side that is as bright as the stripe is no dark band (an outline, or a neighbour that is too close).
     let half = 0.5 * total(core);
