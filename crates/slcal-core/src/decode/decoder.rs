@@ -22,6 +22,8 @@ use crate::photo::Encoding;
 const BANDS: usize = 16;
 /// The scatter of centres is counted over this many stripe widths along a curve to either side.
 const SIGMA_WIDTHS: f32 = 3.0;
+/// Share of the score of a perfect fit above which nothing better is sought.
+const GOOD_FIT: f64 = 0.75;
 /// Lines one way are across the stripes when what looks like stripes is closer together there, unless there is less than
 /// this share of what is seen the other way.
 const COVERED_SHARE: f64 = 0.4;
@@ -164,8 +166,7 @@ impl Decoder {
 
         let ratio = self.period_in_widths;
         self.numbers.choose(&mut self.curves, aligned, width);
-        self.numbers.learn_hues(&self.palette, &self.pattern.sequence);
-        let (reversed, fit) = try_pattern(&mut self.numbers, &self.curves, &mut self.candidates, ratio)?;
+        let (reversed, fit) = self.recognise()?;
         let slits = self.candidates.slits(reversed);
         self.numbers.number(&self.curves, Code { slits, period_per_width: ratio });
 
@@ -200,6 +201,29 @@ impl Decoder {
         report.reversed = reversed;
         report.turned = (reader.scan == Scan::Rows) != (self.pattern.axis == Axis::Columns);
         self.collect(reader)
+    }
+
+    /// Learns the hues and tries the pattern with them: balanced against the pattern's, which suits most photographs, and
+    /// when that does not fit well also as drawn.
+    fn recognise(&mut self) -> Result<(bool, f64)> {
+        let balanced = self.try_hues(true);
+        let perfect = (self.palette.len() as f64).ln() + 1.0;
+        if balanced.as_ref().is_ok_and(|found| found.1 > GOOD_FIT * perfect) {
+            return balanced;
+        }
+        let drawn = self.try_hues(false);
+        match (&balanced, &drawn) {
+            (Ok(a), Ok(b)) if a.1 <= b.1 => drawn,
+            (Err(_), Ok(_)) => drawn,
+            // Once more: the other try has moved the hues.
+            (Ok(_), _) => self.try_hues(true),
+            (Err(_), Err(_)) => balanced,
+        }
+    }
+
+    fn try_hues(&mut self, balanced: bool) -> Result<(bool, f64)> {
+        self.numbers.learn_hues(&self.palette, &self.pattern.sequence, balanced);
+        try_pattern(&mut self.numbers, &self.curves, &mut self.candidates, self.period_in_widths)
     }
 
     /// All stripes of all lines; returns how many bright bands were none.

@@ -62,9 +62,10 @@ fn squared_angle(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 impl Hues {
-    /// The palette's own directions, with the camera's colour balance matched to that of the samples: over all of them, the
-    /// channels must have the shares that they have over the pattern.
-    pub(super) fn seed(&mut self, palette: &[[f32; 3]], sequence: &[u8], samples: &[Sample]) {
+    /// The palette's own directions; when `balanced`, with the camera's colour balance matched to that of the samples: over
+    /// all of them, the channels must have the shares that they have over the pattern. That goes wrong where a part of the
+    /// pattern is seen in which one hue prevails.
+    pub(super) fn seed(&mut self, palette: &[[f32; 3]], sequence: &[u8], samples: &[Sample], balanced: bool) {
         let grey = [1.0 / 3.0_f32.sqrt(); 3];
         self.directions.clear();
         self.directions.extend(palette.iter().map(|&c| unit(c).unwrap_or(grey)));
@@ -77,7 +78,7 @@ impl Hues {
         }
         let expected = unit(sum).unwrap_or(grey);
         let mut gain = [1.0_f32; 3];
-        for _ in 0..BALANCE_ROUNDS {
+        for _ in 0..if balanced { BALANCE_ROUNDS } else { 0 } {
             let mut sum = [1e-6_f32; 3];
             for s in samples {
                 add(&mut sum, unit(std::array::from_fn(|k| s.unit[k] * gain[k])).unwrap_or([0.0; 3]));

@@ -125,8 +125,8 @@ impl Numbers {
     }
 
     /// Learns the hues without knowing any number.
-    pub(super) fn learn_hues(&mut self, palette: &[[f32; 3]], sequence: &[u8]) {
-        self.hues.seed(palette, sequence, &self.seen);
+    pub(super) fn learn_hues(&mut self, palette: &[[f32; 3]], sequence: &[u8], balanced: bool) {
+        self.hues.seed(palette, sequence, &self.seen, balanced);
         self.hues.learn(&self.samples, None);
     }
 

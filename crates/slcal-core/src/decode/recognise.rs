@@ -11,8 +11,8 @@ const LINES: usize = 16;
 /// Difference between the strongest and the weakest channel, as a share of the strongest, below which a photograph is
 /// grey.
 const MIN_SATURATION: f32 = 0.15;
-/// Another code of the same kind, tried on the same stripes, reaches up to two thirds of the right one's score by chance.
-const MIN_OVER_DECOY: f32 = 1.25;
+/// The right code scores 2.5 times as much as its decoys on the same stripes; a wrong one, by chance, up to 1.3 times.
+const MIN_OVER_DECOY: f32 = 1.5;
 /// Score per crossing below which even the best code does not fit, in nats: a perfect fit has ln(hues) + 1, photographs
 /// without the pattern 0.2, and clutter among the crossings dilutes it.
 const MIN_FIT: f32 = 0.35;

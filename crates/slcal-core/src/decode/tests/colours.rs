@@ -59,7 +59,7 @@ fn hues_are_learned_as_the_camera_sees_them() {
     for (hues, order) in [(3, 4), (4, 3), (5, 3)] {
         let d = draw(hues, order, 0.01);
         let mut learned = Hues::default();
-        learned.seed(&d.palette, &d.sequence, &d.samples);
+        learned.seed(&d.palette, &d.sequence, &d.samples, true);
         learned.learn(&d.samples, None);
         for (seen, drawn) in learned.directions.iter().zip(&d.light) {
             let off = angle(*seen, unit(*drawn).unwrap());
@@ -83,7 +83,7 @@ fn brightness_of_hues_is_that_of_neighbours_on_one_surface() {
     for (hues, order) in [(3, 4), (4, 3), (5, 3)] {
         let d = draw(hues, order, 0.005);
         let mut learned = Hues::default();
-        learned.seed(&d.palette, &d.sequence, &d.samples);
+        learned.seed(&d.palette, &d.sequence, &d.samples, true);
         let labels: Vec<u8> = (0..d.samples.len()).map(|i| d.sequence[i % d.sequence.len()]).collect();
         learned.learn(&d.samples, Some(&labels));
         let sums: Vec<f32> = d.light.iter().map(|c| c.iter().sum()).collect();
@@ -98,7 +98,7 @@ fn brightness_of_hues_is_that_of_neighbours_on_one_surface() {
 fn nothing_is_learned_from_nothing() {
     let d = draw(4, 3, 0.01);
     let mut learned = Hues::default();
-    learned.seed(&d.palette, &d.sequence, &[]);
+    learned.seed(&d.palette, &d.sequence, &[], true);
     let before = learned.directions.clone();
     learned.learn(&[], None);
     learned.learn(&d.samples, Some(&vec![NO_HUE; d.samples.len()]));
