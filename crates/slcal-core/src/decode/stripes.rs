@@ -60,6 +60,8 @@ pub(super) struct Scale {
 
 /// An edge must carry this share of the hill's height.
 const MIN_EDGE_SHARE: f32 = 0.4;
+/// The edges of a clipped stripe tell its hue when they have this share of its light.
+const MIN_FLANK: f32 = 0.15;
 /// Edges closer than this are one.
 const MIN_WIDTH_PX: f32 = 0.5;
 /// Height over the noise of a pixel below which a stripe is dropped.
@@ -164,7 +166,8 @@ fn paint(line: &Line, hill: Hill, c: &Crossing, noise: &Noise) -> Paint {
     let light = total(color).max(f32::MIN_POSITIVE);
     let saturated = line.is_clipped((c.middle() + 0.5).max(0.0) as usize);
     // A clipped core has lost its hue; the edges, where the light comes up from the dark, still have it.
-    let hue = if saturated { flanks(line, c.left, c.right).map(above) } else { None };
+    let lit = |c: &[f32; 3]| total(*c) > MIN_FLANK * light;
+    let hue = if saturated { flanks(line, c.left, c.right).map(above).filter(lit) } else { None };
     let pixels = (0.5 * width).max(1.0);
     Paint {
         unit: unit(hue.unwrap_or(color)).unwrap_or([0.0; 3]),

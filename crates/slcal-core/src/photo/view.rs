@@ -169,7 +169,7 @@ impl<'a> PhotoView<'a> {
             (Samples::U8(s), Some(t)) if channels == 3 => {
                 let light = |c: u8| t[usize::from(c)];
                 for (o, p) in out.iter_mut().zip(s[range].as_chunks::<3>().0) {
-                    *o = light(p[0]) + light(p[1]) + light(p[2]);
+                    *o = light(p[r]) + light(p[g]) + light(p[b]);
                 }
             }
             (Samples::U8(s), _) => {

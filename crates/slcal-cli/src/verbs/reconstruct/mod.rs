@@ -160,7 +160,8 @@ impl Job<'_> {
         let jobs = self.args.jobs.map_or_else(cores, usize::from).min(count.unwrap_or(usize::MAX));
         let mut workers = Vec::new();
         for _ in 0..jobs {
-            let mut scanner = Reconstructor::new(self.rig, self.pattern, config).in_file(&self.args.rig)?;
+            let mut scanner =
+                Reconstructor::new(self.rig, self.pattern, config).in_file(&self.args.input.pattern)?;
             workers.push(move |frame: Frame| self.work(frame, &mut scanner));
         }
         let mut told = Told::new(self.args, printer, count);
