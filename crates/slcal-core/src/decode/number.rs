@@ -25,6 +25,8 @@ const MIN_SUPPORT: f32 = 0.4;
 const SURFACE_REACH: usize = 6;
 const MIN_SURFACE: usize = 6;
 const MIN_CHANNEL: f32 = 0.08;
+/// It is sought for every so many stripes.
+const SURFACE_STEP: usize = 3;
 /// Rounds in which it is sought, and the change of a channel at which it is found.
 const SURFACE_ROUNDS: usize = 5;
 const SURFACE_TOLERANCE: f32 = 0.05;
@@ -222,16 +224,20 @@ impl Numbers {
                     change(counts, label(ballot(at)), 1);
                 }
             }
+            let mut vote = None;
             for at in 0..curve.len() {
                 if at + reach < curve.len() && ballot(at + reach) != u32::MAX {
                     seats += 1;
                     change(counts, label(ballot(at + reach)), 1);
+                    vote = None;
                 }
                 if at > reach && ballot(at - reach - 1) != u32::MAX {
                     seats -= 1;
                     change(counts, label(ballot(at - reach - 1)), -1);
+                    vote = None;
                 }
-                self.votes[curve[at] as usize] = winner(counts, seats);
+                // Counted again when the window has changed, which it seldom has.
+                self.votes[curve[at] as usize] = *vote.get_or_insert_with(|| winner(counts, seats));
             }
         }
     }
@@ -254,19 +260,27 @@ impl Numbers {
         let number = |at: usize| self.votes[self.chosen[at] as usize].label;
         let hue = |at: usize| self.hue_labels[at];
         let joined = |at: usize| number(at) != NONE && number(at).wrapping_add(1) == number(at + 1);
+        // What was found for a stripe, which does for its next neighbours on the surface.
+        let (mut known, mut found) = (0, None);
         for at in line.clone() {
             self.samples[at] = self.seen[at];
+            if at > line.start && !joined(at - 1) {
+                known = at;
+            }
             if hue(at) == NO_HUE {
                 continue;
             }
-            let (mut from, mut to) = (at, at);
-            while from > line.start && at - from < SURFACE_REACH && joined(from - 1) {
-                from -= 1;
+            if at >= known {
+                let (mut from, mut to) = (at, at);
+                while from > line.start && at - from < SURFACE_REACH && joined(from - 1) {
+                    from -= 1;
+                }
+                while to + 1 < line.end && to - at < SURFACE_REACH && joined(to) {
+                    to += 1;
+                }
+                (known, found) = (at + SURFACE_STEP, self.surface_gain(from..=to));
             }
-            while to + 1 < line.end && to - at < SURFACE_REACH && joined(to) {
-                to += 1;
-            }
-            if let Some(gain) = self.surface_gain(from..=to)
+            if let Some(gain) = found
                 && let Some(direction) = self.hues.directions.get(usize::from(hue(at)))
             {
                 let own = self.seen[at];
@@ -293,7 +307,8 @@ impl Numbers {
         for _ in 0..SURFACE_ROUNDS {
             let mut seen = [0.0_f32; 3];
             for at in stripes.clone().filter(|at| hue(at).is_some()) {
-                let unit = divided(self.seen[at].unit, gain);
+                let own = self.seen[at].unit;
+                let unit = if gain == [1.0; 3] { own } else { divided(own, gain) };
                 seen = std::array::from_fn(|k| seen[k] + unit[k]);
             }
             if n < MIN_SURFACE || expected.iter().chain(&seen).any(|&x| x < least) {

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::pattern::StripePattern;
 
 /// Lines on which the pattern and its decoys are tried.
-const LINES: usize = 16;
+const LINES: usize = 10;
 /// Difference between the strongest and the weakest channel, as a share of the strongest, below which a photograph is
 /// grey.
 const MIN_SATURATION: f32 = 0.15;

@@ -6,7 +6,7 @@ use super::noise::Noise;
 use super::stripes::{Scale, Scratch, hills_of};
 
 /// Lines looked at.
-const LINES: usize = 16;
+const LINES: usize = 12;
 /// Neighbouring stripes are about as far apart as the next ones: within this ratio, blur and slant included.
 const REGULAR: f32 = 1.7;
 /// The least smoothing that sees this share of what the best one sees is taken.
