@@ -8,6 +8,7 @@ use super::align::NONE;
 use super::curves::Curves;
 use super::number::Vote;
 use super::stripes::Crossing;
+use crate::solve::median_f32;
 
 /// Scales (image px per projector px) of a stripe and of the gap beside it differ by less than this factor on one
 /// surface.
@@ -178,7 +179,7 @@ pub(super) fn measure_half_width(
             }
         }
     }
-    let half = middle(scratch).unwrap_or(spacing.half_px);
+    let half = median_f32(scratch).unwrap_or(spacing.half_px);
     if half.is_finite() { half.clamp(0.5 * spacing.half_px, 1.7 * spacing.half_px) } else { spacing.half_px }
 }
 
@@ -203,23 +204,20 @@ pub(super) fn locate(
     scratch.clear();
     each(SAMPLED, &mut |_, _, scales| scratch.extend(scales.between().map(|m| m.0.abs())));
     // The median of |x| of a normal variable.
-    let scatter = middle(scratch).unwrap_or(0.0) / 0.6745;
+    let scatter = median_f32(scratch).unwrap_or(0.0) / 0.6745;
     out.clear();
     out.resize(curves.crossings.len(), Centre { u: f32::NAN, sigma: 0.0, cut: false });
-    each(1, &mut |i, mut n, scales| {
+    each(1, &mut |i, n, scales| {
         // A stripe alone on its surface may be cut or not: nothing tells.
-        let witness = scales.witness(scatter, n.own.width());
+        let Some(witness) = scales.witness(scatter, n.own.width()) else {
+            out[i].cut = true;
+            return;
+        };
         let (u, gain) = match witness {
-            Some(Witness::Side(side, strain)) => {
-                *(if side == 0 { &mut n.after } else { &mut n.before }) = None;
-                at_end(&n, side, strain, spacing)
-            }
-            _ => interpolate(&n, spacing),
+            Witness::Both => interpolate(&n, spacing),
+            Witness::Side(side, strain) => at_end(&n, side, strain, spacing),
         };
-        out[i] = match witness {
-            Some(_) => Centre { u, sigma: gain * n.own.edge_sigma, cut: false },
-            None => Centre { u: f32::NAN, sigma: 0.0, cut: true },
-        };
+        out[i] = Centre { u, sigma: gain * n.own.edge_sigma, cut: false };
     });
 }
 
@@ -245,7 +243,8 @@ fn at_end(n: &Neighbourhood, side: usize, strain: f32, spacing: &Spacing<'_>) ->
     let (Some(other), sign) =
         (if side == 0 { n.before } else { n.after }, if side == 0 { -1.0 } else { 1.0 })
     else {
-        return interpolate(n, spacing);
+        // Beside a fold not even the neighbour that bears the width out has an edge to add.
+        return interpolate(&Neighbourhood { before: None, after: None, ..*n }, spacing);
     };
     let (half, gap) = (spacing.half_px, n.gap_px(side, spacing));
     let (inner, outer) = if side == 0 { (n.own.left, n.own.right) } else { (n.own.right, n.own.left) };
@@ -313,7 +312,7 @@ pub(super) fn measure_sigma(
         }
     }
     // The median of the square of a normal variable; some prediction must do where no five slits stand side by side.
-    let usual = middle(scratch).map_or(1.0, |m| (m / 0.455).clamp(0.01, 100.0));
+    let usual = median_f32(scratch).map_or(1.0, |m| (m / 0.455).clamp(0.01, 100.0));
     for curve in curves.iter() {
         sums.clear();
         sums.push((0.0, 0.0));
@@ -343,9 +342,4 @@ pub(super) struct SigmaWork {
     ratios: Vec<f32>,
     scratch: Vec<f32>,
     sums: Vec<(f64, f64)>,
-}
-
-fn middle(values: &mut [f32]) -> Option<f32> {
-    let at = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(at, f32::total_cmp).1)
 }

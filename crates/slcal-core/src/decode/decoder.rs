@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::matches::Match;
 use crate::pattern::{Axis, StripePattern, unique_window};
 use crate::photo::Encoding;
+use crate::solve::median_f32;
 
 /// Parts into which a photograph's lines are cut; each can be searched by a thread of its own.
 const BANDS: usize = 16;
@@ -96,20 +97,13 @@ impl Decoder {
         })
     }
 
-    /// What the last successful call of [`Decoder::decode`] found.
-    #[must_use]
-    pub fn last(&self) -> &Decoding {
-        &self.out
-    }
-
     /// Changes the last report for another one, whose memory the next one will use.
     pub(crate) fn swap_report(&mut self, with: &mut super::DecodeReport) {
         std::mem::swap(&mut self.out.report, with);
     }
 
-    /// What the last successful call found, without a copy.
-    #[must_use]
-    pub fn into_last(self) -> Decoding {
+    /// What the last call found, when it was successful, without a copy.
+    pub(super) fn into_last(self) -> Decoding {
         self.out
     }
 
@@ -162,7 +156,7 @@ impl Decoder {
         check_color(&self.curves, &mut self.scratch)?;
         self.scratch.clear();
         self.scratch.extend(self.curves.crossings.iter().map(Crossing::width));
-        let width = middle(&mut self.scratch).unwrap_or(look.half_period_px);
+        let width = median_f32(&mut self.scratch).unwrap_or(look.half_period_px);
 
         let ratio = self.period_in_widths;
         self.numbers.choose(&mut self.curves, aligned, width);
@@ -243,7 +237,7 @@ impl Decoder {
                 } else {
                     reader.read_total(y, line);
                 }
-                let light_at = |x: usize| reader.light(y, x, line, colored);
+                let light_at = |x: usize| reader.light(y, x, line);
                 let paints = colored.then_some(paints);
                 band.weak += stripes::find(line, look.scale, noise, scratch, light_at, crossings, paints);
                 band.ends.push(band.crossings.len() as u32);
@@ -363,9 +357,4 @@ fn srgb(code: [f32; 3], encoding: Encoding) -> [u8; 3] {
         Encoding::Srgb => code.map(|c| byte(f64::from(c))),
         other => code.map(|c| byte(Encoding::Srgb.from_linear(other.to_linear(f64::from(c))))),
     }
-}
-
-fn middle(values: &mut [f32]) -> Option<f32> {
-    let at = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(at, f32::total_cmp).1)
 }

@@ -1,6 +1,7 @@
 //! Which hue a stripe has; the hues are learned from the photograph.
 
 use super::curves::unit;
+use crate::solve::median_f32;
 
 /// Angle between two colours of one hue, rad: what shading, interreflections and surfaces leave when noise is small.
 const MIN_SPREAD_RAD: f32 = 0.08;
@@ -165,11 +166,9 @@ impl Hues {
                 self.directions[h] = mean;
             }
         }
-        if !self.deviations.is_empty() {
-            let middle = self.deviations.len() / 2;
-            let (_, m, _) = self.deviations.select_nth_unstable_by(middle, f32::total_cmp);
+        if let Some(m) = median_f32(&mut self.deviations) {
             // The median of a squared deviation with two degrees of freedom is 1.39 σ².
-            self.spread_rad = (*m / 1.386).sqrt().clamp(MIN_SPREAD_RAD, MAX_SPREAD_RAD);
+            self.spread_rad = (m / 1.386).sqrt().clamp(MIN_SPREAD_RAD, MAX_SPREAD_RAD);
         }
     }
 

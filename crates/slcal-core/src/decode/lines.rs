@@ -128,12 +128,13 @@ impl<'a> LineReader<'a> {
         }
     }
 
-    /// The projector's light on a line, all channels together: what [`LineReader::read`] gives without its colours, which
-    /// are left as they were.
+    /// The projector's light on a line, all channels together: what [`LineReader::read`] gives, but where it is quicker
+    /// without the colours.
     pub(super) fn read_total(&self, line: usize, out: &mut Line) {
         let photo = &self.frames.photo;
         match (self.scan, self.tables.of(photo)) {
             (Scan::Rows, Some(table)) if !self.has_companion() => {
+                out.rgb.clear();
                 out.total.resize(self.length(), 0.0);
                 photo.linear_total_row(line, table, &mut out.total);
             }
@@ -141,14 +142,14 @@ impl<'a> LineReader<'a> {
         }
     }
 
-    /// The projector's light on a pixel of a line that was read into `line`, with or without its colours.
-    pub(super) fn light(&self, y: usize, at: usize, line: &Line, colored: bool) -> [f32; 3] {
+    /// The projector's light on a pixel of the row or column `y` that was read into `line`, with or without its colours.
+    pub(super) fn light(&self, y: usize, at: usize, line: &Line) -> [f32; 3] {
         let photo = &self.frames.photo;
-        match self.tables.of(photo) {
-            Some(table) if !colored && !self.has_companion() && self.scan == Scan::Rows => {
-                photo.linear_rgb(at, y, table)
-            }
-            _ => line.rgb.get(at).copied().unwrap_or([0.0; 3]),
+        match (line.rgb.get(at), self.tables.of(photo)) {
+            (Some(light), _) => *light,
+            // Rows of a photograph by itself are the only ones that are read without.
+            (None, Some(table)) if at < photo.width() && y < photo.height() => photo.linear_rgb(at, y, table),
+            _ => [0.0; 3],
         }
     }
 

@@ -5,6 +5,7 @@ use super::curves::Curves;
 use super::number::{Numbers, Vote};
 use crate::error::{Error, Result};
 use crate::pattern::StripePattern;
+use crate::solve::median_f32;
 
 /// Lines on which the pattern and its decoys are tried.
 const LINES: usize = 10;
@@ -27,9 +28,7 @@ pub(super) fn check_color(curves: &Curves, scratch: &mut Vec<f32>) -> Result<()>
         let (low, high) = c.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &c| (l.min(c), h.max(c)));
         (high - low) / high.max(f32::MIN_POSITIVE)
     }));
-    let middle = scratch.len() / 2;
-    let usual = scratch.get_mut(..).filter(|s| !s.is_empty());
-    let saturation = usual.map_or(0.0, |s| *s.select_nth_unstable_by(middle, f32::total_cmp).1);
+    let saturation = median_f32(scratch).unwrap_or(0.0);
     if saturation < MIN_SATURATION {
         return Err(Error::NotFound {
             what: "coloured stripes",
@@ -47,8 +46,8 @@ pub(super) fn check_color(curves: &Curves, scratch: &mut Vec<f32>) -> Result<()>
 }
 
 /// Refuses numbers that hold together no further than any code's do: on lines under another code, windows that occur in
-/// this one are found all over, but they do not continue. Half the numbered crossings of the right one stand in runs of
-/// more than the code's window and [`BEYOND_WINDOW`].
+/// this one are found all over, but they do not continue. Half the numbered crossings of the right one stand in runs as
+/// long as the code's window and [`BEYOND_WINDOW`] together.
 pub(super) fn check_runs(
     curves: &Curves,
     votes: &[Vote],
@@ -64,11 +63,7 @@ pub(super) fn check_runs(
             }
         }
     }
-    let middle = scratch.len() / 2;
-    let usual = scratch
-        .get_mut(..)
-        .filter(|s| !s.is_empty())
-        .map_or(0.0, |s| *s.select_nth_unstable_by(middle, f32::total_cmp).1);
+    let usual = median_f32(scratch).unwrap_or(0.0);
     if usual < (window + BEYOND_WINDOW) as f32 {
         return Err(Error::NotFound {
             what: "the pattern's code",

@@ -4,6 +4,7 @@ use super::hills::Hill;
 use super::lines::{Line, LineReader, Scan};
 use super::noise::Noise;
 use super::stripes::{Scale, Scratch, hills_of};
+use crate::solve::median_f32;
 
 /// Lines looked at.
 const LINES: usize = 12;
@@ -76,8 +77,8 @@ pub(super) fn look(reader: &LineReader<'_>, noise: &Noise, work: &mut LookScratc
     if (work.spacings.len() as f64) < MIN_PER_LINE * count as f64 {
         return None;
     }
-    let half_period_px = 0.5 * middle(&mut work.spacings)?;
-    let blur = middle(&mut work.sharpness).unwrap_or(1.0);
+    let half_period_px = 0.5 * median_f32(&mut work.spacings)?;
+    let blur = median_f32(&mut work.sharpness).unwrap_or(1.0);
     let by_width = ((SMOOTHING_SHARE * half_period_px - 1.0) / 2.0).round().max(0.0) as usize;
     let scale = Scale { smoothing: by_width.max(reach), edge: blur.round() as usize + 1 };
     Some(Look { scan: reader.scan, scale, half_period_px, covered_px })
@@ -99,9 +100,4 @@ fn edge_length(light: &[f32], hill: Hill) -> Option<f32> {
     let steepest = range.windows(2).map(|w| w[1] - w[0]).fold(0.0, f32::max);
     let height = range.last()? - range.first()?;
     (steepest > 0.0).then(|| height / steepest)
-}
-
-fn middle(values: &mut [f32]) -> Option<f32> {
-    let at = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(at, f32::total_cmp).1)
 }

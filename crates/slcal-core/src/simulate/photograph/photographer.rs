@@ -205,9 +205,5 @@ fn median_distance(stage: &Stage, truth: &Truth) -> f64 {
     let lit = truth.pixels.iter().filter(|p| p.is_lit());
     let mut distances: Vec<f64> =
         lit.map(|p| (nalgebra::Point3::from(p.point) - stage.lamp).norm()).collect();
-    let middle = distances.len() / 2;
-    if distances.is_empty() {
-        return 1.0;
-    }
-    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+    crate::solve::median(&mut distances).unwrap_or(1.0)
 }
