@@ -245,16 +245,16 @@ pub(crate) fn cloud(result: &Reconstruction) -> String {
     }
     line(&mut text, "points", &content);
     let t = &result.triangulate;
-    let refused = t.invalid + t.grazing + t.behind + t.outside_panel;
+    let refused = t.invalid + t.grazing + t.behind + t.outside_panel + t.contradicting;
     if refused + result.cull.outliers > 0 {
-        line(
-            &mut text,
-            "left out",
-            &format!(
-                "{} outliers; {} without coordinates, {} grazing, {} behind the devices, {} lit from outside the panel",
-                result.cull.outliers, t.invalid, t.grazing, t.behind, t.outside_panel
-            ),
+        let mut content = format!(
+            "{} outliers; {} without coordinates, {} grazing, {} behind the devices, {} lit from outside the panel",
+            result.cull.outliers, t.invalid, t.grazing, t.behind, t.outside_panel
         );
+        if t.contradicting > 0 {
+            let _ = write!(content, ", {} whose column and row contradict each other", t.contradicting);
+        }
+        line(&mut text, "left out", &content);
     }
     text
 }

@@ -24,6 +24,8 @@ pub(super) struct Light {
     bent: bool,
     least_sin2: f64,
     panel: [std::ops::RangeInclusive<f64>; 2],
+    /// How far column and row may lie from the light of their point, px.
+    margin: [f64; 2],
 }
 
 /// A coordinate on the panel as a function of the point, to first order: its gradient by the point in the projector's
@@ -36,8 +38,9 @@ pub(super) struct Coordinate {
     pub(super) h: Vector3<f64>,
     /// Change with the inverse depth at a fixed ray, px·mm.
     pub(super) slope: f64,
-    /// Its part in the result: one, or two that sum to one.
-    pub(super) weight: f64,
+    /// Change of the result, the inverse depth, with this coordinate, 1/(px·mm): the inverse of the slope, or its share by
+    /// least squares where column and row are both known (none for a coordinate that does not tell depth at all).
+    pub(super) gain: f64,
 }
 
 /// A point of light on a ray.
@@ -71,6 +74,7 @@ impl Light {
             bent: !projector.distortion.is_none(),
             least_sin2: min_angle_rad.sin().powi(2),
             panel: [side(projector.width), side(projector.height)],
+            margin: [projector.width, projector.height].map(|n| panel_margin * f64::from(n)),
         }
     }
 
@@ -106,13 +110,13 @@ impl Light {
                 }
             }
         }
-        self.check(q, &hit)?;
+        self.check(q, &hit, wanted)?;
         Ok(hit)
     }
 
-    /// Behind, grazing and outside the panel.
+    /// Behind, grazing, outside the panel, and column and row that contradict each other.
     #[inline(always)]
-    fn check(&self, q: &Vector3<f64>, hit: &Hit) -> Result<(), Refused> {
+    fn check(&self, q: &Vector3<f64>, hit: &Hit, wanted: [Option<f64>; 2]) -> Result<(), Refused> {
         let least = self.least_sin2 * q.norm_squared();
         if !hit.coordinates().any(|c| c.h.dot(q).powi(2) >= least * c.h.norm_squared()) {
             return Err(Refused::Grazing);
@@ -123,6 +127,11 @@ impl Light {
         let lit = self.pixel(hit.ideal);
         if !(self.panel[0].contains(&lit.x) && self.panel[1].contains(&lit.y)) {
             return Err(Refused::OutsidePanel);
+        }
+        if let [Some(column), Some(row)] = wanted
+            && !((lit.x - column).abs() <= self.margin[0] && (lit.y - row).abs() <= self.margin[1])
+        {
+            return Err(Refused::Contradicting);
         }
         Ok(())
     }
@@ -177,13 +186,14 @@ impl Light {
             let k = self.k_row(axis);
             let by_ideal = if self.bent { bend.tr_mul(&k) } else { k };
             let h = Vector3::new(by_ideal.x, by_ideal.y, -by_ideal.dot(&ideal));
-            Coordinate { axis, h, slope: h.dot(t) / p.z, weight: 1.0 }
+            let slope = h.dot(t) / p.z;
+            Coordinate { axis, h, slope, gain: 1.0 / slope }
         };
         let mut of = [wanted[0].map(|_| coordinate(0)), wanted[1].map(|_| coordinate(1))];
         if let [Some(a), Some(b)] = &mut of {
             let sum = a.slope * a.slope + b.slope * b.slope;
-            a.weight = a.slope * a.slope / sum;
-            b.weight = b.slope * b.slope / sum;
+            a.gain = a.slope / sum;
+            b.gain = b.slope / sum;
         }
         Ok(Hit { inverse_depth, ideal, depth_ratio: p.z, of })
     }
@@ -192,9 +202,7 @@ impl Light {
     fn step(&self, hit: &Hit, wanted: [Option<f64>; 2]) -> f64 {
         let lit = self.pixel(hit.ideal);
         let off = |axis: usize| {
-            hit.of[axis]
-                .zip(wanted[axis])
-                .map_or(0.0, |(of, wanted)| of.weight * (lit[axis] - wanted) / of.slope)
+            hit.of[axis].zip(wanted[axis]).map_or(0.0, |(of, wanted)| of.gain * (lit[axis] - wanted))
         };
         off(0) + off(1)
     }

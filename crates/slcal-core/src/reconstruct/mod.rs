@@ -209,12 +209,13 @@ fn no_surface(matches: usize, report: &TriangulateReport, culled: &CullReport) -
     Error::NotFound {
         what: "surface",
         seen: format!(
-            "of {matches} matches {} are points ({} without coordinates, {} grazing, {} behind the devices, {} lit from outside the panel), {} of them outliers",
+            "of {matches} matches {} are points ({} without coordinates, {} grazing, {} behind the devices, {} lit from outside the panel, {} of contradicting column and row), {} of them outliers",
             report.points,
             report.invalid,
             report.grazing,
             report.behind,
             report.outside_panel,
+            report.contradicting,
             culled.outliers
         ),
         advice: "check that the rig, the pattern and the photograph belong together, and that nothing has moved since the calibration; a handful of points that make no surface stay with --cull off".into(),
@@ -231,7 +232,7 @@ fn turn(cloud: &mut PointCloud, pose: &Pose) {
 
 /// Refuses a cloud when many of its matches are impossible: what the rest says is chance, too.
 fn check_possible(report: &TriangulateReport, matches: usize) -> Result<()> {
-    let impossible = report.behind + report.grazing + report.outside_panel;
+    let impossible = report.behind + report.grazing + report.outside_panel + report.contradicting;
     if impossible as f64 <= MAX_IMPOSSIBLE * matches as f64 {
         return Ok(());
     }

@@ -91,7 +91,8 @@ fn gradient(camera: &Camera, light: &Light, ray: &CameraRay, hit: &Hit) -> [f64;
     let mut by_ray = b.xy() * (z / ray.length);
     let mut out = [0.0; ALL];
     for c in hit.coordinates() {
-        let factor = -c.weight * ray.length / c.h.dot(q);
+        // As h is perpendicular to q + t/z: −1/(h·q), by what the coordinate counts.
+        let factor = ray.length * c.gain / (hit.inverse_depth * hit.depth_ratio);
         by_ray += light.pose.rotation.matrix().tr_mul(&c.h).xy() * (z * factor);
         // Times the depth in the projector, as are the gradients of the lens.
         let depth = hit.depth_ratio * z;

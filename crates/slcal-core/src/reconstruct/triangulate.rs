@@ -25,7 +25,7 @@ pub struct TriangulateConfig {
     /// slit. Zero unless it is known: the drawn centre is exact, and what the optics do belongs to the rig.
     pub projector_sigma_px: f64,
     /// How far outside the panel, as a share of its sides, the light of a point may come from before the match must be
-    /// wrong.
+    /// wrong; where column and row are both known, also how far they may lie from that light.
     pub panel_margin: f64,
     /// Whether to use several threads (where the crate was built with its feature `rayon`; without it, one thread does
     /// the same). No bit of the result depends on it.
@@ -70,6 +70,8 @@ pub struct TriangulateReport {
     pub behind: usize,
     /// The light would come from outside the panel.
     pub outside_panel: usize,
+    /// Column and row are both known and contradict each other.
+    pub contradicting: usize,
     /// Whether the rig has a covariance, so that its share is part of the points' σ; otherwise σ is noise alone.
     pub rig_sigma_known: bool,
     /// Median 1σ of a point along the camera's ray, mm.
@@ -85,6 +87,7 @@ impl TriangulateReport {
             Refused::Grazing => self.grazing += 1,
             Refused::Behind => self.behind += 1,
             Refused::OutsidePanel => self.outside_panel += 1,
+            Refused::Contradicting => self.contradicting += 1,
         }
     }
 
@@ -94,6 +97,7 @@ impl TriangulateReport {
         self.grazing += other.grazing;
         self.behind += other.behind;
         self.outside_panel += other.outside_panel;
+        self.contradicting += other.contradicting;
     }
 }
 
@@ -104,6 +108,7 @@ pub(super) enum Refused {
     Grazing,
     Behind,
     OutsidePanel,
+    Contradicting,
 }
 
 /// Matches that are worked on in one go; what is carried from match to match never crosses the end of such a part, so that
@@ -339,7 +344,7 @@ impl Triangulator {
             let across = across(m, facing);
             let slope = surface_slope(matches, i, c.axis, across).unwrap_or(facing[across]);
             let on_panel = (slope * m.sigma_px).powi(2) + self.config.projector_sigma_px.powi(2);
-            variance += on_panel * (c.weight / c.slope).powi(2);
+            variance += on_panel * c.gain.powi(2);
         }
         variance.sqrt() * ray.length / (hit.inverse_depth * hit.inverse_depth)
     }

@@ -66,6 +66,43 @@ fn points_come_back_from_column_row_or_both_for_any_lens() {
     }
 }
 
+/// Beside each other and parallel, every row of the projector is seen as the same row of the camera at any depth: it tells
+/// nothing, and takes nothing from what the column tells.
+#[test]
+fn a_row_that_tells_no_depth_does_no_harm() {
+    let mut rig = test_rig();
+    let names = ["camera.focal_px", "projector.cy_px", "projector_from_camera.ty_mm"];
+    let parameters = names.map(String::from).to_vec();
+    rig.covariance = Some(Covariance { parameters, matrix: DMatrix::identity(3, 3) });
+    let pose = &mut rig.stereo.as_mut().unwrap().projector_from_camera;
+    pose.rotation = Rotation3::identity();
+    pose.translation = Vector3::new(-100.0, 0.0, 0.0);
+    let both: Vec<Match> = world().iter().map(|x| see(&rig, x)).collect();
+    let column: Vec<Match> = both.iter().map(|m| Match { projector_row: None, ..*m }).collect();
+    let [both, column] = [both, column]
+        .map(|items| triangulate(&rig, &Matches { items }, &TriangulateConfig::default()).unwrap());
+    assert_eq!((both.1.points, column.1.points), (60, 60));
+    for ((a, b), x) in both.0.points.iter().zip(&column.0.points).zip(world()) {
+        assert!((a.position - x).norm() < 1e-6);
+        assert!((a.sigma_mm / b.sigma_mm - 1.0).abs() < 1e-9, "{} for {}", a.sigma_mm, b.sigma_mm);
+        assert!((a.noise_mm / b.noise_mm - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn column_and_row_that_contradict_each_other_are_refused_and_counted() {
+    let config = TriangulateConfig { panel_margin: 0.05, ..TriangulateConfig::default() };
+    for rig in [test_rig(), distorted()] {
+        let at = see(&rig, &Point3::new(0.0, 0.0, 1000.0));
+        let shifted = |by: f64| Match { projector_row: at.projector_row.map(|r| r + by), ..at };
+        // A row a few pixels off is noise or the rig's; one that is 200 px off is another point's.
+        let items = vec![at, shifted(3.0), shifted(-200.0), shifted(200.0)];
+        let (_, report) = triangulate(&rig, &Matches { items }, &config).unwrap();
+        assert_eq!(report.points + report.contradicting + report.outside_panel + report.invalid, 4);
+        assert!(report.points == 2 && report.contradicting > 0, "{report:?}");
+    }
+}
+
 #[test]
 fn sigma_is_the_scatter_of_noisy_matches() {
     let rig = distorted();
