@@ -417,7 +417,9 @@ fn black_and_white_photographs_of_another_size_are_named() {
     let bench = with_photos(&[("a.jpg", "fixtures/sphere.jpg")]);
     bench.put("small.png", png(RgbImage::new(640, 480)));
     for option in ["--black", "--white"] {
-        bench.run(&format!("{MANY} a.jpg {option} small.png -o cloud.ply")).fails(3, &["640x480"]);
+        bench
+            .run(&format!("{MANY} a.jpg {option} small.png -o cloud.ply"))
+            .fails(3, &["small.png: ", "640x480"]);
         bench.run(&format!("{MANY} a.jpg {option} - -o cloud.ply")).fails(2, &["stdin"]);
         bench.run(&format!("{MANY} a.jpg {option} none.png -o cloud.ply")).fails(3, &["none.png"]);
     }
@@ -431,4 +433,34 @@ fn a_folder_that_cannot_be_made_is_found_before_the_work() {
     bench.put("taken", "a file");
     bench.run(&format!("{MANY} none.jpg --out-dir taken")).fails(1, &["taken"]);
     bench.run(&format!("{MANY} none.jpg --out-dir d --overlay d/none.ply")).fails(2, &["two results"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_name_that_is_no_unicode_is_no_reason_to_say_nothing() {
+    use std::os::unix::ffi::OsStrExt as _;
+    use std::process::Command;
+
+    let bench = with_photos(&[]);
+    let name = std::ffi::OsStr::from_bytes(b"caf\xe9.png");
+    fs::write(bench.path("").join(name), png(RgbImage::new(1280, 960))).unwrap();
+    let run = Command::new(env!("CARGO_BIN_EXE_slcal-under-test"))
+        .args(format!("{MANY} --out-dir clouds --json").split(' '))
+        .arg(name)
+        .current_dir(bench.path(""))
+        .output()
+        .unwrap();
+    assert_eq!(run.status.code(), Some(4));
+    let said: Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(said["clouds"][0]["image"], "caf\u{fffd}.png");
+}
+
+#[test]
+fn a_drawing_is_not_mixed_with_what_is_said() {
+    let bench = with_photos(&[]);
+    for verb in [format!("{MANY} none.jpg -o"), "decode --pattern stripes.json none.jpg -o".into()] {
+        for more in ["", " --json"] {
+            bench.run(&format!("{verb} out.ply --overlay -{more}")).fails(2, &["--overlay", "a file"]);
+        }
+    }
 }

@@ -69,6 +69,9 @@ impl Destination {
                     format!("{shown}: expected a new file, found an existing one; --force replaces it"),
                 ));
             }
+            Err(_) if fs::symlink_metadata(path).is_ok_and(|m| m.is_symlink()) => {
+                return Err(unwritable(path, "it is a link to a place that does not exist; remove it first"));
+            }
             _ => {}
         }
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
@@ -83,9 +86,20 @@ impl Destination {
         // The only test of permission that holds everywhere; the file is gone at the end of the statement.
         let _held = with_temporaries();
         temporary(folder).map_err(|e| {
-            unwritable(&path, &format!("nothing can be written into {} ({e})", folder.display()))
+            unwritable(&path, &format!("nothing can be written into {} ({})", folder.display(), e.kind()))
         })?;
         Ok(Self::File { path, force })
+    }
+
+    /// The same for a drawing, if one is asked for: it is a file, as stdout has what is said of the result.
+    pub(crate) fn prepare_overlay(path: Option<&PathBuf>, force: bool) -> Outcome<Option<Self>> {
+        let place = path.map(|p| Self::prepare(p, force)).transpose()?;
+        if place == Some(Self::Stdout) {
+            return Err(Failure::usage(
+                "--overlay: expected a file, found -; the result itself goes to stdout",
+            ));
+        }
+        Ok(place)
     }
 
     /// The same place with another extension, under the same rules.
@@ -227,6 +241,18 @@ mod tests {
         assert!(failure.to_string().contains("does not exist"), "{failure}");
         assert_eq!(failure.code(), 1);
         assert!(Destination::prepare(folder.path(), true).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_nowhere_is_found_before_the_work() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        std::os::unix::fs::symlink("none/b", &path).unwrap();
+        for force in [false, true] {
+            let failure = Destination::prepare(&path, force).unwrap_err();
+            assert!(failure.code() == 1 && failure.to_string().contains("link"), "{failure}");
+        }
     }
 
     #[test]

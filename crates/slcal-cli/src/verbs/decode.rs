@@ -9,9 +9,10 @@ use slcal_core::format::write_matches;
 use slcal_core::photo::PhotoView;
 
 use crate::args::{self, DecodeArgs};
-use crate::exit::{Failure, InFile as _, Outcome};
+use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_distinct, check_spares, is_dash, load_photo, load_stripes, png_bytes, write_all,
+    Destination, check_distinct, check_spares, input_name, is_dash, load_photo, load_stripes, png_bytes,
+    write_all,
 };
 use crate::output::{Printer, print_json, print_result};
 use crate::overlay::Overlay;
@@ -19,7 +20,7 @@ use crate::summary;
 
 pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     let output = Destination::prepare(&args.output, args.force)?;
-    let overlay = args.overlay.as_ref().map(|p| Destination::prepare(p, args.force)).transpose()?;
+    let overlay = Destination::prepare_overlay(args.overlay.as_ref(), args.force)?;
     check_distinct([&output].into_iter().chain(&overlay))?;
     check_spares([&output].into_iter().chain(&overlay), args.input.files().chain([args.image.as_path()]))?;
     if args.json && output == Destination::Stdout {
@@ -99,12 +100,33 @@ impl Frames {
 
     /// The same around the striped photograph's pixels.
     pub(super) fn around<'a>(&'a self, photo: PhotoView<'a>) -> Outcome<DecodeInput<'a>> {
-        Ok(DecodeInput { photo, black: view(self.black.as_ref())?, white: view(self.white.as_ref())? })
+        let [black, white] = [&self.black, &self.white].map(|frame| view(frame.as_ref(), &photo));
+        Ok(DecodeInput { photo, black: black?, white: white? })
     }
 }
 
-fn view(frame: Option<&(PathBuf, DynamicImage)>) -> Outcome<Option<PhotoView<'_>>> {
-    frame.map(|(file, picture)| PhotoView::try_from(picture).in_file(file)).transpose()
+/// A frame that must be as large as the striped photograph.
+fn view<'a>(
+    frame: Option<&'a (PathBuf, DynamicImage)>,
+    photo: &PhotoView<'_>,
+) -> Outcome<Option<PhotoView<'a>>> {
+    let Some((file, picture)) = frame else { return Ok(None) };
+    let view = PhotoView::try_from(picture).in_file(file)?;
+    let [found, expected] = [&view, photo].map(|v| (v.width(), v.height()));
+    if found == expected {
+        return Ok(Some(view));
+    }
+    Err(Failure::new(
+        Exit::Input,
+        format!(
+            "{}: expected the size of the striped photograph, {}x{} px, found {}x{} px; take it with the same camera",
+            input_name(file),
+            expected.0,
+            expected.1,
+            found.0,
+            found.1
+        ),
+    ))
 }
 
 /// The matches drawn on the photograph, as PNG.

@@ -25,12 +25,9 @@ use crate::overlay::Overlay;
 const UNSEEN_DEG: f64 = 0.1;
 
 pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
-    let overlay = args.overlay.as_ref().map(|p| Destination::prepare(p, args.force)).transpose()?;
+    let overlay = Destination::prepare_overlay(args.overlay.as_ref(), args.force)?;
     let inputs = [&args.photo, &args.rig, &args.pattern];
     check_spares(&overlay, inputs.into_iter().map(PathBuf::as_path))?;
-    if overlay == Some(Destination::Stdout) {
-        return Err(Failure::usage("--overlay: expected a file, found -; the result itself goes to stdout"));
-    }
     let config = VerifyConfig { significance: args.significance };
     config.validate()?;
     let rig = load_rig(&args.rig)?;

@@ -95,7 +95,7 @@ impl Places {
     fn prepare(args: &CalibrateArgs) -> Outcome<Self> {
         let prepare = |p: &PathBuf| Destination::prepare(p, args.force);
         let rig = args.output.as_ref().map(prepare).transpose()?;
-        let overlay = args.overlay.as_ref().map(prepare).transpose()?;
+        let overlay = Destination::prepare_overlay(args.overlay.as_ref(), args.force)?;
         let observations = args.save_observations.as_ref().map(prepare).transpose()?;
         let all = || rig.iter().chain(&overlay).chain(&observations);
         check_distinct(all())?;

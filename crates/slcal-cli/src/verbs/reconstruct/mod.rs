@@ -38,7 +38,7 @@ pub(super) fn run(args: &ReconstructArgs, printer: Printer) -> Outcome {
         check_raw_size(raw, &rig, &args.rig)?;
     }
     let places = places(args)?;
-    let overlay = args.overlay.as_ref().map(|p| Destination::prepare(p, args.force)).transpose()?;
+    let overlay = Destination::prepare_overlay(args.overlay.as_ref(), args.force)?;
     check_places(args, &places, overlay.as_ref())?;
     let job = Job {
         scene: Frames::load(&args.input, printer)?,

@@ -1,7 +1,5 @@
 //! What is said of each frame, as JSON and in words.
 
-use std::path::PathBuf;
-
 use serde::Serialize;
 use slcal_core::decode::DecodeReport;
 use slcal_core::reconstruct::{CullReport, Reconstruction, TriangulateReport};
@@ -24,7 +22,8 @@ pub(super) fn print_reports(clouds: &[Report]) -> Outcome {
 /// What became of one frame.
 #[derive(Debug, Serialize)]
 pub(super) struct Report {
-    pub(super) image: PathBuf,
+    /// Its name; what is no Unicode in it is replaced, as in messages.
+    pub(super) image: String,
     /// Which frame of a stream.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) frame: Option<usize>,

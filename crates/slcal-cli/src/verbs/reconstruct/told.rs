@@ -19,6 +19,7 @@ pub(super) struct Told<'a> {
     args: &'a ReconstructArgs,
     printer: Printer,
     progress: Progress,
+    /// For `--json` alone: a stream may be endless.
     reports: Vec<Report>,
     /// Counts of clouds written, left as they were, and not made.
     written: usize,
@@ -77,8 +78,11 @@ impl<'a> Told<'a> {
         };
         self.count(&result);
         self.progress.step();
-        let output = output.filter(|_| !matches!(result, FrameResult::Failed { .. }));
-        self.reports.push(Report { image: frame.image, frame: frame.number, output, result });
+        if self.args.json {
+            let output = output.filter(|_| !matches!(result, FrameResult::Failed { .. }));
+            let image = frame.image.display().to_string();
+            self.reports.push(Report { image, frame: frame.number, output, result });
+        }
         Ok(())
     }
 
@@ -114,7 +118,7 @@ impl<'a> Told<'a> {
     pub(super) fn finish(self) -> Outcome {
         drop(self.progress);
         let json = if self.args.json { print_reports(&self.reports) } else { Ok(()) };
-        if self.reports.len() > 1 {
+        if self.written + self.resumed + self.failed > 1 {
             self.printer.note(format!(
                 "{} clouds written, {} left as they were, {} frames failed",
                 self.written, self.resumed, self.failed
