@@ -5,6 +5,8 @@ use std::path::Path;
 
 use slcal_core::{Error, ErrorClass};
 
+use crate::io::input_name;
+
 /// The exit codes of the command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Exit {
@@ -65,7 +67,7 @@ impl Failure {
             Exit::Usage => Exit::Input,
             other => other,
         };
-        Self::new(exit, format!("{}: {error}", path.display()))
+        Self::new(exit, format!("{}: {error}", input_name(path)))
     }
 
     /// The code of the process.

@@ -71,6 +71,14 @@ pub(crate) fn read_at_most(path: &Path, kind: &str, limit_mib: u64) -> Outcome<V
             ),
         ));
     }
+    if bytes.is_empty() && is_dash(path) {
+        return Err(Failure::new(
+            Exit::Input,
+            format!(
+                "stdin: expected {kind}, found an empty file; make it again, and name - for one input only"
+            ),
+        ));
+    }
     if bytes.is_empty() {
         return Err(Failure::new(
             Exit::Input,

@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use image::metadata::Orientation;
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
 use super::{input_name, read_bytes};
 use crate::exit::{Exit, Failure, Outcome};
@@ -91,11 +91,18 @@ pub(crate) fn decode_photo(bytes: &[u8], name: &str) -> Outcome<(DynamicImage, O
             "it is damaged or truncated; copy it again",
         )
     };
+    let undecoded = |e: &ImageError| match e {
+        ImageError::Unsupported(_) => {
+            let found = format!("a {format:?} of a kind that is not read ({e})");
+            refused(name, &found, "convert it to an RGB PNG or TIFF of 8 or 16 bit first")
+        }
+        e => broken(e),
+    };
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_DECODED_BYTES);
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.limits(limits);
-    let mut decoder = reader.into_decoder().map_err(|e| broken(&e))?;
+    let mut decoder = reader.into_decoder().map_err(|e| undecoded(&e))?;
     let (width, height) = decoder.dimensions();
     if u64::from(width) * u64::from(height) > MAX_PIXELS {
         return Err(refused(
@@ -109,7 +116,7 @@ pub(crate) fn decode_photo(bytes: &[u8], name: &str) -> Outcome<(DynamicImage, O
         // The decoder fills what is missing with grey.
         return Err(broken(&"the data ends before the picture does"));
     }
-    let mut photo = DynamicImage::from_decoder(decoder).map_err(|e| broken(&e))?;
+    let mut photo = DynamicImage::from_decoder(decoder).map_err(|e| undecoded(&e))?;
     photo.apply_orientation(orientation);
     Ok((photo, orientation))
 }
@@ -191,6 +198,33 @@ mod tests {
         let (photo, orientation) = decode_photo(&turned, "x.jpg").unwrap();
         assert_eq!((photo.width(), photo.height()), (48, 64));
         assert_eq!(orientation, Orientation::Rotate90);
+    }
+
+    #[test]
+    fn what_is_whole_but_not_read_is_not_called_damaged() {
+        // A TIFF of one pixel in CIELab: width, height, bits per sample, compression, photometric interpretation, offset of
+        // the pixel, samples per pixel, rows per strip, bytes of the strip.
+        let entries: [[u16; 4]; 9] = [
+            [256, 3, 1, 1],
+            [257, 3, 1, 1],
+            [258, 3, 3, 122],
+            [259, 3, 1, 1],
+            [262, 3, 1, 8],
+            [273, 3, 1, 128],
+            [277, 3, 1, 3],
+            [278, 3, 1, 1],
+            [279, 3, 1, 3],
+        ];
+        let mut tiff = b"II*\0\x08\0\0\0\x09\0".to_vec();
+        for [tag, kind, count, value] in entries {
+            for word in [tag, kind, count, 0, value, 0] {
+                tiff.extend_from_slice(&word.to_le_bytes());
+            }
+        }
+        tiff.extend_from_slice(&[0, 0, 0, 0]);
+        tiff.extend_from_slice(&[8, 0, 8, 0, 8, 0, 50, 0, 0]);
+        let failure = decode_photo(&tiff, "x.tif").unwrap_err().to_string();
+        assert!(failure.contains("convert it") && !failure.contains("damaged"), "{failure}");
     }
 
     #[test]

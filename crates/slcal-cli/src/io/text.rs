@@ -23,7 +23,7 @@ const MAX_CAMERA_MIB: u64 = 64;
 /// Reads the intrinsics of a camera from a file of any kind.
 pub(crate) fn load_camera(path: &Path) -> Outcome<KnownCamera> {
     read_camera(read_at_most(path, "a camera file (OpenCV, ROS or rig JSON)", MAX_CAMERA_MIB)?.as_slice())
-        .in_file(Path::new(&input_name(path)))
+        .in_file(path)
 }
 
 /// Observations above this are refused unread: a million points take half of it.
@@ -32,7 +32,7 @@ const MAX_OBSERVATIONS_MIB: u64 = 128;
 /// Reads an observations JSON.
 pub(crate) fn load_observations(path: &Path) -> Outcome<ExternalObservations> {
     read_observations(read_at_most(path, "an observations JSON", MAX_OBSERVATIONS_MIB)?.as_slice())
-        .in_file(Path::new(&input_name(path)))
+        .in_file(path)
 }
 
 /// Reads a pattern JSON that must be of a checkerboard.
