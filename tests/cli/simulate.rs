@@ -240,6 +240,7 @@ fn the_same_scene_gives_the_same_bytes_and_another_seed_another_noise() {
 #[test]
 fn nothing_of_a_scene_is_replaced_or_guessed() {
     let bench = bench();
+    bench.put("vast.obj", "v 0 0 0\nv 1e200 0 0\nv 0 1e200 0\nf 1 2 3\n");
     let line = format!("simulate scene {SMALL} --out here");
     let _ = bench.run(&line).ok();
     bench.run(&line).fails(1, &["photo.png", "--force"]);
@@ -258,9 +259,13 @@ fn nothing_of_a_scene_is_replaced_or_guessed() {
         ("--pattern here/pattern.json --projector 800x600", 2, vec!["--projector 1024x768"]),
         ("--exact --noise 2", 2, vec!["--exact"]),
         ("--distance nan", 2, vec!["distance"]),
+        ("--crosstalk -0.5", 2, vec!["crosstalk", "zero or more"]),
+        ("--surface sphere --radius 1e9", 2, vec!["radius", "1000.0 mm"]),
+        ("--surface vast.obj", 3, vec!["vast.obj", "1e9 mm"]),
     ] {
         bench.run(&format!("simulate scene --out fresh {options}")).fails(code, &words);
     }
+    assert!(!bench.path("fresh").exists(), "a folder was left");
 }
 
 #[test]

@@ -70,7 +70,8 @@ impl Default for RigConfig {
     }
 }
 
-fn within(what: &str, value: f64, [least, most]: [f64; 2], unit: &str) -> Result<()> {
+/// Refuses a value outside its range; `unit` follows the numbers of the message.
+pub(super) fn within(what: &str, value: f64, [least, most]: [f64; 2], unit: &str) -> Result<()> {
     if (least..=most).contains(&value) {
         return Ok(());
     }

@@ -163,9 +163,9 @@ fn parse_channels(text: &str) -> Result<Channels, String> {
 
 fn parse_crosstalk(text: &str) -> Result<Crosstalk, String> {
     match numbers(text).as_deref() {
-        Some(&[share]) => Ok(Crosstalk::Neighbours(share)),
+        Some(&[share]) if share >= 0.0 => Ok(Crosstalk::Neighbours(share)),
         Some(&[a, b, c, d, e, f, g, h, i]) => Ok(Crosstalk::Matrix([[a, b, c], [d, e, f], [g, h, i]])),
-        _ => Err("expected one share, such as 0.2, or nine numbers: what red gets of red, green, blue, what green gets, \
+        _ => Err("expected one share of zero or more, such as 0.2, or nine numbers: what red gets of red, green, blue, what green gets, \
                   what blue gets"
             .to_owned()),
     }
@@ -186,6 +186,6 @@ mod tests {
         assert_eq!(parse_crosstalk("0.2"), Ok(Crosstalk::Neighbours(0.2)));
         let Ok(Crosstalk::Matrix(m)) = parse_crosstalk("1,2,3,4,5,6,7,8,9") else { panic!("nine numbers") };
         assert_eq!(m[1], [4.0, 5.0, 6.0]);
-        assert!(parse_crosstalk("1,2,3").is_err());
+        assert!(parse_crosstalk("1,2,3").is_err() && parse_crosstalk("-0.5").is_err());
     }
 }

@@ -22,24 +22,16 @@ const RADIUS: f64 = 0.18;
 const WALL_RADII: f64 = 1.5;
 
 pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
-    make_folder(&args.out)?;
-    let places = NAMES
-        .iter()
-        .map(|name| Destination::prepare(&args.out.join(name), args.force))
-        .collect::<Outcome<Vec<_>>>()?;
-    check_spares(
-        &places,
-        [Some(args.surface.as_path()), args.pattern.as_deref(), args.rig.as_deref()].into_iter().flatten(),
-    )?;
-
     let config = render_config(&args.light);
     config.validate()?;
     let subject = subject(args)?;
     let placing = placing(args, &subject)?;
     let (rig, pattern) = rig_and_pattern(args, &subject, &placing)?;
     let picture = picture(&pattern)?;
+    let surfaces = subject.surfaces(&placing)?;
+    let places = places(args)?;
     printer.detail(format!("{} x {} pixels ...", rig.camera.model.width, rig.camera.model.height));
-    let photographer = Photographer::new(&rig, &subject.surfaces(&placing)?, &config)?;
+    let photographer = Photographer::new(&rig, &surfaces, &config)?;
     let photos = [Shown::Picture(&picture), Shown::White, Shown::Black];
     let photos = [0, 1, 2].map(|i| photographer.photograph(photos[i], i as u64));
     let [photo, white, black] = photos;
@@ -61,6 +53,20 @@ pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
         return print_json(&made);
     }
     print_result(&made.in_words(&args.out))
+}
+
+/// Where the files go, in a folder that is made when it does not exist.
+fn places(args: &SceneArgs) -> Outcome<Vec<Destination>> {
+    make_folder(&args.out)?;
+    let places = NAMES
+        .iter()
+        .map(|name| Destination::prepare(&args.out.join(name), args.force))
+        .collect::<Outcome<Vec<_>>>()?;
+    check_spares(
+        &places,
+        [Some(args.surface.as_path()), args.pattern.as_deref(), args.rig.as_deref()].into_iter().flatten(),
+    )?;
+    Ok(places)
 }
 
 fn render_config(light: &LightArgs) -> RenderConfig {

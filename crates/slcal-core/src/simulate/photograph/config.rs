@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::photo::Encoding;
+use crate::simulate::rig_config::within;
 
 /// Blur beyond this leaves nothing of any pattern, px.
 const MOST_BLUR_PX: f64 = 50.0;
@@ -69,13 +70,6 @@ impl Default for RenderConfig {
             samples: 4,
         }
     }
-}
-
-fn within(what: &str, value: f64, [least, most]: [f64; 2], unit: &str) -> Result<()> {
-    if (least..=most).contains(&value) {
-        return Ok(());
-    }
-    Err(Error::invalid(what, format!("{least} to {most}{unit}"), format!("{value}{unit}")))
 }
 
 impl RenderConfig {

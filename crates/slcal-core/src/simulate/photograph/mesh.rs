@@ -13,6 +13,9 @@ const DEPTH: usize = 64;
 /// Rays through an edge hit both triangles rather than none.
 const EDGE: f64 = 1e-12;
 
+/// Larger than anything that is lit by a projector; far from where squares of areas overflow.
+const FARTHEST_MM: f64 = 1e9;
+
 /// A mesh in the camera's frame, mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TriangleMesh {
@@ -36,11 +39,14 @@ impl TriangleMesh {
     /// A mesh of vertices and triples of their numbers. Triangles without area are left out.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for numbers of vertices that there are not, coordinates that are not finite, and when no triangle
-    /// is left.
+    /// [`Error::Invalid`] for numbers of vertices that there are not, coordinates that are not finite or beyond 10⁹ mm, and
+    /// when no triangle is left.
     pub fn new(vertices: Vec<Point3<f64>>, mut triangles: Vec<[u32; 3]>) -> Result<Self> {
-        if vertices.iter().any(|v| !v.iter().all(|x| x.is_finite())) {
-            return Err(Error::invalid("mesh", "finite coordinates", "a vertex that has none"));
+        if let Some(x) =
+            vertices.iter().flat_map(|v| v.iter()).find(|x| !(-FARTHEST_MM..=FARTHEST_MM).contains(*x))
+        {
+            let expected = format!("finite coordinates of at most {FARTHEST_MM:e} mm");
+            return Err(Error::invalid("mesh", expected, format!("a vertex with {x}")));
         }
         if let Some(i) = triangles.as_flattened().iter().find(|&&i| i as usize >= vertices.len()) {
             let expected = format!("triangles of its {} vertices", vertices.len());

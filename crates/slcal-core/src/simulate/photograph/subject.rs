@@ -69,8 +69,8 @@ impl Subject {
     /// The surfaces: the subject's own first, the wall last.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for places and sizes that are not finite, albedos outside 0–1, and a sheet or plane that is turned
-    /// away.
+    /// [`Error::Invalid`] for places and sizes that are not finite, albedos outside 0–1, a sheet or plane that is turned
+    /// away, and a sphere about the camera.
     pub fn surfaces(&self, placing: &Placing) -> Result<Vec<Surface>> {
         let finite = placing.middle_mm.iter().chain(&placing.turn_rad).all(|x| x.is_finite());
         if !finite || placing.wall_mm.is_some_and(|w| !w.is_finite()) {
@@ -85,6 +85,12 @@ impl Subject {
         let mut surfaces = match self {
             Self::Plane => vec![object(Shape::Plane(behind(&pose, 0.0)?))],
             Self::Sphere { radius_mm } => {
+                let distance = pose.translation.norm();
+                if *radius_mm >= distance {
+                    let expected =
+                        format!("less than the {distance:.1} mm to its middle, so that its outside is seen");
+                    return Err(Error::invalid("radius of the sphere", expected, format!("{radius_mm} mm")));
+                }
                 vec![object(Shape::Sphere { centre: pose.translation.into(), radius_mm: *radius_mm })]
             }
             Self::Step => {
