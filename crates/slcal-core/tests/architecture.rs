@@ -17,7 +17,7 @@ const MAY_USE: [(&str, &[&str]); 12] = [
     // The reusable object that goes from photograph to cloud runs the decoder.
     ("reconstruct", &["geometry", "solve", "photo", "pattern", "decode"]),
     ("evaluate", &["geometry", "solve"]),
-    ("format", &["geometry", "pattern"]),
+    ("format", &["geometry", "photo", "pattern"]),
     // Runs the estimators and compares with the truth; nothing depends on it.
     ("simulate", &["geometry", "solve", "photo", "pattern", "calibrate", "reconstruct"]),
 ];

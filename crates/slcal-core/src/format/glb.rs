@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use crate::cloud::{Frame, PointCloud};
 use crate::error::{Error, Result};
+use crate::photo::Encoding;
 
 /// What each vertex carries, one after the other in the buffer, and how many numbers each of it is. Everything is a float
 /// in a view of its own: interleaved and 16-bit data are allowed, but not every reader copes with them.
@@ -104,11 +105,9 @@ fn buffer(cloud: &PointCloud) -> Result<Buffer> {
     Ok(buffer)
 }
 
-/// Linear light of an sRGB code value (IEC 61966-2-1).
+/// Linear light of an sRGB code value.
 fn linear(code: u8) -> f32 {
-    let value = f64::from(code) / 255.0;
-    let light = if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) };
-    light as f32
+    Encoding::Srgb.to_linear(f64::from(code) / 255.0) as f32
 }
 
 fn document(cloud: &PointCloud, buffer: &Buffer) -> Value {

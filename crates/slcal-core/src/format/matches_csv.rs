@@ -8,6 +8,8 @@ use crate::error::{Error, Result};
 use crate::matches::{Match, Matches};
 
 const WHAT: &str = "matches CSV";
+/// What is read.
+const COLUMNS: [&str; 7] = ["u", "v", "projector_column", "projector_row", "slit", "confidence", "sigma_px"];
 /// σ of a match whose file does not say, px.
 const DEFAULT_SIGMA_PX: f64 = 0.1;
 
@@ -56,11 +58,19 @@ fn short(x: f64) -> String {
 pub fn read_matches(input: impl Read) -> Result<Matches> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(input);
     let headers = reader.headers().map_err(|e| broken(&e))?.clone();
-    let place = |name: &str| headers.iter().position(|h| h.trim_start_matches('\u{feff}') == name);
+    let bare = |h: &str| h.trim_start_matches('\u{feff}').to_owned();
+    let names: Vec<String> = headers.iter().map(bare).collect();
+    let place = |name: &str| names.iter().position(|n| n == name);
+    if let Some(name) = COLUMNS.iter().find(|&name| names.iter().filter(|n| n == name).count() > 1) {
+        return Err(malformed(format!("the header names column \"{name}\" twice")));
+    }
     let need = |name: &str| {
         place(name).ok_or_else(|| {
             let found: Vec<&str> = headers.iter().take(12).collect();
-            malformed(format!("expected a header with column \"{name}\", found \"{}\"", found.join(",")))
+            malformed(format!(
+                "expected a header with column \"{name}\" and commas between the columns, found \"{}\"",
+                found.join(",")
+            ))
         })
     };
     let (u, v) = (need("u")?, need("v")?);
@@ -186,6 +196,8 @@ mod tests {
         };
         says("", "column \"u\"");
         says("x,y\n1,2\n", "found \"x,y\"");
+        says("u;v;projector_column\n1;2;3\n", "commas");
+        says("u,v,projector_column,u\n1,2,3,4\n", "\"u\" twice");
         says("u,v\n1,2\n", "projector_column");
         says("u,v,projector_column\n1,2,3\n1,zwei,3\n", "line 3, column v");
         says("u,v,projector_column\n1,nan,3\n", "not a finite number");

@@ -287,7 +287,13 @@ impl<R: BufRead> Values<R> {
     fn record(&mut self, element: &Element, mut take: impl FnMut(usize, usize, f64)) -> Result<()> {
         for (i, p) in element.properties.iter().enumerate() {
             let n = match p.count {
-                Some(kind) => self.next(kind)?.max(0.0) as usize,
+                Some(kind) => {
+                    let count = self.next(kind)?;
+                    if count < 0.0 || count.is_nan() {
+                        return Err(malformed(format!("a list \"{}\" of {count} numbers", p.name)));
+                    }
+                    count as usize
+                }
                 None => 1,
             };
             for k in 0..n {
@@ -445,6 +451,8 @@ mod tests {
         let face = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
                     element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n3 0 1 2\n";
         says(face.as_bytes(), "vertex 1 of 1");
+        let list = face.replace("uchar int", "int int").replace("3 0 1 2", "-1");
+        says(list.as_bytes(), "a list \"vertex_indices\" of -1 numbers");
     }
 
     #[test]
