@@ -1,40 +1,25 @@
 //! Time of the stages between matches and cloud, for 40,000 points on one thread. Run with
-//! `cargo bench -p slcal-core --bench reconstruct`.
+//! `cargo bench -p slcal-core --features simulate --bench reconstruct`.
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use nalgebra::{DMatrix, Point2, Point3, Rotation3, Vector3};
-use slcal_core::geometry::{Camera, Distortion, Intrinsics, Pose};
+use nalgebra::{DMatrix, Point2, Point3};
+use slcal_core::geometry::Distortion;
 use slcal_core::reconstruct::{CullRule, Culler, TriangulateConfig, Triangulator};
-use slcal_core::{Covariance, Device, Match, Matches, PointCloud, Rig, StereoPose};
+use slcal_core::simulate::{RigConfig, Scene};
+use slcal_core::{Covariance, Match, Matches, PointCloud, Rig};
 
+/// The default simulated rig with these lenses and a covariance.
 fn rig(camera: Distortion, projector: Distortion) -> Rig {
-    let device = |width, height, focal, pp, distortion| Device {
-        model: Camera { width, height, intrinsics: Intrinsics::square(focal, pp), distortion },
-        sigma: None,
-    };
-    let names = ["focal_px", "cx_px", "cy_px"];
-    let lens = |device: &'static str| names.iter().map(move |n| format!("{device}.{n}"));
+    let mut rig = Scene::new(&RigConfig::default(), &[]).expect("a scene").rig();
+    rig.camera.model.distortion = camera;
+    rig.projector.as_mut().expect("a projector").model.distortion = projector;
+    let lens = ["focal_px", "cx_px", "cy_px"];
     let pose = ["rx_rad", "ry_rad", "rz_rad", "tx_mm", "ty_mm", "tz_mm"];
-    let parameters: Vec<String> = lens("camera")
-        .chain(lens("projector"))
-        .chain(pose.iter().map(|n| format!("projector_from_camera.{n}")))
-        .collect();
-    Rig {
-        camera: device(1280, 960, 1536.0, Point2::new(639.5, 479.5), camera),
-        projector: Some(device(1024, 768, 1638.4, Point2::new(511.5, 383.5), projector)),
-        stereo: Some(StereoPose {
-            projector_from_camera: Pose {
-                rotation: Rotation3::from_euler_angles(0.08, -0.2, 0.0),
-                translation: Vector3::new(200.0, 80.0, 20.0),
-            },
-            sigma_t_mm: None,
-            sigma_r_rad: None,
-        }),
-        views: Vec::new(),
-        method: "bench".into(),
-        quality: None,
-        covariance: Some(Covariance { parameters, matrix: DMatrix::identity(12, 12) * 1e-4 }),
-    }
+    let of = |device: &str, names: &[&str]| names.iter().map(|n| format!("{device}.{n}")).collect::<Vec<_>>();
+    let parameters =
+        [of("camera", &lens), of("projector", &lens), of("projector_from_camera", &pose)].concat();
+    rig.covariance = Some(Covariance { parameters, matrix: DMatrix::identity(12, 12) * 1e-4 });
+    rig
 }
 
 /// 625 lines across 64 stripes on a surface a metre away, slanted and bent; every slit at its own column.
