@@ -2,7 +2,8 @@
 //!
 //! Projector columns between edges are known: half a slit to either side of its own centre, and the edges of the
 //! neighbouring slits beyond. The polynomial through these edges, taken at the centre, allows for perspective and
-//! curvature, which move the centre away from the middle of the two edges.
+//! curvature, which move the centre away from the middle of the two edges. No polynomial follows a fold; where the scale says
+//! that there is one, the centre lies on the plane before or behind it.
 
 use super::align::NONE;
 use super::curves::Curves;
@@ -26,6 +27,14 @@ const CUT_SIGMAS: f32 = 4.0;
 const EDGES_PX: f32 = 0.15;
 /// Share of the change of scale from one side to the other by which the expected width is uncertain.
 const CURVED: f32 = 0.5;
+/// What noise of σ 1 in the edges makes of the difference of two steps of scale, times the width of the slits: four edges a
+/// slit's width apart count 1, 3, 3 and 1 times.
+const STEP_NOISE: f32 = 4.47;
+/// A fold shows from this many times what noise makes of the change of scale, and is certain at twice that.
+const FOLD_SIGMAS: f32 = 3.0;
+/// A step of scale so many times those beside it is a fold, or a bend narrower than a period, which stripes cannot tell
+/// from one.
+const SMOOTH_GROWTH: f32 = 8.0;
 
 /// Variance of a centre less the cubic through its four neighbours, over that of a centre: 1 + (1 + 16 + 16 + 1)/36 = 1.94 if
 /// centres were independent, 2.29 by the edges that they share.
@@ -141,6 +150,28 @@ impl Scales {
         Some((relative(self.own, gap * gap / stripe), CURVED * 2.0 * relative(gap, stripe).abs()))
     }
 
+    /// How certain it is, 0–1, that the surface has a fold in the stripe or in a gap beside it, where noise makes `noise` of the
+    /// difference of two steps of scale. A fold leaves the scale as it was on one side at least; where the surface is curved,
+    /// the scale changes from part to part throughout.
+    fn fold(&self, noise: f32) -> f32 {
+        let [Some(a), Some(b)] = self.gap else { return 0.0 };
+        let least = FOLD_SIGMAS * noise;
+        if (self.own - a).abs().max((b - self.own).abs()) < least {
+            return 0.0;
+        }
+        let [Some(before), Some(after)] = self.stripe else { return 0.0 };
+        // Steps along the line; those the way of the whole change are positive.
+        let sign = if after > before { 1.0 } else { -1.0 };
+        let [first, left, right, last] =
+            [a - before, self.own - a, b - self.own, after - b].map(|s| sign * s);
+        let stands_out = |step: f32, one: f32, other: f32| {
+            step - SMOOTH_GROWTH * (one.abs().max(other.abs()) - noise).max(0.0)
+        };
+        let beside = stands_out(right, first, left).max(stands_out(left, right, last));
+        let within = stands_out(left.min(right), first, last);
+        (beside.max(within) / least - 1.0).clamp(0.0, 1.0)
+    }
+
     /// Who bears out that the stripe is whole; on a surface with a fold in the gap beside it, only the other side can.
     fn witness(&self, scatter: f32, width_px: f32) -> Option<Witness> {
         // How much of what is tolerated a misfit takes.
@@ -207,16 +238,20 @@ pub(super) fn locate(
     let scatter = median_f32(scratch).unwrap_or(0.0) / 0.6745;
     out.clear();
     out.resize(curves.crossings.len(), Centre { u: f32::NAN, sigma: 0.0, cut: false });
+    let step_noise = STEP_NOISE / (2.0 * spacing.half_px);
     each(1, &mut |i, n, scales| {
         // A stripe alone on its surface may be cut or not: nothing tells.
         let Some(witness) = scales.witness(scatter, n.own.width()) else {
             out[i].cut = true;
             return;
         };
-        let (u, gain) = match witness {
+        let smooth = match witness {
             Witness::Both => interpolate(&n, spacing),
             Witness::Side(side, strain) => at_end(&n, side, strain, spacing),
         };
+        // A misfit is half a difference of steps.
+        let fold = scales.fold((2.0 * scatter * scales.own).max(step_noise * n.own.edge_sigma));
+        let (u, gain) = if fold > 0.0 { across(&n, fold, smooth, spacing) } else { smooth };
         out[i] = Centre { u, sigma: gain * n.own.edge_sigma, cut: false };
     });
 }
@@ -235,6 +270,19 @@ fn interpolate(n: &Neighbourhood, spacing: &Spacing<'_>) -> (f32, f32) {
         count += 1;
     }
     polynomial_at_zero(&nodes[..count])
+}
+
+/// The centre where the surface is folded as certainly as `fold` says: on one of the two planes that the edges on either side
+/// lie on, as far as there is a fold, and else where it would be on a smooth surface.
+fn across(n: &Neighbourhood, fold: f32, smooth: (f32, f32), spacing: &Spacing<'_>) -> (f32, f32) {
+    let (Some(before), Some(after)) = (n.before, n.after) else { return smooth };
+    let (half, gaps) = (spacing.half_px, [n.gap_px(0, spacing), n.gap_px(1, spacing)]);
+    let left = polynomial_at_zero(&[(-half - gaps[0], before.left), (-half, n.own.left)]);
+    let right = polynomial_at_zero(&[(half, n.own.right), (half + gaps[1], after.right)]);
+    // Where the scale grows along the line, positions follow the greater of the two straight lines, else the smaller.
+    let grows = after.width() > before.width();
+    let plane = if grows == (left.0 > right.0) { left } else { right };
+    (smooth.0 + fold * (plane.0 - smooth.0), smooth.1 + fold * (plane.1 - smooth.1))
 }
 
 /// The centre of the last stripe of a surface: its outer edge may be an outline. The more its width strains what the
@@ -263,12 +311,14 @@ fn at_end(n: &Neighbourhood, side: usize, strain: f32, spacing: &Spacing<'_>) ->
 fn polynomial_at_zero(nodes: &[(f32, f32)]) -> (f32, f32) {
     let (mut u, mut variance) = (0.0, 0.0);
     for (i, &(x, at)) in nodes.iter().enumerate() {
-        let mut weight = 1.0;
+        let (mut above, mut below) = (1.0, 1.0);
         for (j, &(other, _)) in nodes.iter().enumerate() {
             if i != j {
-                weight *= other / (other - x);
+                above *= other;
+                below *= other - x;
             }
         }
+        let weight = above / below;
         u += weight * at;
         variance += weight * weight;
     }
