@@ -1,4 +1,4 @@
-//! Time of decoding a frame in memory, on one thread, with a decoder that is used again. Run with
+//! Time of decoding a frame in memory, and of all the way to its cloud, on one thread, in buffers that are used again. Run with
 //! `cargo bench -p slcal-core --features simulate --bench decode`.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -8,7 +8,7 @@ use slcal_core::decode::{DecodeConfig, DecodeInput, Decoder, decode};
 use slcal_core::geometry::Plane;
 use slcal_core::pattern::{StripeConfig, StripePattern};
 use slcal_core::photo::PhotoView;
-use slcal_core::reconstruct::{TriangulateConfig, Triangulator};
+use slcal_core::reconstruct::{ReconstructConfig, Reconstructor, TriangulateConfig, Triangulator};
 use slcal_core::simulate::{Photographer, PoseConfig, RenderConfig, RigConfig, Scene, Shape, Shown, Surface};
 use slcal_core::{PointCloud, Rig};
 
@@ -57,6 +57,11 @@ fn decoding(c: &mut Criterion) {
         let mut cloud = PointCloud::default();
         group.bench_function(format!("{width}x{height}/triangulation after it"), |b| {
             b.iter(|| triangulator.triangulate(&matches, &mut cloud));
+        });
+        let config = ReconstructConfig { mesh: true, ..ReconstructConfig::default() };
+        let mut scanner = Reconstructor::new(&rig, &stripes, config).expect("a rig");
+        group.bench_function(format!("{width}x{height}/photograph to mesh"), |b| {
+            b.iter(|| scanner.reconstruct(photo).expect("a surface").cloud.points.len());
         });
     }
     group.finish();
