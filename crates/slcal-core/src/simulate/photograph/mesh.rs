@@ -46,7 +46,7 @@ impl TriangleMesh {
             vertices.iter().flat_map(|v| v.iter()).find(|x| !(-FARTHEST_MM..=FARTHEST_MM).contains(*x))
         {
             let expected = format!("finite coordinates of at most {FARTHEST_MM:e} mm");
-            return Err(Error::invalid("mesh", expected, format!("a vertex with {x}")));
+            return Err(Error::invalid("mesh", expected, format!("a vertex with {x:e}")));
         }
         if let Some(i) = triangles.as_flattened().iter().find(|&&i| i as usize >= vertices.len()) {
             let expected = format!("triangles of its {} vertices", vertices.len());
