@@ -1,11 +1,12 @@
 //! Stripes are curves: crossings linked from line to line.
 
+use super::rgb::{Rgb, dot, minus, plus, unit};
 use super::stripes::{Crossing, Paint};
 
 /// A crossing continues a curve when it lies within this share of the stripe's width of where the curve points.
 const LINK_SHARE: f32 = 0.5;
-/// Cosine of the angle between the colours of linked crossings.
-const MIN_COLOR_COSINE: f32 = 0.88;
+/// Cosine of the angle between the colours of linked crossings, squared.
+const MIN_SQUARED_COSINE: f32 = 0.88 * 0.88;
 /// Ratio of the strengths and of the widths of linked crossings.
 const MAX_RATIO: f32 = 2.0;
 /// Weight of the newest step in a curve's direction.
@@ -28,13 +29,7 @@ pub(super) struct Curves {
     order: Vec<u32>,
     /// Where each curve starts in `order`, and the end.
     starts: Vec<u32>,
-    sums: Vec<(usize, [f64; 3])>,
-}
-
-pub(super) fn unit(c: [f32; 3]) -> Option<[f32; 3]> {
-    let c = c.map(|x| x.max(0.0));
-    let norm = (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]).sqrt();
-    (norm > 0.0 && norm.is_finite()).then(|| c.map(|x| x / norm))
+    sums: Vec<(usize, Rgb)>,
 }
 
 impl Curves {
@@ -122,13 +117,13 @@ impl Curves {
         let within = |x: f32, y: f32| x <= MAX_RATIO * y && y <= MAX_RATIO * x;
         miss <= (LINK_SHARE * a.width().min(b.width())).max(1.0)
             && within(a.height, b.height)
-            && a.hint[0] * b.hint[0] + a.hint[1] * b.hint[1] + a.hint[2] * b.hint[2] >= MIN_COLOR_COSINE
+            && same_hue(a.hint, b.hint)
             && within(a.width(), b.width())
     }
 
     /// The mean direction of colour over ± `reach` lines along the curve, for every painted crossing; `place` is where a
     /// crossing stands among these, `u32::MAX` for the others.
-    pub(super) fn smooth_units(&mut self, place: &[u32], reach: usize, out: &mut Vec<[f32; 3]>) {
+    pub(super) fn smooth_units(&mut self, place: &[u32], reach: usize, out: &mut Vec<Rgb>) {
         out.clear();
         out.resize(self.paints.len(), [0.0; 3]);
         for w in self.starts.windows(2) {
@@ -138,11 +133,10 @@ impl Curves {
                 (place != u32::MAX).then_some((at, place as usize))
             };
             self.sums.clear();
-            let mut sum = [0.0_f64; 3];
+            let mut sum = [0.0; 3];
             for (at, place) in curve.iter().enumerate().filter_map(|x| painted(&x)) {
                 self.sums.push((at, sum));
-                let c = self.paints[place].unit;
-                sum = std::array::from_fn(|k| sum[k] + f64::from(c[k]));
+                sum = plus(sum, self.paints[place].unit);
             }
             self.sums.push((usize::MAX, sum));
             // The first and one past the last within reach: both only move on.
@@ -154,9 +148,13 @@ impl Curves {
                 while self.sums[to].0 <= at + reach {
                     to += 1;
                 }
-                let mean = std::array::from_fn(|k| (self.sums[to].1[k] - self.sums[from].1[k]) as f32);
-                out[place] = unit(mean).unwrap_or([0.0; 3]);
+                out[place] = unit(minus(self.sums[to].1, self.sums[from].1)).unwrap_or([0.0; 3]);
             }
         }
     }
+}
+
+fn same_hue(a: Rgb, b: Rgb) -> bool {
+    let along = dot(a, b);
+    along > 0.0 && along * along >= MIN_SQUARED_COSINE * dot(a, a) * dot(b, b)
 }

@@ -14,6 +14,9 @@ const WIGGLE: f32 = 0.15;
 /// A valley that lies above this share of the lower of its two hills is a dent in one.
 const DENT: f32 = 0.75;
 
+/// Up to this reach a mean is a sum of all its pixels, beyond one of which the ends move on.
+const SUMMED_REACH: usize = 3;
+
 /// A maximum between two minima, as indices of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Hill {
@@ -30,7 +33,14 @@ impl Hill {
 }
 
 /// Finds the hills of a line. `noise_share`: σ of `light` over that of a pixel, less than one where it is smoothed.
-pub(super) fn find(light: &[f32], noise: &Noise, noise_share: f32, hills: &mut Vec<Hill>) {
+/// `turns` is working memory.
+pub(super) fn find(
+    light: &[f32],
+    noise: &Noise,
+    noise_share: f32,
+    turns: &mut Vec<u8>,
+    hills: &mut Vec<Hill>,
+) {
     hills.clear();
     let Some(&first) = light.first() else { return };
     let sigmas = SIGMAS * noise_share;
@@ -39,7 +49,8 @@ pub(super) fn find(light: &[f32], noise: &Noise, noise_share: f32, hills: &mut V
     let mut rising = false;
     // Looked up when the light turns, not at every pixel of a slope.
     let mut threshold = None;
-    for (x, &v) in light.iter().enumerate() {
+    each_turn(light, turns, |x| {
+        let v = light[x];
         if rising {
             if v > high {
                 (high, high_at, threshold) = (v, x, None);
@@ -55,11 +66,38 @@ pub(super) fn find(light: &[f32], noise: &Noise, noise_share: f32, hills: &mut V
             }
             (high, high_at, rising, threshold) = (v, x, true, None);
         }
-    }
+    });
     if !rising && let Some(hill) = hills.last_mut() {
         hill.after = low_at as u32;
     }
     merge(light, hills);
+}
+
+/// Calls `visit` with every pixel at which the light begins or ceases to rise or to fall, in order: extremes are among
+/// them. A slope is passed over eight pixels at a time.
+fn each_turn(light: &[f32], marks: &mut Vec<u8>, mut visit: impl FnMut(usize)) {
+    let n = light.len();
+    marks.clear();
+    marks.resize(n.next_multiple_of(8), 0);
+    if n > 2 {
+        let (before, at, after) = (&light[..n - 2], &light[1..n - 1], &light[2..]);
+        for (((mark, a), b), c) in marks[1..n - 1].iter_mut().zip(before).zip(at).zip(after) {
+            // A plateau turns where it begins.
+            *mark = (u8::from(b < a) & u8::from(c >= b)) | (u8::from(b > a) & u8::from(c <= b));
+        }
+    }
+    for end in [0, n.saturating_sub(1)] {
+        if let Some(mark) = marks.get_mut(end) {
+            *mark = 1;
+        }
+    }
+    for (block, marks) in marks.as_chunks::<8>().0.iter().enumerate() {
+        let mut left = u64::from_le_bytes(*marks);
+        while left != 0 {
+            visit(8 * block + left.trailing_zeros() as usize / 8);
+            left &= left - 1;
+        }
+    }
 }
 
 fn rise(low: f32, noise: &Noise, sigmas: f32) -> f32 {
@@ -103,18 +141,34 @@ fn merge(light: &[f32], hills: &mut Vec<Hill>) {
 
 /// The running mean over `reach` pixels to either side, narrower at the ends, into `out`.
 pub(super) fn smooth(light: &[f32], reach: usize, out: &mut Vec<f32>) {
-    out.clear();
     let n = light.len();
-    let mut sum: f64 = light.iter().take(reach).map(|&v| f64::from(v)).sum();
-    for x in 0..n {
-        if let Some(&v) = light.get(x + reach) {
-            sum += f64::from(v);
+    let width = 2 * reach + 1;
+    out.clear();
+    out.resize(n, 0.0);
+    if n >= width {
+        let inner = &mut out[reach..n - reach];
+        if reach <= SUMMED_REACH {
+            // Whole rows, which the compiler takes several pixels at a time.
+            for shift in 0..width {
+                for (o, v) in inner.iter_mut().zip(&light[shift..]) {
+                    *o += v;
+                }
+            }
+            for o in inner {
+                *o *= 1.0 / width as f32;
+            }
+        } else {
+            let mut sum: f64 = light[..width - 1].iter().map(|&v| f64::from(v)).sum();
+            for ((o, new), old) in inner.iter_mut().zip(&light[width - 1..]).zip(light) {
+                sum += f64::from(*new);
+                *o = (sum * (1.0 / width as f64)) as f32;
+                sum -= f64::from(*old);
+            }
         }
-        if x > reach {
-            sum -= f64::from(light[x - reach - 1]);
-        }
-        let count = (x + reach + 1).min(n) - x.saturating_sub(reach);
-        out.push((sum / count as f64) as f32);
+    }
+    for x in (0..reach.min(n)).chain(n.saturating_sub(reach).max(reach.min(n))..n) {
+        let about = &light[x.saturating_sub(reach)..(x + reach + 1).min(n)];
+        out[x] = about.iter().sum::<f32>() / about.len() as f32;
     }
 }
 
@@ -127,7 +181,7 @@ mod tests {
         let mut noise = Noise::new(Encoding::Linear);
         noise.set(1e-3);
         let mut out = Vec::new();
-        find(light, &noise, 1.0, &mut out);
+        find(light, &noise, 1.0, &mut Vec::new(), &mut out);
         out.iter().map(|h| (h.before, h.top, h.after)).collect()
     }
 

@@ -1,6 +1,6 @@
 //! Which hue a stripe has; the hues are learned from the photograph.
 
-use super::curves::unit;
+use super::rgb::{Rgb, dot, minus, over, plus, times, total, unit};
 use crate::solve::median_f32;
 
 /// Angle between two colours of one hue, rad: what shading, interreflections and surfaces leave when noise is small.
@@ -29,7 +29,7 @@ pub(super) const NO_HUE: u8 = u8::MAX;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Sample {
     /// Direction in linear RGB; zero where there is none.
-    pub(super) unit: [f32; 3],
+    pub(super) unit: Rgb,
     /// 1σ of the direction by noise, rad.
     pub(super) sigma: f32,
     /// Light, and its logarithm.
@@ -41,7 +41,7 @@ pub(super) struct Sample {
 /// balance in one.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Hues {
-    pub(super) directions: Vec<[f32; 3]>,
+    pub(super) directions: Vec<Rgb>,
     pub(super) spread_rad: f32,
     /// Light of each hue on the same surface, as a share of the average.
     pub(super) brightness: Vec<f32>,
@@ -52,37 +52,37 @@ pub(super) struct Hues {
 
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
-    direction: [f32; 3],
+    direction: Rgb,
     weight: f32,
 }
 
 /// Squared chord between two directions: (2 sin(angle/2))², without the loss of digits of an arc cosine.
-fn squared_angle(a: [f32; 3], b: [f32; 3]) -> f32 {
-    let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+fn squared_angle(a: Rgb, b: Rgb) -> f32 {
+    let d = minus(a, b);
+    dot(d, d)
 }
 
 impl Hues {
     /// The palette's own directions; when `balanced`, with the camera's colour balance matched to that of the samples: over
     /// all of them, the channels must have the shares that they have over the pattern. That goes wrong where a part of the
     /// pattern is seen in which one hue prevails.
-    pub(super) fn seed(&mut self, palette: &[[f32; 3]], sequence: &[u8], samples: &[Sample], balanced: bool) {
+    pub(super) fn seed(&mut self, palette: &[Rgb], sequence: &[u8], samples: &[Sample], balanced: bool) {
         let grey = [1.0 / 3.0_f32.sqrt(); 3];
         self.directions.clear();
         self.directions.extend(palette.iter().map(|&c| unit(c).unwrap_or(grey)));
         self.brightness.clear();
-        self.brightness.extend(palette.iter().map(|c| (c[0] + c[1] + c[2]).max(1e-3)));
+        self.brightness.extend(palette.iter().map(|&c| total(c).max(1e-3)));
         self.spread_rad = MAX_SPREAD_RAD;
         let mut sum = [1e-6_f32; 3];
         for &s in sequence {
-            add(&mut sum, self.directions.get(usize::from(s)).copied().unwrap_or(grey));
+            sum = plus(sum, self.directions.get(usize::from(s)).copied().unwrap_or(grey));
         }
         let expected = unit(sum).unwrap_or(grey);
         let mut gain = [1.0_f32; 3];
         for _ in 0..if balanced { BALANCE_ROUNDS } else { 0 } {
             let mut sum = [1e-6_f32; 3];
             for s in samples {
-                add(&mut sum, unit(std::array::from_fn(|k| s.unit[k] * gain[k])).unwrap_or([0.0; 3]));
+                sum = plus(sum, unit(times(s.unit, gain)).unwrap_or([0.0; 3]));
             }
             let seen = unit(sum).unwrap_or(grey);
             gain = std::array::from_fn(|k| {
@@ -90,7 +90,7 @@ impl Hues {
             });
         }
         for d in &mut self.directions {
-            *d = unit(std::array::from_fn(|k| d[k] / gain[k])).unwrap_or(grey);
+            *d = unit(over(*d, gain)).unwrap_or(grey);
         }
     }
 
@@ -115,7 +115,7 @@ impl Hues {
                 if near {
                     let sums = &mut self.sums[usize::from(hue)];
                     sums.weight += 1.0;
-                    add(&mut sums.direction, s.unit);
+                    sums.direction = plus(sums.direction, s.unit);
                 }
             }
             self.take_means();
@@ -173,7 +173,7 @@ impl Hues {
     }
 
     /// The hue nearest to a colour.
-    pub(super) fn nearest(&self, unit: [f32; 3]) -> u8 {
+    pub(super) fn nearest(&self, unit: Rgb) -> u8 {
         let mut best = (f32::INFINITY, NO_HUE);
         for (h, d) in self.directions.iter().enumerate() {
             let distance = squared_angle(unit, *d);
@@ -196,11 +196,5 @@ impl Hues {
         for o in out {
             *o = ((1.0 - OUTLIERS) * *o / sum * n + OUTLIERS).ln();
         }
-    }
-}
-
-fn add(sum: &mut [f32; 3], c: [f32; 3]) {
-    for (s, x) in sum.iter_mut().zip(c) {
-        *s += x;
     }
 }

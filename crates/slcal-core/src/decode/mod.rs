@@ -19,6 +19,7 @@ mod lines;
 mod noise;
 mod number;
 mod recognise;
+mod rgb;
 mod scale;
 mod stripes;
 #[cfg(test)]

@@ -2,8 +2,9 @@
 //! and of the surfaces are learned from what was decoded, in turn.
 
 use super::align::{Aligner, NONE, Node};
-use super::curves::{Curves, unit};
+use super::curves::Curves;
 use super::hues::{Hues, NO_HUE, Sample};
+use super::rgb::{Rgb, over, plus, scaled, times, total, unit};
 
 /// Lines that are aligned, per width of a stripe: colours are averaged along curves, so that neighbouring lines say the
 /// same.
@@ -87,7 +88,7 @@ pub(super) struct Numbers {
     aligner: Aligner,
     nodes: Vec<Node>,
     odds: Vec<f32>,
-    smooth: Vec<[f32; 3]>,
+    smooth: Vec<Rgb>,
     counts: Vec<(u16, u32)>,
     /// Position in `chosen` of a crossing on an aligned line, by crossing; `u32::MAX` elsewhere.
     place: Vec<u32>,
@@ -127,7 +128,7 @@ impl Numbers {
     }
 
     /// Learns the hues without knowing any number.
-    pub(super) fn learn_hues(&mut self, palette: &[[f32; 3]], sequence: &[u8], balanced: bool) {
+    pub(super) fn learn_hues(&mut self, palette: &[Rgb], sequence: &[u8], balanced: bool) {
         self.hues.seed(palette, sequence, &self.seen, balanced);
         self.hues.learn(&self.samples, None);
     }
@@ -284,8 +285,7 @@ impl Numbers {
                 && let Some(direction) = self.hues.directions.get(usize::from(hue(at)))
             {
                 let own = self.seen[at];
-                let lit: f32 =
-                    (0..3).map(|k| direction[k] * gain[k]).sum::<f32>() / direction.iter().sum::<f32>();
+                let lit = total(times(*direction, gain)) / total(*direction);
                 self.samples[at].unit = divided(own.unit, gain);
                 self.samples[at].light = own.light / lit;
                 self.samples[at].log_light = own.log_light - lit.ln();
@@ -295,12 +295,12 @@ impl Numbers {
 
     /// What a surface reflects of each channel, up to a factor, from neighbouring stripes on it: with it taken off, the
     /// directions of their colours have the sum that those of their hues have.
-    fn surface_gain(&self, stripes: std::ops::RangeInclusive<usize>) -> Option<[f32; 3]> {
+    fn surface_gain(&self, stripes: std::ops::RangeInclusive<usize>) -> Option<Rgb> {
         let hue = |at: &usize| self.hues.directions.get(usize::from(self.hue_labels[*at]));
         let (mut expected, mut n) = ([0.0_f32; 3], 0);
-        for direction in stripes.clone().filter_map(|at| hue(&at)) {
+        for &direction in stripes.clone().filter_map(|at| hue(&at)) {
             n += 1;
-            expected = std::array::from_fn(|k| expected[k] + direction[k]);
+            expected = plus(expected, direction);
         }
         let least = MIN_CHANNEL * n as f32;
         let mut gain = [1.0_f32; 3];
@@ -309,24 +309,23 @@ impl Numbers {
             for at in stripes.clone().filter(|at| hue(at).is_some()) {
                 let own = self.seen[at].unit;
                 let unit = if gain == [1.0; 3] { own } else { divided(own, gain) };
-                seen = std::array::from_fn(|k| seen[k] + unit[k]);
+                seen = plus(seen, unit);
             }
             if n < MIN_SURFACE || expected.iter().chain(&seen).any(|&x| x < least) {
                 return None;
             }
-            let change: [f32; 3] = std::array::from_fn(|k| seen[k] / expected[k]);
-            gain = std::array::from_fn(|k| gain[k] * change[k]);
+            let change = over(seen, expected);
+            gain = times(gain, change);
             if change.iter().all(|c| (c - 1.0).abs() < SURFACE_TOLERANCE) {
                 break;
             }
         }
-        let mean = gain.iter().sum::<f32>() / 3.0;
-        Some(gain.map(|g| g / mean))
+        Some(scaled(gain, 3.0 / total(gain)))
     }
 }
 
-fn divided(color: [f32; 3], gain: [f32; 3]) -> [f32; 3] {
-    unit(std::array::from_fn(|k| color[k] / gain[k])).unwrap_or(color)
+fn divided(color: Rgb, gain: Rgb) -> Rgb {
+    unit(over(color, gain)).unwrap_or(color)
 }
 
 fn change(counts: &mut Vec<(u16, u32)>, label: u16, by: i32) {

@@ -1,9 +1,9 @@
 //! Stripes on one line: hills whose two edges are measured to sub-pixel.
 
-use super::curves::unit;
 use super::hills::{self, Hill};
 use super::lines::Line;
 use super::noise::Noise;
+use super::rgb::{Rgb, mean, minus, plus, positive, scaled, total, unit};
 
 /// A stripe crossed by a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,15 +15,15 @@ pub(super) struct Crossing {
     pub(super) height: f32,
     /// Predicted 1σ of an edge, px.
     pub(super) edge_sigma: f32,
-    /// About the direction of its colour, from a pixel of it and one beside it: enough to tell it from another stripe.
-    pub(super) hint: [f32; 3],
+    /// About its colour, from a pixel of it and one beside it: enough to tell it from another stripe.
+    pub(super) hint: Rgb,
 }
 
 /// The colour of a crossing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Paint {
     /// Direction of the core's light above the dark bands beside it, in linear RGB; zero where it has none.
-    pub(super) unit: [f32; 3],
+    pub(super) unit: Rgb,
     /// All channels of it together.
     pub(super) light: f32,
     /// 1σ of the direction by noise, rad.
@@ -42,11 +42,6 @@ impl Crossing {
     pub(super) fn width(&self) -> f32 {
         self.right - self.left
     }
-}
-
-/// The scalar in which stripes of all hues stand out.
-pub(super) fn total(rgb: [f32; 3]) -> f32 {
-    rgb[0] + rgb[1] + rgb[2]
 }
 
 /// Lengths that depend on the photograph, px.
@@ -71,6 +66,7 @@ const MIN_CONTRAST: f32 = 3.0;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scratch {
     smooth: Vec<f32>,
+    turns: Vec<u8>,
     hills: Vec<Hill>,
 }
 
@@ -84,9 +80,9 @@ pub(super) fn hills_of<'s>(
     if smoothing > 0 {
         hills::smooth(light, smoothing, &mut scratch.smooth);
         let share = ((2 * smoothing + 1) as f32).sqrt().recip();
-        hills::find(&scratch.smooth, noise, share, &mut scratch.hills);
+        hills::find(&scratch.smooth, noise, share, &mut scratch.turns, &mut scratch.hills);
     } else {
-        hills::find(light, noise, 1.0, &mut scratch.hills);
+        hills::find(light, noise, 1.0, &mut scratch.turns, &mut scratch.hills);
     }
     &scratch.hills
 }
@@ -98,7 +94,7 @@ pub(super) fn find(
     scale: Scale,
     noise: &Noise,
     scratch: &mut Scratch,
-    light_at: impl Fn(usize) -> [f32; 3],
+    light_at: impl Fn(usize) -> Rgb,
     crossings: &mut Vec<Crossing>,
     mut paints: Option<&mut Vec<Paint>>,
 ) -> usize {
@@ -124,7 +120,7 @@ fn measure(
     hill: Hill,
     scale: Scale,
     noise: &Noise,
-    light_at: impl Fn(usize) -> [f32; 3],
+    light_at: impl Fn(usize) -> Rgb,
 ) -> Option<Crossing> {
     let [before, top, after] = [hill.before, hill.top, hill.after].map(|x| x as usize);
     let left = edge(light, top, before, scale)?;
@@ -136,7 +132,7 @@ fn measure(
     let dark = if light[before] < light[after] { before } else { after };
     let hint = || {
         let (lit, dark) = (light_at(((left.at + right.at) * 0.5 + 0.5) as usize), light_at(dark));
-        unit(std::array::from_fn(|k| lit[k] - dark[k])).unwrap_or([0.0; 3])
+        positive(minus(lit, dark))
     };
     strong.then(|| Crossing {
         hint: hint(),
@@ -149,24 +145,24 @@ fn measure(
 
 fn paint(line: &Line, hill: Hill, c: &Crossing, noise: &Noise) -> Paint {
     let width = c.width();
-    let core = mean(&line.rgb, c.left + 0.25 * width, c.right - 0.25 * width);
+    let core = mean_between(&line.rgb, c.left + 0.25 * width, c.right - 0.25 * width);
     // A gap about as wide as the stripe: a narrow one has a single dark pixel.
     let reach = (0.2 * width).min(1.0);
-    let beside = |x: u32| mean(&line.rgb, x as f32 - reach, x as f32 + reach);
+    let beside = |x: u32| mean_between(&line.rgb, x as f32 - reach, x as f32 + reach);
     let (left, right) = (beside(hill.before), beside(hill.after));
     // A side that is as bright as the stripe is no dark band (an outline, or a neighbour that is too close).
     let half = 0.5 * total(core);
-    let dark: [f32; 3] = match (total(left) < half, total(right) < half) {
+    let dark = match (total(left) < half, total(right) < half) {
         (true, false) => left,
         (false, true) => right,
-        _ => std::array::from_fn(|k| 0.5 * (left[k] + right[k])),
+        _ => scaled(plus(left, right), 0.5),
     };
-    let above = |light: [f32; 3]| -> [f32; 3] { std::array::from_fn(|k| light[k] - dark[k]) };
+    let above = |light: Rgb| minus(light, dark);
     let color = above(core);
     let light = total(color).max(f32::MIN_POSITIVE);
     let saturated = line.is_clipped((c.middle() + 0.5).max(0.0) as usize);
     // A clipped core has lost its hue; the edges, where the light comes up from the dark, still have it.
-    let lit = |c: &[f32; 3]| total(*c) > MIN_FLANK * light;
+    let lit = |c: &Rgb| total(*c) > MIN_FLANK * light;
     let hue = if saturated { flanks(line, c.left, c.right).map(above).filter(lit) } else { None };
     let pixels = (0.5 * width).max(1.0);
     Paint {
@@ -178,18 +174,16 @@ fn paint(line: &Line, hill: Hill, c: &Crossing, noise: &Noise) -> Paint {
 }
 
 /// The mean over the pixels of both edges that are not clipped.
-fn flanks(line: &Line, left: f32, right: f32) -> Option<[f32; 3]> {
+fn flanks(line: &Line, left: f32, right: f32) -> Option<Rgb> {
     let (mut sum, mut n) = ([0.0; 3], 0.0);
     for edge in [left, right] {
         let from = (edge - 0.5).round().max(0.0) as usize;
         for (_, p) in line.rgb.iter().enumerate().skip(from).take(2).filter(|(x, _)| !line.is_clipped(*x)) {
-            for (s, c) in sum.iter_mut().zip(p) {
-                *s += c;
-            }
+            sum = plus(sum, *p);
             n += 1.0;
         }
     }
-    (n > 0.0).then(|| sum.map(|s| s / n))
+    (n > 0.0).then(|| scaled(sum, 1.0 / n))
 }
 
 struct Edge {
@@ -231,16 +225,10 @@ fn edge(light: &[f32], top: usize, valley: usize, scale: Scale) -> Option<Edge> 
     })
 }
 
-fn mean(line: &[[f32; 3]], from: f32, to: f32) -> [f32; 3] {
+fn mean_between(line: &[Rgb], from: f32, to: f32) -> Rgb {
     let last = line.len() - 1;
     // Half a pixel more and truncated: rounded, without a call of the system's library for each.
     let a = ((from + 0.5).max(0.0) as usize).min(last);
     let b = ((to + 0.5).max(0.0) as usize).clamp(a, last);
-    let mut sum = [0.0; 3];
-    for p in &line[a..=b] {
-        for (s, c) in sum.iter_mut().zip(p) {
-            *s += c;
-        }
-    }
-    sum.map(|s| s / (b - a + 1) as f32)
+    mean(&line[a..=b])
 }

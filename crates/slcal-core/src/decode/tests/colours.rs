@@ -6,8 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 use super::super::crosstalk::crosstalk;
-use super::super::curves::unit;
 use super::super::hues::{Hues, NO_HUE, Sample};
+use super::super::rgb::unit;
 use crate::pattern::{StripeConfig, StripePattern};
 use crate::photo::Encoding;
 
