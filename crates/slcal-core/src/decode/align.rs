@@ -54,24 +54,20 @@ pub(super) struct Node {
     pub(super) hint: (u16, f32),
 }
 
-/// How a path came to a cell; as wide as a score, so that both are written side by side.
-const JUMPED: u32 = 0;
-const NEXT: u32 = 1;
-const MISSED: u32 = 2;
-const SKIPPED: u32 = 3;
-
 /// Aligns lines with the pattern; keeps its tables.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Aligner {
+    /// Best score of a path that ends with crossing i on slit j, row by row; two rows and [`PAD`] entries before each row
+    /// are −∞.
     score: Vec<f32>,
-    how: Vec<u32>,
     gain: Vec<f32>,
-    /// The best score among the crossings before, at a slit before each; and of the present row.
+    /// Log-odds of a crossing's hues; as many as there are values of the index, so that none needs a check.
+    odds: HueOdds,
+    /// The best score among the crossings before, at a slit before each.
     best: Vec<f32>,
-    running: [Vec<f32>; 2],
-    /// The best score of each row, and among all rows before it.
+    steps: Vec<Steps>,
+    /// The best score of each row.
     row_top: Vec<f32>,
-    top_before: Vec<f32>,
     path: Vec<(u32, u16)>,
 }
 
@@ -90,7 +86,7 @@ impl Aligner {
         let top = self.fill(slits, period_per_width, nodes, odds);
         labels.fill(NONE);
         if top > 0.0 {
-            self.trace(top, nodes.len(), slits.len());
+            self.trace(top, slits, nodes, odds);
             self.keep_runs(slits, period_per_width, nodes, odds, lenient, labels);
         }
         top
@@ -100,70 +96,68 @@ impl Aligner {
         let (n, k) = (nodes.len(), slits.len());
         let hues = odds.len() / n.max(1);
         let row = k + PAD;
-        self.score.clear();
-        self.score.resize((n + 2) * row, f32::NEG_INFINITY);
-        self.how.clear();
-        self.how.resize(n * k, JUMPED);
+        // What is left from another line is written over row by row.
+        let size = (n + 2) * row;
+        self.score.resize(self.score.len().max(size), 0.0);
+        self.score[..2 * row].fill(f32::NEG_INFINITY);
         self.gain.resize(k, 0.0);
         self.best.clear();
         self.best.resize(k, 0.0);
+        self.steps.clear();
         self.row_top.clear();
-        self.top_before.clear();
         let mut top = 0.0_f32;
         for i in 0..n {
             let one = step(nodes, i, 1, period_per_width);
             let extra = EXTRA + step(nodes, i, 2, period_per_width).next;
-            let own = &odds[i * hues..(i + 1) * hues];
+            for (own, o) in self.odds.0.iter_mut().zip(&odds[i * hues..(i + 1) * hues]) {
+                *own = MATCH_GAIN + o;
+            }
             for (g, &s) in self.gain.iter_mut().zip(slits) {
-                *g = MATCH_GAIN + own[usize::from(s)];
+                *g = self.odds.0[usize::from(s)];
             }
             let (hinted, weight) = nodes[i].hint;
             if let Some(g) = self.gain.get_mut(usize::from(hinted)) {
                 *g += VOTE_GAIN * weight;
             }
-            // Rows i and i + 1 of the table belong to the crossings before; two rows of −∞ stand before the first.
+            // Rows i and i + 1 of the table belong to the crossings before.
             let (before, current) = self.score.split_at_mut((i + 2) * row);
             let (second, last) = (&before[i * row..(i + 1) * row], &before[(i + 1) * row..]);
             let steps =
-                Steps { back: top - JUMP_BACK, step: one.next, missed: MISSED_SLIT + one.missed, extra };
-            let current = &mut current[PAD..row];
-            advance(
-                &steps,
-                (last, second),
-                &self.best,
-                &self.gain,
-                current,
-                &mut self.how[i * k..(i + 1) * k],
-            );
-            let running = running_maximum(current, &mut self.running);
-            for (best, &r) in self.best.iter_mut().skip(1).zip(running) {
-                *best = if r > *best { r } else { *best };
-            }
-            let row_top = running.last().copied().unwrap_or(0.0);
-            self.top_before.push(top);
+                Steps { back: top - JUMP_BACK, next: one.next, missed: MISSED_SLIT + one.missed, extra };
+            let (pad, current) = current[..row].split_at_mut(PAD);
+            pad.fill(f32::NEG_INFINITY);
+            advance(&steps, (last, second), &self.best, &self.gain, current);
+            let row_top = raise(&mut self.best, current);
+            self.steps.push(steps);
             self.row_top.push(row_top);
-            top = top.max(row_top);
+            top = if row_top > top { row_top } else { top };
         }
         top
     }
 
-    /// Follows the best path back from the end, whose score is `top`.
-    fn trace(&mut self, top: f32, n: usize, k: usize) {
+    /// Follows the best path back from the end, whose score is `top`. How it came to a cell is not noted down for all of
+    /// them but found again for the few on the path.
+    fn trace(&mut self, top: f32, slits: &[u8], nodes: &[Node], odds: &[f32]) {
+        let k = slits.len();
+        let (row, hues) = (k + PAD, odds.len() / nodes.len().max(1));
         self.path.clear();
-        let mut at = self.best_cell(n, k).filter(|c| c.0 >= top);
+        let mut at = self.best_cell(nodes.len(), k).filter(|c| c.0 >= top);
         while let Some((_, i, j)) = at {
             self.path.push((i as u32, j as u16));
-            let step = |i: usize, j: usize| Some((0.0, i, j));
-            at = match self.how[i * k + j] {
-                NEXT => step(i - 1, j - 1),
-                MISSED => step(i - 1, j - 2),
-                SKIPPED => step(i - 2, j - 1),
-                _ => {
-                    let ahead = self.best_cell(i, j);
-                    let score = ahead.map_or(0.0, |c| c.0.max(0.0));
-                    let back = self.top_before[i] - JUMP_BACK > score - JUMP;
-                    if back { self.best_cell(i, k) } else { ahead }.filter(|c| c.0 > 0.0)
-                }
+            let (hinted, weight) = nodes[i].hint;
+            let vote = if usize::from(hinted) == j { VOTE_GAIN * weight } else { 0.0 };
+            let gain = MATCH_GAIN + odds[i * hues + usize::from(slits[j])] + vote;
+            let Steps { back, next, missed, extra } = self.steps[i];
+            let (last, second) = (&self.score[(i + 1) * row + j..], &self.score[i * row + j..]);
+            let ways = [(last[1] - next, 1, 1), (last[0] - missed, 1, 2), (second[1] - extra, 2, 1)];
+            let (best, rows, columns) = ways.into_iter().fold(ways[0], |a, b| if b.0 > a.0 { b } else { a });
+            at = if best + gain >= self.score[(i + 2) * row + PAD + j] {
+                Some((best, i - rows, j - columns))
+            } else {
+                let ahead = self.best_cell(i, j);
+                let score = ahead.map_or(0.0, |c| c.0.max(0.0));
+                let is_back = back > score - JUMP;
+                if is_back { self.best_cell(i, k) } else { ahead }.filter(|c| c.0 > 0.0)
             };
         }
     }
@@ -171,7 +165,7 @@ impl Aligner {
     /// The best cell among the first `n` crossings and `k` slits, with its score: looked for instead of noted down, since
     /// jumps are few.
     fn best_cell(&self, n: usize, k: usize) -> Option<(f32, usize, usize)> {
-        let row = self.best.len() + PAD;
+        let row = self.gain.len() + PAD;
         let mut best: Option<(f32, usize, usize)> = None;
         for i in (0..n).rev() {
             if best.is_some_and(|b| b.0 >= self.row_top[i]) {
@@ -236,59 +230,80 @@ fn split(
     path.chunk_by(move |a, b| together(&[*a, *b]))
 }
 
+#[derive(Debug, Clone)]
+struct HueOdds([f32; 256]);
+
+impl Default for HueOdds {
+    fn default() -> Self {
+        Self([0.0; 256])
+    }
+}
+
+/// What the ways to the cells of a row cost.
+#[derive(Debug, Clone, Copy)]
 struct Steps {
-    /// A jump to any slit.
+    /// Score of a jump back to any slit.
     back: f32,
-    step: f32,
+    next: f32,
     missed: f32,
     extra: f32,
 }
 
 /// One row of the table from the two before it. Plain loops over slices of one length, so that the compiler can take
 /// several slits at a time.
-fn advance(
-    steps: &Steps,
-    rows: (&[f32], &[f32]),
-    best_before: &[f32],
-    gain: &[f32],
-    score: &mut [f32],
-    how: &mut [u32],
-) {
+fn advance(steps: &Steps, rows: (&[f32], &[f32]), best_before: &[f32], gain: &[f32], score: &mut [f32]) {
     let k = gain.len();
     let (last, second) = rows;
     let (next, missed, skipped) = (&last[1..=k], &last[..k], &second[1..=k]);
-    let (best_before, score, how) = (&best_before[..k], &mut score[..k], &mut how[..k]);
+    let (best_before, score) = (&best_before[..k], &mut score[..k]);
     for j in 0..k {
-        let ahead = best_before[j] - JUMP;
-        let (mut best, mut kind) = (if ahead > steps.back { ahead } else { steps.back }, JUMPED);
-        let a = next[j] - steps.step;
-        (best, kind) = if a > best { (a, NEXT) } else { (best, kind) };
-        let b = missed[j] - steps.missed;
-        (best, kind) = if b > best { (b, MISSED) } else { (best, kind) };
-        let c = skipped[j] - steps.extra;
-        (best, kind) = if c > best { (c, SKIPPED) } else { (best, kind) };
-        score[j] = best + gain[j];
-        how[j] = kind;
+        let jump = larger(best_before[j] - JUMP, steps.back);
+        let one = larger(next[j] - steps.next, missed[j] - steps.missed);
+        score[j] = larger(larger(jump, one), skipped[j] - steps.extra) + gain[j];
     }
 }
 
-/// The largest value up to each place, by doubling steps from one buffer to the other.
-fn running_maximum<'b>(values: &[f32], buffers: &'b mut [Vec<f32>; 2]) -> &'b [f32] {
-    let n = values.len();
-    let [from, to] = buffers;
-    from.clear();
-    from.extend_from_slice(values);
-    to.resize(n, 0.0);
-    let mut reach = 1;
-    while reach < n {
-        to[..reach].copy_from_slice(&from[..reach]);
-        for ((o, a), b) in to[reach..].iter_mut().zip(&from[reach..]).zip(&from[..n - reach]) {
-            *o = if a > b { *a } else { *b };
+/// Carries the scores of a row on to the slits behind each: `best[j]` becomes the best of what it was and of the scores
+/// before slit j. Returns the best score of the row. Few scores of a row are better than all before, so that most blocks
+/// are only compared.
+fn raise(best: &mut [f32], scores: &[f32]) -> f32 {
+    const BLOCK: usize = 8;
+    let Some((last, before)) = scores.split_last() else { return f32::NEG_INFINITY };
+    let best = &mut best[1..];
+    let mut tops = [f32::NEG_INFINITY; BLOCK];
+    let (blocks, rest) = before.as_chunks::<BLOCK>();
+    for (b, block) in blocks.iter().enumerate() {
+        let known: &[f32; BLOCK] = best[b * BLOCK..].first_chunk().unwrap_or(block);
+        let mut above = false;
+        for l in 0..BLOCK {
+            above |= block[l] > known[l];
+            tops[l] = larger(tops[l], block[l]);
         }
-        std::mem::swap(from, to);
-        reach *= 2;
+        if above {
+            carry(best, b * BLOCK, block);
+        }
     }
-    &from[..n]
+    carry(best, blocks.len() * BLOCK, rest);
+    let top = rest.iter().fold(*last, |a, &b| larger(a, b));
+    tops.iter().fold(top, |a, &b| larger(a, b))
+}
+
+/// Scores from slit `from` on, to all behind them.
+fn carry(best: &mut [f32], from: usize, scores: &[f32]) {
+    for (j, &score) in scores.iter().enumerate() {
+        let behind = &mut best[from + j..];
+        if behind.first().is_some_and(|b| score > *b) {
+            for b in behind {
+                *b = larger(*b, score);
+            }
+        }
+    }
+}
+
+/// The larger of two numbers: one instruction, where `f32::max` looks for NaN.
+#[inline]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// What it costs to go on from one crossing to another.
@@ -315,24 +330,25 @@ fn step(nodes: &[Node], i: usize, back: usize, period_per_width: f32) -> Step {
         return Step { next: 0.0, missed: 0.0, surface: Surface::Same };
     };
     let b = &nodes[i];
-    let periods = (b.u - a.u) / (0.5 * (a.width + b.width) * period_per_width);
-    let ratio = |a: f32, b: f32| if a > b { a / b } else { b / a };
+    let (distance, period) = (b.u - a.u, 0.5 * (a.width + b.width) * period_per_width);
+    let differ = |a: f32, b: f32, by: f32| a > by * b || b > by * a;
     // Where a surface turns away from the projector, a slit's light is spread over more of it: then light times width
     // changes less than light.
-    let (light, flux) = (ratio(a.light, b.light), ratio(a.light * a.width, b.light * b.width));
-    let change = if light < flux { light } else { flux };
-    let lit = BREAK * (f32::from(u8::from(change > BRIGHTER)) + f32::from(u8::from(change > 2.0 * BRIGHTER)));
+    let changed = |by: f32| differ(a.light, b.light, by) && differ(a.light * a.width, b.light * b.width, by);
+    let (twice, much) = (changed(BRIGHTER), changed(2.0 * BRIGHTER));
+    let lit = BREAK * (f32::from(u8::from(twice)) + f32::from(u8::from(much)));
     let spaced = |fits: bool| if fits { lit } else { BREAK };
-    let surface = if periods > FAR || change > 2.0 * BRIGHTER {
+    let far = distance > FAR * period;
+    let surface = if far || much {
         Surface::Other
-    } else if change > BRIGHTER {
+    } else if twice {
         Surface::Doubtful
     } else {
         Surface::Same
     };
     Step {
-        next: spaced(periods < FAR),
-        missed: spaced((NEAR_TWO..NEAR_TWO + 1.0).contains(&periods)),
+        next: spaced(!far),
+        missed: spaced(distance >= NEAR_TWO * period && distance < (NEAR_TWO + 1.0) * period),
         surface,
     }
 }

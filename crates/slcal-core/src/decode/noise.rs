@@ -1,6 +1,7 @@
 //! How much a pixel's light differs from its neighbours' by chance.
 
 use super::lines::LineReader;
+use super::rgb::{minus, plus, scaled};
 use crate::photo::Encoding;
 
 /// Lines looked at, and samples taken from all of them; plenty for a quartile.
@@ -38,8 +39,9 @@ impl Noise {
         for k in 0..lines {
             let y = reader.spread(k, lines);
             for x in (1..reader.length().saturating_sub(1)).step_by(stride) {
-                let [a, b, c] = [x - 1, x, x + 1].map(|x| reader.code(y, x));
-                self.samples.extend((0..3).map(|k| (b[k] - 0.5 * (a[k] + c[k])).abs()));
+                let beside = plus(reader.code(y, x - 1), reader.code(y, x + 1));
+                let miss = minus(reader.code(y, x), scaled(beside, 0.5));
+                self.samples.extend_from_slice(&[miss[0].abs(), miss[1].abs(), miss[2].abs()]);
             }
         }
         let mut sigma = FLOOR;

@@ -127,11 +127,13 @@ impl<'a> PhotoView<'a> {
     #[inline]
     #[must_use]
     pub fn rgb_code(&self, x: usize, y: usize) -> [f32; 3] {
-        let at = y * self.row_stride + x * self.layout.channels();
-        self.layout.rgb_offsets().map(|o| match self.samples {
-            Samples::U8(s) => f32::from(s[at + o]) / 255.0,
-            Samples::U16(s) => f32::from(s[at + o]) / 65535.0,
-        })
+        let [r, g, b] = self.rgb_at(x, y);
+        match self.samples {
+            Samples::U8(s) => [f32::from(s[r]) / 255.0, f32::from(s[g]) / 255.0, f32::from(s[b]) / 255.0],
+            Samples::U16(s) => {
+                [f32::from(s[r]) / 65535.0, f32::from(s[g]) / 65535.0, f32::from(s[b]) / 65535.0]
+            }
+        }
     }
 
     /// Writes the linear light (red, green, blue) of one row into `out`, which must hold `width` entries.
@@ -198,11 +200,26 @@ impl<'a> PhotoView<'a> {
     #[inline]
     #[must_use]
     pub fn linear_rgb(&self, x: usize, y: usize, table: &LinearTable) -> [f32; 3] {
+        let [r, g, b] = self.rgb_at(x, y);
+        match self.samples {
+            Samples::U8(s) => {
+                let light = |at: usize| table.light(usize::from(s[at]));
+                [light(r), light(g), light(b)]
+            }
+            Samples::U16(s) => {
+                let light = |at: usize| table.light(usize::from(s[at]));
+                [light(r), light(g), light(b)]
+            }
+        }
+    }
+
+    /// Where the samples of a pixel lie. (Channels are written out in this file: a closure mapped over an array of three
+    /// is not always inlined.)
+    #[inline]
+    fn rgb_at(&self, x: usize, y: usize) -> [usize; 3] {
         let at = y * self.row_stride + x * self.layout.channels();
-        self.layout.rgb_offsets().map(|o| match self.samples {
-            Samples::U8(s) => table.light(usize::from(s[at + o])),
-            Samples::U16(s) => table.light(usize::from(s[at + o])),
-        })
+        let [r, g, b] = self.layout.rgb_offsets();
+        [at + r, at + g, at + b]
     }
 
     /// The linear light of one pixel, the mean of the three channels.
