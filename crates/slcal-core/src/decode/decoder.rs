@@ -310,7 +310,7 @@ impl Decoder {
                     slit: Some(slit as u16),
                     confidence,
                     sigma_px: f64::from(centre.sigma).max(1e-3),
-                    color: srgb(reader.code(y, at), self.config.encoding),
+                    color: reader.color(y, at, self.config.encoding),
                 });
             }
         }
@@ -348,13 +348,5 @@ fn no_stripes() -> Error {
         what: "stripes",
         seen: "neither along image rows nor along columns are there regular bright bands between dark ones".into(),
         advice: "photograph the object with the stripe pattern projected, in focus, in a room that is not too bright".into(),
-    }
-}
-
-fn srgb(code: [f32; 3], encoding: Encoding) -> [u8; 3] {
-    let byte = |c: f64| (c * 255.0).round() as u8;
-    match encoding {
-        Encoding::Srgb => code.map(|c| byte(f64::from(c))),
-        other => code.map(|c| byte(Encoding::Srgb.from_linear(other.to_linear(f64::from(c))))),
     }
 }

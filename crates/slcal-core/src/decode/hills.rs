@@ -73,8 +73,8 @@ pub(super) fn find(
     merge(light, hills);
 }
 
-/// Calls `visit` with every pixel at which the light begins or ceases to rise or to fall, in order: extremes are among
-/// them. A slope is passed over eight pixels at a time.
+/// Calls `visit` with every pixel at which the light begins or ceases to fall, in order: extremes are among them. Slopes
+/// are passed over eight pixels at a time.
 fn each_turn(light: &[f32], marks: &mut Vec<u8>, mut visit: impl FnMut(usize)) {
     let n = light.len();
     marks.clear();
@@ -82,8 +82,7 @@ fn each_turn(light: &[f32], marks: &mut Vec<u8>, mut visit: impl FnMut(usize)) {
     if n > 2 {
         let (before, at, after) = (&light[..n - 2], &light[1..n - 1], &light[2..]);
         for (((mark, a), b), c) in marks[1..n - 1].iter_mut().zip(before).zip(at).zip(after) {
-            // A plateau turns where it begins.
-            *mark = (u8::from(b < a) & u8::from(c >= b)) | (u8::from(b > a) & u8::from(c <= b));
+            *mark = u8::from(b < a) ^ u8::from(c < b);
         }
     }
     for end in [0, n.saturating_sub(1)] {
@@ -192,7 +191,7 @@ mod tests {
         light.extend([0.05; 2]);
         light.extend([0.2; 40]);
         light.extend([0.05; 3]);
-        assert_eq!(hills(&light), [(0, 4, 7), (7, 9, 49)]);
+        assert_eq!(hills(&light), [(0, 6, 7), (7, 48, 49)]);
     }
 
     #[test]

@@ -186,6 +186,20 @@ impl<'a> LineReader<'a> {
         self.frames.photo.rgb_code(x, y)
     }
 
+    /// The colour of a pixel in the photograph, sRGB.
+    pub(super) fn color(&self, line: usize, at: usize, encoding: Encoding) -> [u8; 3] {
+        let (x, y) = if self.scan == Scan::Rows { (at, line) } else { (line, at) };
+        if encoding == Encoding::Srgb {
+            return self.frames.photo.rgb_bytes(x, y);
+        }
+        let byte = |c: f32| {
+            let light = encoding.to_linear(f64::from(c));
+            (255.0 * Encoding::Srgb.from_linear(light) + 0.5) as u8
+        };
+        let [r, g, b] = self.frames.photo.rgb_code(x, y);
+        [byte(r), byte(g), byte(b)]
+    }
+
     /// Whether noise of a companion adds to that of the photograph.
     pub(super) fn has_companion(&self) -> bool {
         self.frames.black.is_some() || self.frames.white.is_some()

@@ -13,8 +13,10 @@ const QUARTILE_OF_NORMAL: f32 = 0.318_6;
 const SECOND_DIFFERENCE_GAIN: f32 = 1.5;
 /// Rounding to 8 bits, 1/255/√12, in code values: noise is taken to be no less.
 const FLOOR: f32 = 1.1e-3;
-/// Entries of the table of σ, even in light.
+/// Entries of the tables of σ, per unit of light.
 const TABLE: usize = 1024;
+/// Of the light of all channels together, 0–3.
+const TOTAL_TABLE: usize = 3 * TABLE;
 
 /// 1σ of a pixel's light. Measured in code values, where it depends little on the light, and carried to linear light.
 #[derive(Debug, Clone)]
@@ -24,11 +26,18 @@ pub(super) struct Noise {
     /// 1σ in code values, 0–1.
     pub(super) sigma_code: f32,
     variance_by_light: Vec<f32>,
+    sigma_by_total: Vec<f32>,
 }
 
 impl Noise {
     pub(super) fn new(encoding: Encoding) -> Self {
-        Self { encoding, samples: Vec::new(), sigma_code: -1.0, variance_by_light: Vec::new() }
+        Self {
+            encoding,
+            samples: Vec::new(),
+            sigma_code: -1.0,
+            variance_by_light: Vec::new(),
+            sigma_by_total: Vec::new(),
+        }
     }
 
     /// Measures a photograph.
@@ -74,20 +83,30 @@ impl Noise {
             let (low, high) = ((code - 0.5 * step).max(0.0), code + 0.5 * step);
             (self.encoding.to_linear(high) - self.encoding.to_linear(low)).powi(2) as f32
         }));
+        self.sigma_by_total.clear();
+        let variance = |light: f32| self.variance_by_light[((light * TABLE as f32) as usize).min(TABLE - 1)];
+        // Light in as few channels as can hold it: there noise is largest.
+        self.sigma_by_total.extend((0..TOTAL_TABLE).map(|i| {
+            let total = (i as f32 + 0.5) / TABLE as f32;
+            (variance(total) * total.max(1.0) + 2.0 * variance(0.0)).sqrt()
+        }));
     }
 
     fn variance(&self, light: f32) -> f32 {
-        let at = ((light * TABLE as f32).max(0.0) as usize).min(TABLE - 1);
+        let at = ((light * TABLE as f32) as usize).min(TABLE - 1);
         self.variance_by_light.get(at).copied().unwrap_or(0.0)
     }
 
     /// 1σ of the sum of the channels of a pixel with this light.
     pub(super) fn sigma(&self, rgb: [f32; 3]) -> f32 {
-        rgb.iter().map(|&c| self.variance(c)).sum::<f32>().sqrt()
+        (self.variance(rgb[0]) + self.variance(rgb[1]) + self.variance(rgb[2])).sqrt()
     }
 
-    /// About the same when only the sum is known: that of light in as few channels as can hold it, where noise is largest.
+    /// About the same when only the sum is known.
+    #[inline]
     pub(super) fn sigma_of_total(&self, total: f32) -> f32 {
-        (self.variance(total) * total.max(1.0) + 2.0 * self.variance(0.0)).sqrt()
+        // Casts to integers saturate: what is negative has the σ of darkness.
+        let at = ((total * TABLE as f32) as usize).min(TOTAL_TABLE - 1);
+        self.sigma_by_total.get(at).copied().unwrap_or(0.0)
     }
 }

@@ -14,8 +14,8 @@ const LINES_PER_WIDTH: f32 = 2.0;
 const REACH_WIDTHS: f32 = 4.0;
 /// Rounds in which hues are learned anew from what was decoded, and votes are heard.
 const LEARNING_PASSES: usize = 2;
-/// While learning, every so many of the aligned lines vote.
-const TEACHING_LINES: usize = 2;
+/// Hues are learned, and while they are, votes cast, on lines with about so many crossings.
+const TEACHERS: usize = 2000;
 /// Votes of this support teach hues and surfaces.
 const SURE: f32 = 0.8;
 /// Share of the votes cast that the winner must have, and share of all about that must have voted for it.
@@ -83,12 +83,18 @@ pub(super) struct Numbers {
     seen: Vec<Sample>,
     samples: Vec<Sample>,
     hue_labels: Vec<u8>,
+    teachers: Vec<Sample>,
+    teachers_hues: Vec<u8>,
     labels: Vec<u16>,
     reach: usize,
+    /// Every so many of the lines teach hues.
+    teaching: usize,
     aligner: Aligner,
     nodes: Vec<Node>,
     odds: Vec<f32>,
     smooth: Vec<Rgb>,
+    /// Where on a curve the lines that vote cross it, and for which slit.
+    ballots: Vec<(usize, u16)>,
     counts: Vec<(u16, u32)>,
     /// Position in `chosen` of a crossing on an aligned line, by crossing; `u32::MAX` elsewhere.
     place: Vec<u32>,
@@ -125,12 +131,16 @@ impl Numbers {
         self.votes.resize(curves.crossings.len(), UNDECIDED);
         self.labels.clear();
         self.labels.resize(self.chosen.len(), NONE);
+        self.hue_labels.clear();
+        self.hue_labels.resize(self.chosen.len(), NO_HUE);
+        self.teaching = (self.chosen.len() / TEACHERS).max(1);
     }
 
     /// Learns the hues without knowing any number.
     pub(super) fn learn_hues(&mut self, palette: &[Rgb], sequence: &[u8], balanced: bool) {
-        self.hues.seed(palette, sequence, &self.seen, balanced);
-        self.hues.learn(&self.samples, None);
+        self.gather_teachers();
+        self.hues.seed(palette, sequence, &self.teachers, balanced);
+        self.hues.learn(&self.teachers, None);
     }
 
     /// How well each code fits on about `lines` of the lines, into `scores`, nats; and the number of crossings on them.
@@ -161,8 +171,7 @@ impl Numbers {
     /// Numbers all crossings.
     pub(super) fn number(&mut self, curves: &Curves, code: Code<'_>) {
         for pass in 0..=LEARNING_PASSES {
-            // Some lines teach as much as all.
-            let stride = if pass < LEARNING_PASSES { TEACHING_LINES } else { 1 };
+            let stride = self.stride(pass);
             for line in (0..self.starts.len() - 1).step_by(stride) {
                 let range = self.starts[line] as usize..self.starts[line + 1] as usize;
                 self.prepare(curves, range.clone());
@@ -170,9 +179,14 @@ impl Numbers {
             }
             self.vote(curves, stride);
             if pass < LEARNING_PASSES {
-                self.learn_from_votes(code);
+                self.learn_from_votes(code, self.stride(pass + 1));
             }
         }
+    }
+
+    /// Every so many of the lines are aligned in a pass.
+    fn stride(&self, pass: usize) -> usize {
+        if pass < LEARNING_PASSES { self.teaching } else { 1 }
     }
 
     /// What alignment looks at on a line.
@@ -203,57 +217,66 @@ impl Numbers {
         self.aligner.align(code.slits, code.period_per_width, &self.nodes, &self.odds, lenient, labels)
     }
 
-    /// The winner among the aligned lines within reach of each crossing along its curve.
+    /// The winner among the aligned lines within reach of each crossing along its curve, of those that are a multiple of
+    /// `stride`.
     fn vote(&mut self, curves: &Curves, stride: usize) {
-        let (reach, counts) = (self.reach, &mut self.counts);
+        let Self { place, line_of, labels, votes, ballots, counts, reach, .. } = self;
         for curve in curves.iter() {
+            ballots.clear();
+            ballots.extend(curve.iter().enumerate().filter_map(|(at, &i)| {
+                let line = *line_of.get(place[i as usize] as usize)?;
+                let votes = line.is_multiple_of(stride as u32);
+                votes.then(|| (at, labels[place[i as usize] as usize]))
+            }));
             counts.clear();
-            // Aligned lines in the window, whether they voted or not.
-            let mut seats = 0_u32;
-            let ballot = |at: usize| {
-                let place = self.place[curve[at] as usize];
-                if place == u32::MAX || self.line_of[place as usize].is_multiple_of(stride as u32) {
-                    place
-                } else {
-                    u32::MAX
+            // Those in the window about a crossing, whether they chose a slit or not.
+            let (mut from, mut to) = (0, 0);
+            let mut vote = UNDECIDED;
+            for (at, &i) in curve.iter().enumerate() {
+                let seated = to - from;
+                while to < ballots.len() && ballots[to].0 <= at + *reach {
+                    change(counts, ballots[to].1, 1);
+                    to += 1;
                 }
-            };
-            let label = |place: u32| self.labels[place as usize];
-            for at in 0..reach.min(curve.len()) {
-                if ballot(at) != u32::MAX {
-                    seats += 1;
-                    change(counts, label(ballot(at)), 1);
-                }
-            }
-            let mut vote = None;
-            for at in 0..curve.len() {
-                if at + reach < curve.len() && ballot(at + reach) != u32::MAX {
-                    seats += 1;
-                    change(counts, label(ballot(at + reach)), 1);
-                    vote = None;
-                }
-                if at > reach && ballot(at - reach - 1) != u32::MAX {
-                    seats -= 1;
-                    change(counts, label(ballot(at - reach - 1)), -1);
-                    vote = None;
+                let joined = to - from > seated;
+                let first = from;
+                while from < to && ballots[from].0 + *reach < at {
+                    change(counts, ballots[from].1, -1);
+                    from += 1;
                 }
                 // Counted again when the window has changed, which it seldom has.
-                self.votes[curve[at] as usize] = *vote.get_or_insert_with(|| winner(counts, seats));
+                if joined || from > first {
+                    vote = winner(counts, (to - from) as u32);
+                }
+                votes[i as usize] = vote;
             }
         }
     }
 
-    fn learn_from_votes(&mut self, code: Code<'_>) {
+    /// Learns the colours of surfaces and hues, for every `stride`-th line to be aligned next.
+    fn learn_from_votes(&mut self, code: Code<'_>, stride: usize) {
         self.hue_labels.clear();
         self.hue_labels.extend(self.chosen.iter().map(|&i| {
             let vote = self.votes[i as usize];
             let hue = code.slits.get(usize::from(vote.label)).copied();
             hue.filter(|_| vote.support > SURE).unwrap_or(NO_HUE)
         }));
-        for line in 0..self.starts.len() - 1 {
+        for line in (0..self.starts.len() - 1).step_by(stride) {
             self.take_off_surface(self.starts[line] as usize..self.starts[line + 1] as usize);
         }
-        self.hues.learn(&self.samples, Some(&self.hue_labels));
+        self.gather_teachers();
+        self.hues.learn(&self.teachers, Some(&self.teachers_hues));
+    }
+
+    /// The crossings that teach hues, and the hues that they are known to have.
+    fn gather_teachers(&mut self) {
+        self.teachers.clear();
+        self.teachers_hues.clear();
+        for line in (0..self.starts.len() - 1).step_by(self.teaching) {
+            let range = self.starts[line] as usize..self.starts[line + 1] as usize;
+            self.teachers.extend_from_slice(&self.samples[range.clone()]);
+            self.teachers_hues.extend_from_slice(&self.hue_labels[range]);
+        }
     }
 
     /// Divides out the colour of the surface: what neighbouring stripes on it have in common beyond their hues.

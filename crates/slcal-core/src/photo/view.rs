@@ -136,6 +136,20 @@ impl<'a> PhotoView<'a> {
         }
     }
 
+    /// The code values of a pixel in 8 bit, red, green, blue.
+    #[inline]
+    #[must_use]
+    pub fn rgb_bytes(&self, x: usize, y: usize) -> [u8; 3] {
+        let [r, g, b] = self.rgb_at(x, y);
+        match self.samples {
+            Samples::U8(s) => [s[r], s[g], s[b]],
+            Samples::U16(s) => {
+                let byte = |at: usize| ((u32::from(s[at]) + 128) / 257) as u8;
+                [byte(r), byte(g), byte(b)]
+            }
+        }
+    }
+
     /// Writes the linear light (red, green, blue) of one row into `out`, which must hold `width` entries.
     pub fn linear_rgb_row(&self, y: usize, table: &LinearTable, out: &mut [[f32; 3]]) {
         let [r, g, b] = self.layout.rgb_offsets();
