@@ -73,12 +73,12 @@ pub(super) fn find(
     merge(light, hills);
 }
 
-/// Calls `visit` with every pixel at which the light begins or ceases to fall, in order: extremes are among them. Slopes
-/// are passed over eight pixels at a time.
+/// Calls `visit` with every pixel at which the light begins or ceases to fall, in order: extremes are among them.
 fn each_turn(light: &[f32], marks: &mut Vec<u8>, mut visit: impl FnMut(usize)) {
+    const BLOCK: usize = 64;
     let n = light.len();
     marks.clear();
-    marks.resize(n.next_multiple_of(8), 0);
+    marks.resize(n.next_multiple_of(BLOCK), 0);
     if n > 2 {
         let (before, at, after) = (&light[..n - 2], &light[1..n - 1], &light[2..]);
         for (((mark, a), b), c) in marks[1..n - 1].iter_mut().zip(before).zip(at).zip(after) {
@@ -90,13 +90,24 @@ fn each_turn(light: &[f32], marks: &mut Vec<u8>, mut visit: impl FnMut(usize)) {
             *mark = 1;
         }
     }
-    for (block, marks) in marks.as_chunks::<8>().0.iter().enumerate() {
-        let mut left = u64::from_le_bytes(*marks);
+    for (block, marks) in marks.as_chunks::<BLOCK>().0.iter().enumerate() {
+        let mut left = packed(marks);
         while left != 0 {
-            visit(8 * block + left.trailing_zeros() as usize / 8);
+            visit(BLOCK * block + left.trailing_zeros() as usize);
             left &= left - 1;
         }
     }
+}
+
+/// One bit for each of 64 bytes that are 0 or 1.
+fn packed(marks: &[u8; 64]) -> u64 {
+    // The product moves the bit of byte i to bit 56 + i.
+    const GATHER: u64 = 0x0102_0408_1020_4080;
+    let (eights, _) = marks.as_chunks::<8>();
+    eights
+        .iter()
+        .rev()
+        .fold(0, |bits, eight| bits << 8 | u64::from_le_bytes(*eight).wrapping_mul(GATHER) >> 56)
 }
 
 fn rise(low: f32, noise: &Noise, sigmas: f32) -> f32 {

@@ -122,24 +122,24 @@ fn measure(
     noise: &Noise,
     light_at: impl Fn(usize) -> Rgb,
 ) -> Option<Crossing> {
-    let [before, top, after] = [hill.before, hill.top, hill.after].map(|x| x as usize);
-    let left = edge(light, top, before, scale)?;
-    let right = edge(light, top, after, scale)?;
-    let height = left.height.min(right.height);
+    let (before, top, after) = (hill.before as usize, hill.top as usize, hill.after as usize);
+    let rising = edge(top - before, scale.edge, |i| light[top - i])?;
+    let falling = edge(after - top, scale.edge, |i| light[top + i])?;
+    let (left, right) = (top as f32 - rising.from_top, top as f32 + falling.from_top);
+    let height = rising.height.min(falling.height);
     let sigma = noise.sigma_of_total(light[top]);
-    let strong = right.at - left.at > MIN_WIDTH_PX && height > MIN_CONTRAST * sigma;
+    if right - left <= MIN_WIDTH_PX || height <= MIN_CONTRAST * sigma {
+        return None;
+    }
     // The darker side is the dark band, more surely than the other.
     let dark = if light[before] < light[after] { before } else { after };
-    let hint = || {
-        let (lit, dark) = (light_at(((left.at + right.at) * 0.5 + 0.5) as usize), light_at(dark));
-        positive(minus(lit, dark))
-    };
-    strong.then(|| Crossing {
-        hint: hint(),
-        left: left.at,
-        right: right.at,
+    let lit = ((left + right) * 0.5 + 0.5) as usize;
+    Some(Crossing {
+        hint: positive(minus(light_at(lit), light_at(dark))),
+        left,
+        right,
         height,
-        edge_sigma: sigma / height * left.gain.max(right.gain),
+        edge_sigma: sigma / height * rising.variance.max(falling.variance).sqrt(),
     })
 }
 
@@ -187,41 +187,40 @@ fn flanks(line: &Line, left: f32, right: f32) -> Option<Rgb> {
 }
 
 struct Edge {
-    at: f32,
+    /// Distance from the top, px.
+    from_top: f32,
     height: f32,
-    /// σ of the position over σ of a pixel's light as a share of the height.
-    gain: f32,
+    /// (σ of the position over σ of a pixel's light as a share of the height)².
+    variance: f32,
 }
 
-/// The edge between a hill's top and a valley. Where the light passes half, the area under the light over a few pixels
-/// about it gives the place at which a sharp step would have the same area: exact for any blur within those pixels.
-fn edge(light: &[f32], top: usize, valley: usize, scale: Scale) -> Option<Edge> {
-    let out = valley > top;
-    // Index of the pixel `i` steps from the top towards the valley.
-    let at = |i: usize| light[if out { top + i } else { top - i }];
-    let length = top.abs_diff(valley);
-    let half = 0.5 * (at(0) + at(length));
+/// The edge between a hill's top and a valley `length` pixels away, of which `at` tells the light by the distance from the
+/// top. Where the light passes half, the area under the light over a few pixels about it gives the place at which a sharp
+/// step would have the same area: exact for any blur within those pixels.
+#[inline]
+fn edge(length: usize, reach: usize, at: impl Fn(usize) -> f32) -> Option<Edge> {
+    let (top, floor) = (at(0), at(length));
+    let half = 0.5 * (top + floor);
     let beyond = (1..=length).find(|&i| at(i) < half)?;
-    let last = (beyond + scale.edge - 1).min(length);
-    let first = beyond.saturating_sub(scale.edge);
+    let last = (beyond + reach - 1).min(length);
+    let first = beyond.saturating_sub(reach);
     // The plateaus on either side, over two pixels where there are two.
     let high = 0.5 * (at(first) + at(first.saturating_sub(1)));
     let low = 0.5 * (at(last) + at((last + 1).min(length)));
     let height = high - low;
-    if height.is_nan() || height <= MIN_EDGE_SHARE * (at(0) - at(length)) {
+    if height.is_nan() || height <= MIN_EDGE_SHARE * (top - floor) {
         return None;
     }
     let mut sum = 0.0;
     for i in first..=last {
         sum += at(i) - low;
     }
-    let steps = first as f32 - 0.5 + sum / height;
     let n = (last - first + 1) as f32;
     Some(Edge {
-        at: if out { top as f32 + steps } else { top as f32 - steps },
+        from_top: first as f32 - 0.5 + sum / height,
         height,
         // n pixels of the sum, and n/2 times either plateau, which is the mean of two pixels.
-        gain: (n + 0.25 * n * n).sqrt(),
+        variance: n + 0.25 * n * n,
     })
 }
 

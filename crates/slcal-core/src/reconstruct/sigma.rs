@@ -20,7 +20,7 @@ pub(super) struct CameraRay {
     pub(super) in_projector: Vector3<f64>,
     /// d(x, y)/d(pixel).
     pub(super) by_pixel: Matrix2<f64>,
-    pub(super) length: f64,
+    pub(super) squared_length: f64,
 }
 
 /// The covariance of the devices and of the transform between them.
@@ -88,11 +88,12 @@ fn gradient(camera: &Camera, light: &Light, ray: &CameraRay, hit: &Hit) -> [f64;
     let z = 1.0 / hit.inverse_depth;
     let (b, q) = (&ray.bearing, &ray.in_projector);
     // What a displacement of the ray's direction, per unit of (x, y), does to the result.
-    let mut by_ray = b.xy() * (z / ray.length);
+    let length = ray.squared_length.sqrt();
+    let mut by_ray = b.xy() * (z / length);
     let mut out = [0.0; ALL];
     for c in hit.coordinates() {
         // As h is perpendicular to q + t/z: −1/(h·q), by what the coordinate counts.
-        let factor = ray.length * c.gain / (hit.inverse_depth * hit.depth_ratio);
+        let factor = length * c.gain / (hit.inverse_depth * hit.depth_ratio);
         by_ray += light.pose.rotation.matrix().tr_mul(&c.h).xy() * (z * factor);
         // Times the depth in the projector, as are the gradients of the lens.
         let depth = hit.depth_ratio * z;

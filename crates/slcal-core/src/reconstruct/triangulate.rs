@@ -326,7 +326,7 @@ impl Triangulator {
         };
         let bearing = ideal.push(1.0);
         let in_projector = self.light.pose.rotation.matrix() * bearing;
-        Ok(CameraRay { bearing, in_projector, by_pixel, length: bearing.norm() })
+        Ok(CameraRay { bearing, in_projector, by_pixel, squared_length: bearing.norm_squared() })
     }
 
     /// 1σ along the ray from the noise of the match, mm.
@@ -337,16 +337,16 @@ impl Triangulator {
         let mut variance = 0.0;
         for c in hit.coordinates() {
             // At constant depth, by either image coordinate, px per px.
-            let facing = [0, 1].map(|k| {
+            let facing = |k: usize| {
                 let step = ray.by_pixel.column(k);
                 c.h.dot(&(rotation.column(0) * step.x + rotation.column(1) * step.y)) / hit.depth_ratio
-            });
+            };
             let across = across(m, facing);
-            let slope = surface_slope(matches, i, c.axis, across).unwrap_or(facing[across]);
+            let slope = surface_slope(matches, i, c.axis, across).unwrap_or_else(|| facing(across));
             let on_panel = (slope * m.sigma_px).powi(2) + self.config.projector_sigma_px.powi(2);
             variance += on_panel * c.gain.powi(2);
         }
-        variance.sqrt() * ray.length / (hit.inverse_depth * hit.inverse_depth)
+        (variance * ray.squared_length).sqrt() / (hit.inverse_depth * hit.inverse_depth)
     }
 
     /// 1σ along the ray from the rig, mm. Over the square of the depth it changes little along a slit, whose light is (nearly)
@@ -380,13 +380,13 @@ impl Triangulator {
 /// The image coordinate that was measured: stripes are found on lines of pixels, so that the other one is an integer. Where
 /// both are or neither is, the one by which the panel's coordinate changes faster.
 #[inline(always)]
-fn across(m: &Match, facing: [f64; 2]) -> usize {
+fn across(m: &Match, facing: impl Fn(usize) -> f64) -> usize {
     // By casts, which need no call where `fract` does.
-    let whole = [m.camera.x, m.camera.y].map(|x| x as i64 as f64 == x);
-    match whole {
-        [false, true] => 0,
-        [true, false] => 1,
-        _ => usize::from(facing[1].abs() > facing[0].abs()),
+    let whole = |x: f64| x as i64 as f64 == x;
+    match (whole(m.camera.x), whole(m.camera.y)) {
+        (false, true) => 0,
+        (true, false) => 1,
+        _ => usize::from(facing(1).abs() > facing(0).abs()),
     }
 }
 
