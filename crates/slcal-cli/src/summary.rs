@@ -10,7 +10,8 @@ use slcal_core::{CalibrationReport, Device, PointCloud, Rig, Verdict, View};
 /// Above this share of clipped stripes the user is told to expose less.
 const SATURATED_SHARE: f64 = 0.05;
 /// Above this share of bright stripes without a number the pattern is doubted: the right one leaves 2 % in a clean
-/// photograph and 18 % in a compressed one of a head, a pattern of other hues that shares parts of the code 36 % and more.
+/// photograph and 18 % in a compressed one of a head; a pattern that shares parts of the code, on surfaces too broken for
+/// decoding to refuse it, mostly 28 % to 80 %.
 const UNNUMBERED_SHARE: f64 = 0.25;
 /// Channels that spill more than this into each other are told: hues get closer.
 const CROSSTALK_SHARE: f64 = 0.1;

@@ -13,6 +13,16 @@ REFUSED = (3, 4)
 EXPOSURE = 6.0
 # Views that a wrong pattern is tried on: many stripes on a plane, few on a head before a wall, and broken ones.
 WRONG_PATTERN_VIEWS = ("stripes_plane_a", "stripes_blob", "stripes_step")
+# Other patterns that the binary draws: they share windows of the code, or its beginning, with the one that was projected.
+DRAWN_PATTERNS = {
+    "3 hues, order 4, 61 slits": ("--hues", 3, "--order", 4, "--slits", 61),
+    "3 hues, order 3, 27 slits": ("--hues", 3, "--order", 3, "--slits", 27),
+    "5 hues": ("--hues", 5),
+    "5 hues, 125 slits": ("--hues", 5, "--slits", 125),
+    "6 hues": ("--hues", 6),
+    "40 slits": ("--slits", 40),
+    "50 slits": ("--slits", 50),
+}
 # A share of errors that is no nonsense: what a photograph must reach that is decoded although it might be refused.
 RIGHT_PERCENT = 99.0
 
@@ -42,9 +52,10 @@ def wrong_patterns(right, ctx):
         yield f"order shuffled, {i}", {**right, "sequence": [int(s) for s in rng.permutation(sequence)]}
     for seed in range(5):
         yield f"another De Bruijn sequence, {seed}", {**right, "sequence": de_bruijn(hues, right["order"], seed)}
-    out = ctx.tmp / "pattern61.png"
-    run(ctx.slcal, "pattern", "stripes", "--projector", "x".join(map(str, right["projector"])), "--hues", 3, "--order", 4, "--slits", 61, "-o", out, "--force")
-    yield "3 hues, order 4, 61 slits", json.loads(out.with_suffix(".json").read_text())
+    for what, options in DRAWN_PATTERNS.items():
+        out = ctx.tmp / "other.png"
+        run(ctx.slcal, "pattern", "stripes", "--projector", "x".join(map(str, right["projector"])), *options, "-o", out, "--force")
+        yield what, json.loads(out.with_suffix(".json").read_text())
 
 
 def rows_pattern(right):

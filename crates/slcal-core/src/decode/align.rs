@@ -23,7 +23,7 @@ const EXTRA: f32 = 1.0;
 /// much says so twice.
 const BREAK: f32 = 2.5;
 const FAR: f32 = 1.7;
-const BRIGHTER: f32 = 2.0;
+pub(super) const BRIGHTER: f32 = 2.0;
 /// A gap of one slit is this many periods wide, to one more.
 const NEAR_TWO: f32 = 1.5;
 /// Fewer neighbouring crossings on neighbouring slits than this are no evidence: two colours occur in many places.
@@ -324,6 +324,17 @@ enum Surface {
     Other,
 }
 
+/// Whether one number is more than `by` times the other.
+pub(super) fn differ(a: f32, b: f32, by: f32) -> bool {
+    a > by * b || b > by * a
+}
+
+/// Whether the light of two neighbours differs by more than a factor. Where a surface turns away from the projector, a
+/// slit's light is spread over more of it: then light times width changes less than light.
+pub(super) fn relit(a: &Node, b: &Node, by: f32) -> bool {
+    differ(a.light, b.light, by) && differ(a.light * a.width, b.light * b.width, by)
+}
+
 /// The step from the crossing `back` before `i`.
 fn step(nodes: &[Node], i: usize, back: usize, period_per_width: f32) -> Step {
     let Some(a) = i.checked_sub(back).map(|i| &nodes[i]) else {
@@ -331,11 +342,7 @@ fn step(nodes: &[Node], i: usize, back: usize, period_per_width: f32) -> Step {
     };
     let b = &nodes[i];
     let (distance, period) = (b.u - a.u, 0.5 * (a.width + b.width) * period_per_width);
-    let differ = |a: f32, b: f32, by: f32| a > by * b || b > by * a;
-    // Where a surface turns away from the projector, a slit's light is spread over more of it: then light times width
-    // changes less than light.
-    let changed = |by: f32| differ(a.light, b.light, by) && differ(a.light * a.width, b.light * b.width, by);
-    let (twice, much) = (changed(BRIGHTER), changed(2.0 * BRIGHTER));
+    let (twice, much) = (relit(a, b, BRIGHTER), relit(a, b, 2.0 * BRIGHTER));
     let lit = BREAK * (f32::from(u8::from(twice)) + f32::from(u8::from(much)));
     let spaced = |fits: bool| if fits { lit } else { BREAK };
     let far = distance > FAR * period;

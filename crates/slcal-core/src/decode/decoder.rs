@@ -10,7 +10,7 @@ use super::curves::Curves;
 use super::lines::{self, Line, LineReader, Scan, Tables};
 use super::noise::Noise;
 use super::number::{AlignedLines, Code, Numbers};
-use super::recognise::{Candidates, check_color, check_runs, try_pattern};
+use super::recognise::{Candidates, check_color, check_hues, check_neighbors, check_runs, try_pattern};
 use super::scale::{Look, LookScratch, look};
 use super::stripes::{self, Crossing, Paint, Scratch};
 use crate::error::{Error, Result};
@@ -164,7 +164,10 @@ impl Decoder {
         let slits = self.candidates.slits(reversed);
         self.numbers.number(&self.curves, Code { slits, period_per_width: ratio });
 
+        let slits = slits.len();
         check_runs(&self.curves, &self.numbers.votes, self.window, &mut self.scratch)?;
+        check_neighbors(&mut self.numbers, &self.curves, slits, self.window)?;
+        check_hues(&self.palette, &self.numbers.hues.directions)?;
 
         self.space_slits(reversed);
         let nominal = (0.5 * self.pattern.width_px) as f32;

@@ -168,6 +168,19 @@ impl Numbers {
         tried
     }
 
+    /// How many lines are aligned.
+    pub(super) fn line_count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The crossings of an aligned line as alignment sees them, and the slits that they were given.
+    pub(super) fn numbered_line(&mut self, curves: &Curves, line: usize) -> (&[Node], impl Fn(usize) -> u16) {
+        let range = self.starts[line] as usize..self.starts[line + 1] as usize;
+        self.prepare(curves, range.clone());
+        let Self { nodes, votes, chosen, .. } = self;
+        (nodes, move |at| votes[chosen[range.start + at] as usize].label)
+    }
+
     /// Numbers all crossings.
     pub(super) fn number(&mut self, curves: &Curves, code: Code<'_>) {
         for pass in 0..=LEARNING_PASSES {

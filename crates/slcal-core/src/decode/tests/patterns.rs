@@ -8,6 +8,7 @@ use crate::decode::{DecodeConfig, Decoding, decode};
 use crate::geometry::Homography;
 use crate::pattern::{Axis, StripeConfig, StripePattern};
 use crate::photo::PhotoView;
+use crate::{Error, ErrorClass};
 
 fn scaled(scale: f64, shift: f64) -> Homography {
     // The stripes lean a little: every line meets them at another phase.
@@ -125,4 +126,63 @@ fn a_mirrored_photograph_of_the_mirrored_pattern_decodes_the_same() {
     });
     let (same, all) = (same.count(), a.matches.items.len());
     assert!(same as f64 > 0.99 * all as f64, "{same} of {all} and {}", there.len());
+}
+
+/// A pattern of so many hues, of an order, and slits, for the same panel.
+fn of(hues: u32, order: u32, slits: Option<u32>) -> StripePattern {
+    StripePattern::new([1024, 768], &StripeConfig { hues, order, slits, ..StripeConfig::default() }).unwrap()
+}
+
+#[test]
+fn a_pattern_that_shares_parts_of_the_code_is_refused_and_its_own_photograph_decodes() {
+    let (columns, h) = (pattern(Axis::Columns), slanted());
+    let photo = photograph(&columns, [1060, 100], &h);
+    let others = [
+        of(5, 3, None),
+        of(6, 3, None),
+        of(3, 3, Some(27)),
+        of(3, 4, None),
+        of(4, 3, Some(40)),
+        of(5, 3, Some(125)),
+        of(4, 4, Some(100)),
+    ];
+    for other in others {
+        let (hues, slits) = (other.palette.len(), other.sequence.len());
+        let decoding = decode_image(photograph(&other, [1060, 100], &h), &other).unwrap();
+        let (right, ..) = judge(&decoding, &other, &h);
+        assert!(right > 0.999, "{hues} hues, {slits} slits: {right}");
+        let refused = decode_image(photo.clone(), &other).map(|d| d.report).unwrap_err();
+        assert_eq!(refused.class(), ErrorClass::NotFound, "{hues} hues, {slits} slits: {refused}");
+        assert!(refused.to_string().contains("the pattern's"), "{refused}");
+    }
+}
+
+#[test]
+fn stripes_that_go_on_beyond_the_code_are_told() {
+    let (columns, h) = (pattern(Axis::Columns), slanted());
+    let photo = photograph(&columns, [1060, 100], &h);
+    // The first 60 of the 64 slits, where they were projected: all but the last four fit.
+    let mut shorter = columns.clone();
+    shorter.sequence.truncate(60);
+    shorter.centres_px.truncate(60);
+    shorter.validate().unwrap();
+    let refused = |photo: RgbImage, pattern: &StripePattern| {
+        decode_image(photo, pattern).map(|d| d.report).unwrap_err().to_string()
+    };
+    let told = refused(photo.clone(), &shorter);
+    assert!(told.contains("beyond an end of the code"), "{told}");
+    let told = refused(image::imageops::flip_horizontal(&photo), &shorter);
+    assert!(told.contains("beyond an end of the code"), "{told}");
+}
+
+#[test]
+fn a_single_row_or_column_of_pixels_is_refused_for_what_it_is() {
+    let (columns, h) = (pattern(Axis::Columns), slanted());
+    let photo = photograph(&columns, [1060, 100], &h);
+    let row = image::imageops::crop_imm(&photo, 0, 50, 1060, 1).to_image();
+    for strip in [image::imageops::rotate90(&row), row] {
+        let refused = decode_image(strip, &columns).map(|d| d.report).unwrap_err();
+        assert!(matches!(refused, Error::NotFound { what: "stripes", .. }), "{refused}");
+        assert!(refused.to_string().contains("1 line of pixels"), "{refused}");
+    }
 }
