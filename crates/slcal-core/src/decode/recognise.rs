@@ -30,7 +30,8 @@ const EVEN: f32 = 1.15;
 const ALIKE: f32 = 1.5;
 /// Share of the neighbours in regular runs whose numbers do not follow each other, above which the code is another's. The
 /// right one leaves up to 3 % on planes, spheres, heads and blocks, however blurred, noisy or coloured, up to 12 % on
-/// shelves of upright boards whose edges run along the stripes; other codes 17 % to 92 % unless a whole part is the same.
+/// shelves of upright boards whose edges run along the stripes; other codes mostly 17 % to 92 %, but as little as 4 % where
+/// they lack or repeat only a few words of it: most of those have other hues or another end.
 const MAX_BROKEN: f64 = 0.15;
 /// Share of the runs through the code's first or last slit that go on beyond it, above which the pattern is another one
 /// with the same beginning: up to 3 % with the right one, from 57 % when the end of a shortened one is in view.
