@@ -73,7 +73,7 @@ pub(super) fn find(
     merge(light, hills);
 }
 
-/// Calls `visit` with every pixel at which the light begins or ceases to fall, in order: extremes are among them.
+/// Calls `visit` with every pixel at which the light begins or ceases to rise, in order: extremes are among them.
 fn each_turn(light: &[f32], marks: &mut Vec<u8>, mut visit: impl FnMut(usize)) {
     const BLOCK: usize = 64;
     let n = light.len();
@@ -82,7 +82,7 @@ fn each_turn(light: &[f32], marks: &mut Vec<u8>, mut visit: impl FnMut(usize)) {
     if n > 2 {
         let (before, at, after) = (&light[..n - 2], &light[1..n - 1], &light[2..]);
         for (((mark, a), b), c) in marks[1..n - 1].iter_mut().zip(before).zip(at).zip(after) {
-            *mark = u8::from(b < a) ^ u8::from(c < b);
+            *mark = u8::from(b > a) ^ u8::from(c > b);
         }
     }
     for end in [0, n.saturating_sub(1)] {
@@ -202,7 +202,7 @@ mod tests {
         light.extend([0.05; 2]);
         light.extend([0.2; 40]);
         light.extend([0.05; 3]);
-        assert_eq!(hills(&light), [(0, 6, 7), (7, 48, 49)]);
+        assert_eq!(hills(&light), [(0, 4, 7), (7, 9, 49)]);
     }
 
     #[test]
