@@ -202,7 +202,7 @@ mod tests {
         light.extend([0.05; 2]);
         light.extend([0.2; 40]);
         light.extend([0.05; 3]);
-        assert_eq!(hills(&light), [(0, 4, 7), (7, 9, 49)]);
+        assert_eq!(hills(&light), [(0, 4, 8), (8, 9, 51)]);
     }
 
     #[test]
