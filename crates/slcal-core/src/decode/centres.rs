@@ -343,14 +343,14 @@ pub(super) fn measure_sigma(
         let line = curves.of(y);
         for i in line.start + 2..line.end.saturating_sub(2).max(line.start + 2) {
             let label = votes[i].label;
-            let row = [i - 2, i - 1, i, i + 1, i + 2];
             // NONE is far above any label that has two more beyond it.
             if !(2..NONE - 2).contains(&label)
-                || row.iter().zip(label - 2..).any(|(&j, l)| votes[j].label != l)
+                || votes[i - 2..=i + 2].iter().zip(label - 2..).any(|(v, l)| v.label != l)
             {
                 continue;
             }
-            let [a, b, c, d, e] = row.map(|j| centres[j].u);
+            let &[a, b, Centre { u: c, .. }, d, e] = &centres[i - 2..=i + 2] else { continue };
+            let (a, b, d, e) = (a.u, b.u, d.u, e.u);
             let miss = c - (4.0 * (b + d) - a - e) / 6.0;
             let ratio = miss * miss / (CUBIC_VARIANCE * centres[i].sigma * centres[i].sigma);
             if ratio.is_finite() {
@@ -381,7 +381,8 @@ pub(super) fn measure_sigma(
             let (sum, n) = (to.0 - from.0, to.1 - from.1);
             let scale = (sum + PRIOR_WEIGHT * f64::from(usual)) / (n + PRIOR_WEIGHT);
             let centre = &mut centres[i as usize];
-            centre.sigma = (centre.sigma * scale.sqrt() as f32).hypot(COMMON_PX);
+            let variance = centre.sigma * centre.sigma * scale as f32;
+            centre.sigma = (variance + COMMON_PX * COMMON_PX).sqrt();
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::photo::Encoding;
 
 /// Lines looked at, and samples taken from all of them; plenty for a quartile.
 const LINES: usize = 32;
-const SAMPLES: usize = 12_000;
+const SAMPLES: usize = 6_000;
 /// The lower quartile of |x|, x ~ N(0, 1): the quartile, since many pixels lie on a stripe's edge.
 const QUARTILE_OF_NORMAL: f32 = 0.318_6;
 /// Variance of a second difference x₀ − (x₋ + x₊)/2 over that of x.

@@ -175,7 +175,8 @@ impl Light {
         if p.z.is_nan() || p.z <= 0.0 {
             return Err(Refused::Behind);
         }
-        let ideal = p.xy() / p.z;
+        let per_depth = 1.0 / p.z;
+        let ideal = p.xy() * per_depth;
         let bend = if self.bent { self.projector.distortion.jacobian(ideal) } else { Matrix2::identity() };
         let turned_over = self.bent && bend.determinant().partial_cmp(&0.0) != Some(Ordering::Greater);
         if turned_over {
@@ -186,8 +187,8 @@ impl Light {
             let k = self.k_row(axis);
             let by_ideal = if self.bent { bend.tr_mul(&k) } else { k };
             let h = Vector3::new(by_ideal.x, by_ideal.y, -by_ideal.dot(&ideal));
-            let slope = h.dot(t) / p.z;
-            Coordinate { axis, h, slope, gain: 1.0 / slope }
+            let along = h.dot(t);
+            Coordinate { axis, h, slope: along * per_depth, gain: p.z / along }
         };
         let mut of = [wanted[0].map(|_| coordinate(0)), wanted[1].map(|_| coordinate(1))];
         if let [Some(a), Some(b)] = &mut of {

@@ -295,8 +295,8 @@ impl Triangulator {
         let ray = self.ray(m)?;
         let hit = self.light.meet(&ray.in_projector, wanted)?;
         let z = 1.0 / hit.inverse_depth;
-        let noise_mm = self.noise(matches, i, &ray, &hit);
-        let of_rig = self.rig_share(m, &ray, &hit, shares);
+        let noise_mm = self.noise(matches, i, &ray, &hit) * z * z;
+        let of_rig = self.rig_share(m, &ray, &hit, shares) * z * z;
         let sigma_mm = (noise_mm * noise_mm + of_rig * of_rig).sqrt();
         let position = Point3::from(ray.bearing * z);
         if !(sigma_mm.is_finite() && z.is_finite()) {
@@ -329,7 +329,7 @@ impl Triangulator {
         Ok(CameraRay { bearing, in_projector, by_pixel, squared_length: bearing.norm_squared() })
     }
 
-    /// 1σ along the ray from the noise of the match, mm.
+    /// 1σ along the ray from the noise of the match over the square of the depth, 1/mm.
     #[inline(always)]
     fn noise(&self, matches: &[Match], i: usize, ray: &CameraRay, hit: &Hit) -> f64 {
         let m = &matches[i];
@@ -346,16 +346,16 @@ impl Triangulator {
             let on_panel = (slope * m.sigma_px).powi(2) + self.config.projector_sigma_px.powi(2);
             variance += on_panel * c.gain.powi(2);
         }
-        (variance * ray.squared_length).sqrt() / (hit.inverse_depth * hit.inverse_depth)
+        (variance * ray.squared_length).sqrt()
     }
 
-    /// 1σ along the ray from the rig, mm. Over the square of the depth it changes little along a slit, whose light is (nearly)
-    /// a plane: the last one is taken where it was computed close by.
+    /// 1σ along the ray from the rig over the square of the depth, 1/mm. It changes little along a slit, whose light is
+    /// (nearly) a plane: the last one is taken where it was computed close by.
     #[inline(always)]
     fn rig_share(&self, m: &Match, ray: &CameraRay, hit: &Hit, shares: &mut [Share; REMEMBERED]) -> f64 {
         let Some(rig) = &self.rig else { return 0.0 };
-        let z2 = 1.0 / (hit.inverse_depth * hit.inverse_depth);
-        let exact = || rig.along_ray(&self.camera, &self.light, ray, hit);
+        let exact =
+            || rig.along_ray(&self.camera, &self.light, ray, hit) * (hit.inverse_depth * hit.inverse_depth);
         let (Some(slit), Some(coordinate), 1) =
             (m.slit, m.projector_column.or(m.projector_row), hit.coordinates().count())
         else {
@@ -364,9 +364,9 @@ impl Triangulator {
         let last = &mut shares[usize::from(slit) % REMEMBERED];
         let moved = (m.camera.coords - last.at).amax();
         if last.coordinate.to_bits() != coordinate.to_bits() || moved > self.same_px {
-            *last = Share { at: m.camera.coords, coordinate, scaled: exact() / z2 };
+            *last = Share { at: m.camera.coords, coordinate, scaled: exact() };
         }
-        last.scaled * z2
+        last.scaled
     }
 
     /// The median of some quantity over a sample of the points; 0 for none.
@@ -408,7 +408,9 @@ fn surface_slope(matches: &[Match], i: usize, axis: usize, across: usize) -> Opt
     let before = if i > 0 { to(&matches[i - 1]) } else { None };
     let after = if i + 1 < matches.len() { to(&matches[i + 1]) } else { None };
     match (before, after) {
-        (Some((a, da)), Some((b, db))) if (1.0 / SAME_SLOPE..=SAME_SLOPE).contains(&(a / b)) => {
+        (Some((a, da)), Some((b, db)))
+            if a * b > 0.0 && a * a <= SAME_SLOPE * a * b && b * b <= SAME_SLOPE * a * b =>
+        {
             // Of the parabola through all three, here.
             Some((a * db + b * da) / (da + db))
         }
