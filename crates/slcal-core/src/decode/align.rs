@@ -63,11 +63,11 @@ pub(super) struct Aligner {
     gain: Vec<f32>,
     /// Log-odds of a crossing's hues; as many as there are values of the index, so that none needs a check.
     odds: HueOdds,
-    /// The best score among the crossings before, at a slit before each.
+    /// The best score among the crossings before, at a slit before each, and at any.
     best: Vec<f32>,
     steps: Vec<Steps>,
-    /// The best score of each row.
-    row_top: Vec<f32>,
+    /// The best score up to each row.
+    tops: Vec<f32>,
     path: Vec<(u32, u16)>,
 }
 
@@ -102,9 +102,9 @@ impl Aligner {
         self.score[..2 * row].fill(f32::NEG_INFINITY);
         self.gain.resize(k, 0.0);
         self.best.clear();
-        self.best.resize(k, 0.0);
+        self.best.resize(k + 1, 0.0);
         self.steps.clear();
-        self.row_top.clear();
+        self.tops.clear();
         let mut top = 0.0_f32;
         for i in 0..n {
             let one = step(nodes, i, 1, period_per_width);
@@ -127,10 +127,10 @@ impl Aligner {
             let (pad, current) = current[..row].split_at_mut(PAD);
             pad.fill(f32::NEG_INFINITY);
             advance(&steps, (last, second), &self.best, &self.gain, current);
-            let row_top = raise(&mut self.best, current);
+            raise(&mut self.best, current);
             self.steps.push(steps);
-            self.row_top.push(row_top);
-            top = if row_top > top { row_top } else { top };
+            top = self.best[k];
+            self.tops.push(top);
         }
         top
     }
@@ -168,8 +168,8 @@ impl Aligner {
         let row = self.gain.len() + PAD;
         let mut best: Option<(f32, usize, usize)> = None;
         for i in (0..n).rev() {
-            if best.is_some_and(|b| b.0 >= self.row_top[i]) {
-                continue;
+            if best.is_some_and(|b| b.0 >= self.tops[i]) {
+                break;
             }
             let scores = &self.score[(i + 2) * row + PAD..][..k];
             for (j, &s) in scores.iter().enumerate() {
@@ -263,29 +263,23 @@ fn advance(steps: &Steps, rows: (&[f32], &[f32]), best_before: &[f32], gain: &[f
     }
 }
 
-/// Carries the scores of a row on to the slits behind each: `best[j]` becomes the best of what it was and of the scores
-/// before slit j. Returns the best score of the row. Few scores of a row are better than all before, so that most blocks
-/// are only compared.
-fn raise(best: &mut [f32], scores: &[f32]) -> f32 {
+/// Carries the scores of a row on to the slits behind each: `best[j + 1]` becomes the best of what it was and of the
+/// scores up to slit j. Few scores of a row are better than all before, so that most blocks are only compared.
+fn raise(best: &mut [f32], scores: &[f32]) {
     const BLOCK: usize = 8;
-    let Some((last, before)) = scores.split_last() else { return f32::NEG_INFINITY };
     let best = &mut best[1..];
-    let mut tops = [f32::NEG_INFINITY; BLOCK];
-    let (blocks, rest) = before.as_chunks::<BLOCK>();
+    let (blocks, rest) = scores.as_chunks::<BLOCK>();
     for (b, block) in blocks.iter().enumerate() {
-        let known: &[f32; BLOCK] = best[b * BLOCK..].first_chunk().unwrap_or(block);
+        let Some(known) = best[b * BLOCK..].first_chunk::<BLOCK>() else { return };
         let mut above = false;
         for l in 0..BLOCK {
             above |= block[l] > known[l];
-            tops[l] = larger(tops[l], block[l]);
         }
         if above {
             carry(best, b * BLOCK, block);
         }
     }
     carry(best, blocks.len() * BLOCK, rest);
-    let top = rest.iter().fold(*last, |a, &b| larger(a, b));
-    tops.iter().fold(top, |a, &b| larger(a, b))
 }
 
 /// Scores from slit `from` on, to all behind them.
