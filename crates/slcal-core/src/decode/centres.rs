@@ -8,6 +8,7 @@
 use super::align::NONE;
 use super::curves::Curves;
 use super::number::Vote;
+use super::spacing::{Spacing, polynomial_at_zero};
 use super::stripes::Crossing;
 use crate::solve::median_f32;
 
@@ -59,15 +60,6 @@ pub(super) struct Centre {
     pub(super) cut: bool,
 }
 
-/// The pattern as lines meet it, in projector px.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Spacing<'a> {
-    /// Distance from each slit's centre to the next one's.
-    pub(super) gaps_px: &'a [f32],
-    /// Half the width of the slits.
-    pub(super) half_px: f32,
-}
-
 /// A crossing and what stands beside it on the same surface.
 #[derive(Debug, Clone, Copy)]
 struct Neighbourhood {
@@ -93,21 +85,17 @@ impl Neighbourhood {
         Self { own: curves.crossings[i], label: usize::from(label), before, after }
     }
 
-    fn gap_px(&self, side: usize, spacing: &Spacing<'_>) -> f32 {
-        let at = if side == 0 { self.label.wrapping_sub(1) } else { self.label };
-        spacing.gaps_px.get(at).copied().unwrap_or(4.0 * spacing.half_px)
-    }
-
     /// Scales of what is on the same surface; a neighbour behind a gap unlike itself is forgotten.
-    fn scales(&mut self, spacing: &Spacing<'_>) -> Scales {
-        let scale = |image: f32, projector: f32| (image / projector.max(1e-3)).max(1e-6);
-        let own = scale(self.own.width(), 2.0 * spacing.half_px);
+    fn scales(&mut self, spacing: &Spacing) -> Scales {
+        let per_stripe = 0.5 / spacing.half_px();
+        let scale = |image: f32, per_projector: f32| (image * per_projector).max(1e-6);
+        let own = scale(self.own.width(), per_stripe);
         let mut scales = Scales { own, gap: [None; 2], stripe: [None; 2] };
         for side in 0..2 {
             let Some(other) = (if side == 0 { self.before } else { self.after }) else { continue };
             let distance = if side == 0 { self.own.left - other.right } else { other.left - self.own.right };
-            let gap = scale(distance, self.gap_px(side, spacing) - 2.0 * spacing.half_px);
-            let stripe = scale(other.width(), 2.0 * spacing.half_px);
+            let gap = scale(distance, spacing.per_gap(self.label, side));
+            let stripe = scale(other.width(), per_stripe);
             let near = |a: f32, b: f32| a < MAX_SCALE_RATIO * b && b < MAX_SCALE_RATIO * a;
             if near(gap, own) && near(gap, stripe) {
                 scales.gap[side] = Some(gap);
@@ -194,7 +182,7 @@ impl Scales {
 pub(super) fn measure_half_width(
     curves: &Curves,
     votes: &[Vote],
-    spacing: &Spacing<'_>,
+    spacing: &Spacing,
     scratch: &mut Vec<f32>,
 ) -> f32 {
     scratch.clear();
@@ -205,20 +193,21 @@ pub(super) fn measure_half_width(
             if let (Some(a), Some(b)) = (n.before, n.after) {
                 // From the middles of the gaps on either side, the stripe's share of a period.
                 let period = 0.5 * (b.left + n.own.right - a.right - n.own.left);
-                let projector = 0.5 * (n.gap_px(0, spacing) + n.gap_px(1, spacing));
+                let projector = 0.5 * (spacing.gap_px(n.label, 0) + spacing.gap_px(n.label, 1));
                 scratch.push(0.5 * projector * n.own.width() / period);
             }
         }
     }
-    let half = median_f32(scratch).unwrap_or(spacing.half_px);
-    if half.is_finite() { half.clamp(0.5 * spacing.half_px, 1.7 * spacing.half_px) } else { spacing.half_px }
+    let drawn = spacing.half_px();
+    let half = median_f32(scratch).unwrap_or(drawn);
+    if half.is_finite() { half.clamp(0.5 * drawn, 1.7 * drawn) } else { drawn }
 }
 
 /// Centres of all numbered crossings, into `out`, one per crossing.
 pub(super) fn locate(
     curves: &Curves,
     votes: &[Vote],
-    spacing: &Spacing<'_>,
+    spacing: &Spacing,
     scratch: &mut Vec<f32>,
     out: &mut Vec<Centre>,
 ) {
@@ -238,7 +227,7 @@ pub(super) fn locate(
     let scatter = median_f32(scratch).unwrap_or(0.0) / 0.6745;
     out.clear();
     out.resize(curves.crossings.len(), Centre { u: f32::NAN, sigma: 0.0, cut: false });
-    let step_noise = STEP_NOISE / (2.0 * spacing.half_px);
+    let step_noise = STEP_NOISE / (2.0 * spacing.half_px());
     each(1, &mut |i, n, scales| {
         // A stripe alone on its surface may be cut or not: nothing tells.
         let Some(witness) = scales.witness(scatter, n.own.width()) else {
@@ -257,26 +246,24 @@ pub(super) fn locate(
 }
 
 /// The polynomial through the edges at the slit's centre, and σ of it over σ of an edge.
-fn interpolate(n: &Neighbourhood, spacing: &Spacing<'_>) -> (f32, f32) {
-    let half = spacing.half_px;
-    let mut nodes = [(-half, n.own.left), (half, n.own.right), (0.0, 0.0), (0.0, 0.0)];
-    let mut count = 2;
-    if let Some(before) = n.before {
-        nodes[count] = (half - n.gap_px(0, spacing), before.right);
-        count += 1;
+fn interpolate(n: &Neighbourhood, spacing: &Spacing) -> (f32, f32) {
+    let half = spacing.half_px();
+    let own = [(-half, n.own.left), (half, n.own.right)];
+    let before = |c: &Crossing| (half - spacing.gap_px(n.label, 0), c.right);
+    let after = |c: &Crossing| (spacing.gap_px(n.label, 1) - half, c.left);
+    match (&n.before, &n.after) {
+        (Some(b), Some(a)) => spacing.cubic(n.label, (n.own.left, n.own.right), b.right, a.left),
+        (Some(b), None) => polynomial_at_zero(&[own[0], own[1], before(b)]),
+        (None, Some(a)) => polynomial_at_zero(&[own[0], own[1], after(a)]),
+        (None, None) => polynomial_at_zero(&own),
     }
-    if let Some(after) = n.after {
-        nodes[count] = (n.gap_px(1, spacing) - half, after.left);
-        count += 1;
-    }
-    polynomial_at_zero(&nodes[..count])
 }
 
 /// The centre where the surface is folded as certainly as `fold` says: on one of the two planes that the edges on either side
 /// lie on, as far as there is a fold, and else where it would be on a smooth surface.
-fn across(n: &Neighbourhood, fold: f32, smooth: (f32, f32), spacing: &Spacing<'_>) -> (f32, f32) {
+fn across(n: &Neighbourhood, fold: f32, smooth: (f32, f32), spacing: &Spacing) -> (f32, f32) {
     let (Some(before), Some(after)) = (n.before, n.after) else { return smooth };
-    let (half, gaps) = (spacing.half_px, [n.gap_px(0, spacing), n.gap_px(1, spacing)]);
+    let (half, gaps) = (spacing.half_px(), [spacing.gap_px(n.label, 0), spacing.gap_px(n.label, 1)]);
     let left = polynomial_at_zero(&[(-half - gaps[0], before.left), (-half, n.own.left)]);
     let right = polynomial_at_zero(&[(half, n.own.right), (half + gaps[1], after.right)]);
     // Where the scale grows along the line, positions follow the greater of the two straight lines, else the smaller.
@@ -287,14 +274,14 @@ fn across(n: &Neighbourhood, fold: f32, smooth: (f32, f32), spacing: &Spacing<'_
 
 /// The centre of the last stripe of a surface: its outer edge may be an outline. The more its width strains what the
 /// inner edges let expect, the more these alone decide.
-fn at_end(n: &Neighbourhood, side: usize, strain: f32, spacing: &Spacing<'_>) -> (f32, f32) {
+fn at_end(n: &Neighbourhood, side: usize, strain: f32, spacing: &Spacing) -> (f32, f32) {
     let (Some(other), sign) =
         (if side == 0 { n.before } else { n.after }, if side == 0 { -1.0 } else { 1.0 })
     else {
         // Beside a fold not even the neighbour that bears the width out has an edge to add.
         return interpolate(&Neighbourhood { before: None, after: None, ..*n }, spacing);
     };
-    let (half, gap) = (spacing.half_px, n.gap_px(side, spacing));
+    let (half, gap) = (spacing.half_px(), spacing.gap_px(n.label, side));
     let (inner, outer) = if side == 0 { (n.own.left, n.own.right) } else { (n.own.right, n.own.left) };
     let (near, far) = if side == 0 { (other.right, other.left) } else { (other.left, other.right) };
     let nodes = [
@@ -303,26 +290,8 @@ fn at_end(n: &Neighbourhood, side: usize, strain: f32, spacing: &Spacing<'_>) ->
         (sign * (gap + half), far),
         (-sign * half, outer),
     ];
-    let (with, without) = (polynomial_at_zero(&nodes), polynomial_at_zero(&nodes[..3]));
+    let (with, without) = (polynomial_at_zero(&nodes), polynomial_at_zero(&[nodes[0], nodes[1], nodes[2]]));
     (with.0 + strain * (without.0 - with.0), with.1 + strain * (without.1 - with.1))
-}
-
-/// Lagrange's polynomial through (projector px, image px) at zero, and σ of it over σ of the image positions.
-fn polynomial_at_zero(nodes: &[(f32, f32)]) -> (f32, f32) {
-    let (mut u, mut variance) = (0.0, 0.0);
-    for (i, &(x, at)) in nodes.iter().enumerate() {
-        let (mut above, mut below) = (1.0, 1.0);
-        for (j, &(other, _)) in nodes.iter().enumerate() {
-            if i != j {
-                above *= other;
-                below *= other - x;
-            }
-        }
-        let weight = above / below;
-        u += weight * at;
-        variance += weight * weight;
-    }
-    (u, variance.sqrt())
 }
 
 /// Makes σ what the scatter of the centres says: each is compared with the cubic through the two slits on either side,

@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 
 use super::align::NONE;
-use super::centres::{self, Centre, SigmaWork, Spacing};
+use super::centres::{self, Centre, SigmaWork};
 use super::config::{DecodeConfig, DecodeInput, Decoding, Dropped, Lines};
 use super::crosstalk::crosstalk;
 use super::curves::Curves;
@@ -12,6 +12,7 @@ use super::noise::Noise;
 use super::number::{AlignedLines, Code, Numbers};
 use super::recognise::{Candidates, check_color, check_hues, check_neighbors, check_runs, try_pattern};
 use super::scale::{Look, LookScratch, look};
+use super::spacing::Spacing;
 use super::stripes::{self, Crossing, Paint, Scratch};
 use crate::error::{Error, Result};
 use crate::matches::Match;
@@ -47,7 +48,7 @@ pub struct Decoder {
     curves: Curves,
     numbers: Numbers,
     centres: Vec<Centre>,
-    gaps_px: Vec<f32>,
+    spacing: Spacing,
     sigma_work: SigmaWork,
     scratch: Vec<f32>,
     slits_seen: Vec<bool>,
@@ -89,7 +90,7 @@ impl Decoder {
             curves: Curves::default(),
             numbers: Numbers::default(),
             centres: Vec::new(),
-            gaps_px: Vec::new(),
+            spacing: Spacing::default(),
             sigma_work: SigmaWork::default(),
             scratch: Vec::new(),
             slits_seen: Vec::new(),
@@ -169,13 +170,17 @@ impl Decoder {
         check_neighbors(&mut self.numbers, &self.curves, slits, self.window)?;
         check_hues(&self.palette, &self.numbers.hues.directions)?;
 
-        self.space_slits(reversed);
         let nominal = (0.5 * self.pattern.width_px) as f32;
-        let spacing = Spacing { gaps_px: &self.gaps_px, half_px: nominal };
+        let gaps = self.pattern.centres_px.windows(2).map(|w| (w[1] - w[0]) as f32);
+        if reversed {
+            self.spacing.set(gaps.rev(), nominal);
+        } else {
+            self.spacing.set(gaps, nominal);
+        }
         let votes = &self.numbers.votes;
-        let half_px = centres::measure_half_width(&self.curves, votes, &spacing, &mut self.scratch);
-        let spacing = Spacing { half_px, ..spacing };
-        centres::locate(&self.curves, votes, &spacing, &mut self.scratch, &mut self.centres);
+        let half_px = centres::measure_half_width(&self.curves, votes, &self.spacing, &mut self.scratch);
+        self.spacing.set_half_width(half_px);
+        centres::locate(&self.curves, votes, &self.spacing, &mut self.scratch, &mut self.centres);
         let reach = (SIGMA_WIDTHS * width).ceil() as usize;
         centres::measure_sigma(&self.curves, votes, reach, &mut self.sigma_work, &mut self.centres);
 
@@ -255,15 +260,6 @@ impl Decoder {
             self.curves.lines.extend(band.ends.iter().map(|e| before + e));
         }
         self.bands.iter().map(|b| b.weak).sum()
-    }
-
-    /// Distances of neighbouring slits in the order in which lines meet them.
-    fn space_slits(&mut self, reversed: bool) {
-        self.gaps_px.clear();
-        self.gaps_px.extend(self.pattern.centres_px.windows(2).map(|w| (w[1] - w[0]) as f32));
-        if reversed {
-            self.gaps_px.reverse();
-        }
     }
 
     fn collect(&mut self, reader: &LineReader<'_>) -> Result<()> {

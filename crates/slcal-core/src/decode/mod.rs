@@ -21,6 +21,7 @@ mod number;
 mod recognise;
 mod rgb;
 mod scale;
+mod spacing;
 mod stripes;
 #[cfg(test)]
 mod tests;

@@ -4,9 +4,10 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
 use super::super::align::NONE;
-use super::super::centres::{Centre, SigmaWork, Spacing, locate, measure_half_width, measure_sigma};
+use super::super::centres::{Centre, SigmaWork, locate, measure_half_width, measure_sigma};
 use super::super::curves::Curves;
 use super::super::number::Vote;
+use super::super::spacing::Spacing;
 use super::super::stripes::Crossing;
 
 /// Slits 8 px wide, 16 px apart.
@@ -20,6 +21,12 @@ fn crossing(left: f64, right: f64) -> Crossing {
 /// The edges of `n` slits where `u` maps projector columns to.
 fn edges(n: usize, u: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
     (0..n).map(|k| PERIOD * k as f64).map(|x| [u(x - HALF), u(x + HALF)]).collect()
+}
+
+fn spacing(gaps: &[f32]) -> Spacing {
+    let mut spacing = Spacing::default();
+    spacing.set(gaps.iter().copied(), HALF as f32);
+    spacing
 }
 
 /// All crossings of lines, the k-th of each being slit k, and their centres.
@@ -42,7 +49,7 @@ fn scene(lines: &[Vec<[f64; 2]>]) -> Scene {
     curves.link();
     let gaps = vec![PERIOD as f32; lines[0].len() - 1];
     let (mut scratch, mut centres) = (Vec::new(), Vec::new());
-    let spacing = Spacing { gaps_px: &gaps, half_px: HALF as f32 };
+    let spacing = spacing(&gaps);
     let half_px = measure_half_width(&curves, &votes, &spacing, &mut scratch);
     locate(&curves, &votes, &spacing, &mut scratch, &mut centres);
     Scene { curves, votes, gaps, half_px, centres }
@@ -210,7 +217,7 @@ fn sigma_is_the_scatter_of_the_centres_whatever_was_predicted() {
 fn what_has_no_number_has_no_centre() {
     let mut s = scene(&[edges(5, |x| 2.0 * x)]);
     s.votes[2].label = NONE;
-    let spacing = Spacing { gaps_px: &s.gaps, half_px: HALF as f32 };
+    let spacing = spacing(&s.gaps);
     locate(&s.curves, &s.votes, &spacing, &mut Vec::new(), &mut s.centres);
     assert!(s.centres[2].u.is_nan() && s.centres[1].u.is_finite());
     locate(&Curves::default(), &[], &spacing, &mut Vec::new(), &mut s.centres);
