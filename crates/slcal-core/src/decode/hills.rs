@@ -30,6 +30,25 @@ impl Hill {
     fn height(self, light: &[f32]) -> f32 {
         light[self.top as usize] - light[self.before as usize].max(light[self.after as usize])
     }
+
+    /// The hill on the light itself, when it was found on the running mean over `reach` pixels to either side: extremes are
+    /// at most that far away.
+    pub(super) fn settled(self, light: &[f32], reach: usize) -> Self {
+        let extreme = |x: u32, sign: f32| {
+            let from = (x as usize).saturating_sub(reach);
+            let (mut best, mut most) = (from, f32::NEG_INFINITY);
+            for (at, v) in light.iter().enumerate().take(x as usize + reach + 1).skip(from) {
+                (best, most) = if sign * v > most { (at, sign * v) } else { (best, most) };
+            }
+            best
+        };
+        let (before, top, after) =
+            (extreme(self.before, -1.0), extreme(self.top, 1.0), extreme(self.after, -1.0));
+        if before >= top || top >= after {
+            return self;
+        }
+        Self { before: before as u32, top: top as u32, after: after as u32 }
+    }
 }
 
 /// Finds the hills of a line. `noise_share`: σ of `light` over that of a pixel, less than one where it is smoothed.

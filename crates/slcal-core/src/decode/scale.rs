@@ -14,7 +14,7 @@ const REGULAR: f32 = 1.7;
 const ENOUGH: f64 = 0.85;
 const GONE: f64 = 0.5;
 /// Smoothing over this share of a stripe's width leaves stripes of half the usual width visible.
-const SMOOTHING_SHARE: f32 = 0.25;
+const SMOOTHING_SHARE: f32 = 0.33;
 /// Fewer hills than this per line on average are no stripes.
 const MIN_PER_LINE: f64 = 2.0;
 
@@ -71,7 +71,7 @@ pub(super) fn look(reader: &LineReader<'_>, noise: &Noise, work: &mut LookScratc
         let (spacings, sharpness) = (&mut work.spacings, &mut work.sharpness);
         regular(hills, |hill, spacing| {
             spacings.push(spacing);
-            sharpness.extend(edge_length(&line.total, hill));
+            sharpness.extend(edge_lengths(&line.total, hill).into_iter().flatten());
         });
     }
     if (work.spacings.len() as f64) < MIN_PER_LINE * count as f64 {
@@ -94,10 +94,13 @@ fn regular(hills: &[Hill], mut each: impl FnMut(Hill, f32)) {
     }
 }
 
-/// Height over steepest step: how many pixels the edge before a hill takes.
-fn edge_length(light: &[f32], hill: Hill) -> Option<f32> {
-    let range = &light[hill.before as usize..=hill.top as usize];
-    let steepest = range.windows(2).map(|w| w[1] - w[0]).fold(0.0, f32::max);
-    let height = range.last()? - range.first()?;
-    (steepest > 0.0).then(|| height / steepest)
+/// Height over steepest step: how many pixels the edges before and after a hill take.
+fn edge_lengths(light: &[f32], hill: Hill) -> [Option<f32>; 2] {
+    let [before, top, after] = [hill.before, hill.top, hill.after].map(|x| x as usize);
+    let length = |edge: &[f32], sign: f32| {
+        let steepest = edge.windows(2).map(|w| sign * (w[1] - w[0])).fold(0.0, f32::max);
+        let height = sign * (edge.last()? - edge.first()?);
+        (steepest > 0.0).then(|| height / steepest)
+    };
+    [length(&light[before..=top], 1.0), length(&light[top..=after], -1.0)]
 }

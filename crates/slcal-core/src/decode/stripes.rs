@@ -55,6 +55,8 @@ pub(super) struct Scale {
 
 /// An edge must carry this share of the hill's height.
 const MIN_EDGE_SHARE: f32 = 0.4;
+/// A hill's top is level where it has this share of its highest light: rounding to 8 bit takes as much.
+const LEVEL: f32 = 0.98;
 /// The edges of a clipped stripe tell its hue when they have this share of its light.
 const MIN_FLANK: f32 = 0.15;
 /// Edges closer than this are one.
@@ -102,7 +104,8 @@ pub(super) fn find(
     hills_of(&line.total, scale.smoothing, noise, scratch);
     let mut weak = 0;
     for &hill in &scratch.hills {
-        match measure(&line.total, hill, scale, noise, &light_at) {
+        let settled = hill.settled(&line.total, scale.smoothing);
+        match measure(&line.total, settled, scale, noise, &light_at) {
             Some(c) if crossings.len() == first || crossings[crossings.len() - 1].right <= c.left => {
                 crossings.push(c);
                 if let Some(paints) = &mut paints {
@@ -123,8 +126,13 @@ fn measure(
     light_at: impl Fn(usize) -> Rgb,
 ) -> Option<Crossing> {
     let (before, top, after) = (hill.before as usize, hill.top as usize, hill.after as usize);
-    let rising = edge(top - before, scale.edge, |i| light[top - i])?;
-    let falling = edge(after - top, scale.edge, |i| light[top + i])?;
+    let (towards, away) =
+        (|i: isize| light[top.wrapping_add_signed(-i)], |i: isize| light[top.wrapping_add_signed(i)]);
+    let below = [below_half(top - before, towards)?, below_half(after - top, away)?];
+    // Either edge has half the pixels that lie between them.
+    let inner = usize::midpoint(below[0], below[1]);
+    let rising = edge(below[0], top - before, inner, scale.edge, towards)?;
+    let falling = edge(below[1], after - top, inner, scale.edge, away)?;
     let (left, right) = (top as f32 - rising.from_top, top as f32 + falling.from_top);
     let height = rising.height.min(falling.height);
     let sigma = noise.sigma_of_total(light[top]);
@@ -194,21 +202,33 @@ struct Edge {
     variance: f32,
 }
 
-/// The edge between a hill's top and a valley `length` pixels away, of which `at` tells the light by the distance from the
-/// top. Where the light passes half, the area under the light over a few pixels about it gives the place at which a sharp
-/// step would have the same area: exact for any blur within those pixels.
+/// The first pixel, counted from a hill's top, at which the light falls below half of what it does to the valley `length`
+/// pixels away. `at` tells the light of a pixel.
 #[inline]
-fn edge(length: usize, reach: usize, at: impl Fn(usize) -> f32) -> Option<Edge> {
-    let (top, floor) = (at(0), at(length));
-    let half = 0.5 * (top + floor);
-    let beyond = (1..=length).find(|&i| at(i) < half)?;
-    let last = (beyond + reach - 1).min(length);
-    let first = beyond.saturating_sub(reach);
+fn below_half(length: usize, at: impl Fn(isize) -> f32) -> Option<usize> {
+    let half = 0.5 * (at(0) + at(length as isize));
+    (1..=length).find(|&i| at(i as isize) < half)
+}
+
+/// The edge of a hill that is `below` half its height so many pixels from the top, on the way to the valley `length` pixels
+/// from it. The area under the light over `reach` pixels to either side, of which `inner` at most may be the hill's, gives
+/// the place at which a sharp step would have the same area: exact for any blur within those pixels.
+#[inline]
+fn edge(below: usize, length: usize, inner: usize, reach: usize, at: impl Fn(isize) -> f32) -> Option<Edge> {
+    let (below, length) = (below as isize, length as isize);
+    let last = (below + reach as isize - 1).min(length);
+    // Within the hill it may go on beyond the top where this is level: the top may then be anywhere.
+    let (wanted, middle) = (below - reach as isize - 1, below - inner as isize);
+    let mut innermost = 0;
+    while innermost > wanted.max(middle) && at(innermost - 1) >= LEVEL * at(0) {
+        innermost -= 1;
+    }
+    let first = (below - reach as isize).max(innermost);
     // The plateaus on either side, over two pixels where there are two.
-    let high = 0.5 * (at(first) + at(first.saturating_sub(1)));
+    let high = 0.5 * (at(first) + at((first - 1).max(innermost)));
     let low = 0.5 * (at(last) + at((last + 1).min(length)));
     let height = high - low;
-    if height.is_nan() || height <= MIN_EDGE_SHARE * (top - floor) {
+    if height.is_nan() || height <= MIN_EDGE_SHARE * (at(0) - at(length)) {
         return None;
     }
     let mut sum = 0.0;
