@@ -56,7 +56,7 @@ pub(super) struct Scale {
 /// An edge must carry this share of the hill's height.
 const MIN_EDGE_SHARE: f32 = 0.4;
 /// A hill's top is level where it has this share of its highest light: rounding to 8 bit takes as much.
-const LEVEL: f32 = 0.98;
+const LEVEL: f32 = 0.99;
 /// The edges of a clipped stripe tell its hue when they have this share of its light.
 const MIN_FLANK: f32 = 0.15;
 /// Edges closer than this are one.
