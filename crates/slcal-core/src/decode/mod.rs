@@ -4,8 +4,8 @@
 //! the stripes are read one by one (`lines`) and cut into bright hills (`hills`), whose edges are measured to sub-pixel
 //! (`stripes`). Crossings linked from line to line are curves (`curves`). Hues are learned from the photograph (`hues`,
 //! `crosstalk`); dynamic programming assigns slits along lines (`align`) and curves vote (`number`), once the pattern is
-//! recognised (`recognise`). The edges of a stripe and its neighbours give its slit's centre (`centres`). [`Decoder`]
-//! runs the stages.
+//! recognised (`recognise`). The edges of a stripe and its neighbours give its slit's centre (`centres`, by what `spacing`
+//! knows of the pattern). [`Decoder`] runs the stages.
 
 mod align;
 mod centres;
