@@ -24,7 +24,10 @@ pub(super) struct Curves {
     pub(super) paints: Vec<Paint>,
     next: Vec<u32>,
     has_previous: Vec<bool>,
+    /// Middles of the crossings, and where the curves point on the next line.
+    middles: Vec<f32>,
     slope: Vec<f32>,
+    expected: Vec<f32>,
     /// Indices of crossings, curve after curve, each from its first line to its last.
     order: Vec<u32>,
     /// Where each curve starts in `order`, and the end.
@@ -62,8 +65,11 @@ impl Curves {
         self.next.resize(n, END);
         self.has_previous.clear();
         self.has_previous.resize(n, false);
+        self.middles.clear();
+        self.middles.extend(self.crossings.iter().map(Crossing::middle));
         self.slope.clear();
         self.slope.resize(n, 0.0);
+        self.expected.clone_from(&self.middles);
         for line in 1..self.line_count() {
             self.link_lines(self.of(line - 1), self.of(line));
         }
@@ -86,8 +92,7 @@ impl Curves {
     fn link_lines(&mut self, above: std::ops::Range<usize>, below: std::ops::Range<usize>) {
         let mut j = below.start;
         for i in above.clone() {
-            let expected = |i: usize| self.crossings[i].middle() + self.slope[i];
-            let miss = |i: usize, j: usize| (self.crossings[j].middle() - expected(i)).abs();
+            let miss = |i: usize, j: usize| (self.middles[j] - self.expected[i]).abs();
             // The nearest one below; both lines ascend, so that the search goes on from the last place.
             while j > below.start && miss(i, j - 1) <= miss(i, j.min(below.end - 1)) {
                 j -= 1;
@@ -107,8 +112,9 @@ impl Curves {
             }
             self.next[i] = j as u32;
             self.has_previous[j] = true;
-            let step = self.crossings[j].middle() - self.crossings[i].middle();
+            let step = self.middles[j] - self.middles[i];
             self.slope[j] = self.slope[i] + SLOPE_GAIN * (step - self.slope[i]);
+            self.expected[j] = self.middles[j] + self.slope[j];
         }
     }
 

@@ -9,6 +9,8 @@ const MIN_SPREAD_RAD: f32 = 0.08;
 const MAX_SPREAD_RAD: f32 = 0.35;
 /// Share of crossings whose colour says nothing (reflections, two stripes in one, coloured surfaces).
 const OUTLIERS: f32 = 0.03;
+/// Nothing is left of this beside it.
+const NEGLIGIBLE: f32 = 1e-9;
 /// Rounds of expectation and maximisation; the means settle in three or four.
 const ROUNDS: usize = 5;
 /// A class is learned from at least this many crossings.
@@ -184,17 +186,25 @@ impl Hues {
         best.1
     }
 
-    /// Log-odds of each hue against chance, into `out` (one entry per hue): at most ln(hues), at least ln 0.03.
-    pub(super) fn log_odds(&self, s: &Sample, out: &mut [f32]) {
+    /// Log-odds of each hue against chance, into `out` (one entry per hue): at most ln(hues), at least ln 0.03. Returns the
+    /// nearest hue.
+    pub(super) fn log_odds(&self, s: &Sample, out: &mut [f32]) -> u8 {
         let n = self.directions.len() as f32;
         let scale = -0.5 / (self.spread_rad * self.spread_rad + s.sigma * s.sigma);
-        let mut sum = 1e-9;
-        for (o, d) in out.iter_mut().zip(&self.directions) {
-            *o = (squared_angle(s.unit, *d) * scale).exp();
+        let (mut sum, mut nearest) = (1e-9, (f32::INFINITY, NO_HUE));
+        for (h, (o, d)) in out.iter_mut().zip(&self.directions).enumerate() {
+            let distance = squared_angle(s.unit, *d);
+            if distance < nearest.0 {
+                nearest = (distance, h as u8);
+            }
+            *o = (distance * scale).exp();
             sum += *o;
         }
         for o in out {
-            *o = ((1.0 - OUTLIERS) * *o / sum * n + OUTLIERS).ln();
+            let odds = (1.0 - OUTLIERS) * *o / sum * n;
+            // Most hues are out of the question.
+            *o = if odds > NEGLIGIBLE { (odds + OUTLIERS).ln() } else { OUTLIERS.ln() };
         }
+        nearest.1
     }
 }

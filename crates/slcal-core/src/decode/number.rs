@@ -176,7 +176,11 @@ impl Numbers {
     /// The crossings of an aligned line as alignment sees them, and the slits that they were given.
     pub(super) fn numbered_line(&mut self, curves: &Curves, line: usize) -> (&[Node], impl Fn(usize) -> u16) {
         let range = self.starts[line] as usize..self.starts[line + 1] as usize;
-        self.prepare(curves, range.clone());
+        self.nodes.clear();
+        for at in range.clone() {
+            let hue = self.hues.nearest(self.samples[at].unit);
+            self.nodes.push(self.node(curves, at, hue));
+        }
         let Self { nodes, votes, chosen, .. } = self;
         (nodes, move |at| votes[chosen[range.start + at] as usize].label)
     }
@@ -208,20 +212,23 @@ impl Numbers {
         self.odds.clear();
         self.odds.resize(range.len() * hues, 0.0);
         self.nodes.clear();
-        for (at, odds) in range.clone().zip(self.odds.chunks_exact_mut(hues)) {
-            let sample = &self.samples[at];
-            self.hues.log_odds(sample, odds);
-            let i = self.chosen[at] as usize;
-            let c = &curves.crossings[i];
-            let hue = usize::from(self.hues.nearest(sample.unit));
-            let usual = self.hues.brightness.get(hue).copied().unwrap_or(1.0);
-            let vote = self.votes[i];
-            self.nodes.push(Node {
-                u: c.middle(),
-                width: c.width(),
-                light: sample.light / usual,
-                hint: (vote.label, vote.support),
-            });
+        let mut odds = std::mem::take(&mut self.odds);
+        for (at, odds) in range.zip(odds.chunks_exact_mut(hues)) {
+            let nearest = self.hues.log_odds(&self.samples[at], odds);
+            self.nodes.push(self.node(curves, at, nearest));
+        }
+        self.odds = odds;
+    }
+
+    fn node(&self, curves: &Curves, at: usize, hue: u8) -> Node {
+        let i = self.chosen[at] as usize;
+        let (c, vote) = (&curves.crossings[i], self.votes[i]);
+        let usual = self.hues.brightness.get(usize::from(hue)).copied().unwrap_or(1.0);
+        Node {
+            u: c.middle(),
+            width: c.width(),
+            light: self.samples[at].light / usual,
+            hint: (vote.label, vote.support),
         }
     }
 
@@ -236,11 +243,12 @@ impl Numbers {
         let Self { place, line_of, labels, votes, ballots, counts, reach, .. } = self;
         for curve in curves.iter() {
             ballots.clear();
-            ballots.extend(curve.iter().enumerate().filter_map(|(at, &i)| {
-                let line = *line_of.get(place[i as usize] as usize)?;
-                let votes = line.is_multiple_of(stride as u32);
-                votes.then(|| (at, labels[place[i as usize] as usize]))
-            }));
+            for (at, &i) in curve.iter().enumerate() {
+                let place = place[i as usize] as usize;
+                if line_of.get(place).is_some_and(|line| line.is_multiple_of(stride as u32)) {
+                    ballots.push((at, labels[place]));
+                }
+            }
             counts.clear();
             // Those in the window about a crossing, whether they chose a slit or not.
             let (mut from, mut to) = (0, 0);
