@@ -1,6 +1,18 @@
-//! The projector's primaries as the camera's channels see them.
+//! The projector's primaries as the camera's channels see them: how they mix, and hues that no mixing explains.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
+
+use crate::error::{Error, Result};
+
+/// Angle by which a hue may miss what the palette's primaries mix to, rad: 1.3° with the right palette, 3° (with seven hues
+/// and crosstalk 7°) where the projector's gamma is 1.8 or 2.6 instead of sRGB's; mostly 5° to 30° with one of five hues or more
+/// that is another's. Four hues or fewer always fit.
+const MAX_HUE_MISFIT: f64 = 0.12;
+/// Smallest angle between hues over the palette's: from 0.52 where channels mix, below 0.17 where two hues of the palette
+/// stand for one.
+const MIN_HUE_ANGLE: f64 = 0.3;
+/// Rounds in which the brightness of the hues is fitted: enough for paint that returns a tenth of a channel.
+const MIX_ROUNDS: usize = 200;
 
 /// Least squares for M in `M · palette = brightness · direction` over the hues; each column is divided by its largest
 /// entry, which takes out the brightness of the primaries and leaves what spills into other channels. `None` where the
@@ -12,9 +24,9 @@ pub(super) fn crosstalk(
 ) -> Option<[[f64; 3]; 3]> {
     let (mut pp, mut cp) = (Matrix3::<f64>::zeros(), Matrix3::<f64>::zeros());
     for ((p, d), b) in palette.iter().zip(directions).zip(brightness) {
-        let p = nalgebra::Vector3::from(p.map(f64::from));
+        let p = vector(*p);
         // Light is counted as the sum over the channels.
-        let c = nalgebra::Vector3::from(d.map(f64::from));
+        let c = vector(*d);
         let c = c * f64::from(*b) / c.sum().max(1e-9);
         pp += p * p.transpose();
         cp += c * p.transpose();
@@ -35,4 +47,82 @@ pub(super) fn crosstalk(
         }
     }
     Some(out)
+}
+
+/// Refuses hues that the palette's cannot have become, by whatever mixing of the channels and colour of the surface.
+pub(super) fn check_hues(palette: &[[f32; 3]], directions: &[[f32; 3]]) -> Result<()> {
+    let misfit = hue_misfit(palette, directions).unwrap_or(0.0);
+    let seen = if misfit > MAX_HUE_MISFIT {
+        format!(
+            "stripes of which one hue is {:.0}° off what the palette's primaries mix to",
+            misfit.to_degrees()
+        )
+    } else if smallest_angle(directions) < MIN_HUE_ANGLE * smallest_angle(palette) {
+        format!("stripes of fewer hues than the {} of the palette", palette.len())
+    } else {
+        return Ok(());
+    };
+    Err(Error::NotFound {
+        what: "the pattern's hues",
+        seen,
+        advice: "check that the pattern file is the one that was projected".into(),
+    })
+}
+
+fn vector(color: [f32; 3]) -> Vector3<f64> {
+    Vector3::from(color.map(f64::from))
+}
+
+/// The largest angle between a hue's direction and M · its colour in the palette, for the matrix M and the brightness of
+/// the hues that fit best, in turn; rad. `None` where the palette has fewer than three independent colours.
+fn hue_misfit(palette: &[[f32; 3]], directions: &[[f32; 3]]) -> Option<f64> {
+    let own = palette.iter().fold(Matrix3::zeros(), |sum, &p| sum + vector(p) * vector(p).transpose());
+    if own.determinant() < 1e-6 * own.trace().powi(3) {
+        return None;
+    }
+    let inverse = own.try_inverse()?;
+    let hues = || palette.iter().zip(directions).map(|(&p, &d)| (vector(p), vector(d)));
+    let fit = |brightness: &dyn Fn(&Vector3<f64>, &Vector3<f64>) -> f64| {
+        hues().fold(Matrix3::zeros(), |sum, (p, d)| sum + d * brightness(&p, &d) * p.transpose()) * inverse
+    };
+    let mut mix = fit(&|p, _| p.norm());
+    for _ in 0..MIX_ROUNDS {
+        let last = mix / mix.norm().max(f64::MIN_POSITIVE);
+        mix = fit(&|p, d| (last * p).dot(d).max(1e-3));
+    }
+    let angle = |(p, d): (Vector3<f64>, Vector3<f64>)| (mix * p).angle(&d);
+    hues().map(angle).reduce(f64::max).filter(|a| a.is_finite())
+}
+
+/// The smallest angle between two colours, rad.
+fn smallest_angle(colors: &[[f32; 3]]) -> f64 {
+    let others = |i: usize| colors[i + 1..].iter().map(move |&c| vector(c).angle(&vector(colors[i])));
+    (0..colors.len()).flat_map(others).fold(std::f64::consts::PI, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FIVE: [[f32; 3]; 5] =
+        [[1.0, 0.0, 0.0], [0.6, 1.0, 0.0], [0.0, 1.0, 0.13], [0.0, 0.13, 1.0], [0.6, 0.0, 1.0]];
+
+    #[test]
+    fn hues_fit_a_palette_that_channels_and_paint_have_mixed_and_no_other() {
+        let mixed = |m: Matrix3<f64>, palette: &[[f32; 3]]| -> Vec<[f32; 3]> {
+            palette.iter().map(|&p| (m * vector(p)).normalize().map(|x| x as f32).into()).collect()
+        };
+        let mix = Matrix3::new(0.6, 0.12, 0.0, 0.1, 0.4, 0.05, 0.02, 0.2, 0.3);
+        let seen = mixed(mix, &FIVE);
+        assert!(hue_misfit(&FIVE, &seen).unwrap() < 0.01);
+        assert!(check_hues(&FIVE, &seen).is_ok());
+        // The first five of six evenly spaced hues; two that are the same; too few primaries to say.
+        let six = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]];
+        assert!(check_hues(&FIVE, &mixed(mix, &six)).is_err());
+        let mut same = seen;
+        same[2] = same[1];
+        assert!(check_hues(&FIVE, &same).is_err());
+        assert!(hue_misfit(&FIVE[..2], &same[..2]).is_none());
+        assert!(check_hues(&[], &[]).is_ok());
+    }
 }

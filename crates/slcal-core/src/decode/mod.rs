@@ -3,13 +3,14 @@
 //! A look at a few lines tells which way the stripes run, how wide and how sharp they are (`scale`, `noise`). Lines across
 //! the stripes are read one by one (`lines`) and cut into bright hills (`hills`), whose edges are measured to sub-pixel
 //! (`stripes`). Crossings linked from line to line are curves (`curves`). Hues are learned from the photograph (`hues`,
-//! `crosstalk`); dynamic programming assigns slits along lines (`align`) and curves vote (`number`), once the pattern is
-//! recognised (`recognise`). The edges of a stripe and its neighbours give its slit's centre (`centres`, by what `spacing`
-//! knows of the pattern). [`Decoder`] runs the stages.
+//! `crosstalk`); once the pattern is recognised (`recognise`), dynamic programming assigns slits along lines (`align`) and
+//! curves vote (`number`), unless neighbours contradict each other (`contradict`). The edges of a stripe and its neighbours
+//! give its slit's centre (`centres`, by what `spacing` knows of the pattern). [`Decoder`] runs the stages.
 
 mod align;
 mod centres;
 mod config;
+mod contradict;
 mod crosstalk;
 mod curves;
 mod decoder;

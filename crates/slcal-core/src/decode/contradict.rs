@@ -1,0 +1,175 @@
+//! Whether the numbers of neighbouring stripes bear each other out: a wrong pattern may share windows with the right one.
+
+use super::align::{BRIGHTER, NONE, Node, differ, relit};
+use super::curves::Curves;
+use super::number::{Numbers, Vote};
+use crate::error::{Error, Result};
+use crate::solve::median_f32;
+
+/// Every further slit fits by chance with one over the number of hues.
+const BEYOND_WINDOW: usize = 2;
+/// Numbers are held against each other on about so many lines.
+const EVIDENCE_LINES: usize = 120;
+/// Neighbours belong to one regular run of stripes when their distances follow each other within this factor, and their
+/// widths within that one: a step of depth between them seldom leaves them so.
+const EVEN: f32 = 1.15;
+const ALIKE: f32 = 1.5;
+/// Share of the neighbours in regular runs whose numbers do not follow each other, above which the code is another's. The
+/// right one leaves up to 3 % on planes, spheres, heads and blocks, however blurred, noisy or coloured, up to 12 % on
+/// shelves of upright boards whose edges run along the stripes; other codes mostly 17 % to 92 %, but as little as 4 % where
+/// they lack or repeat only a few words of it: most of those have other hues or another end.
+const MAX_BROKEN: f64 = 0.15;
+/// Share of the runs through the code's first or last slit that go on beyond it, above which the pattern is another one
+/// with the same beginning: up to 3 % with the right one, from 57 % when the end of a shortened one is in view.
+const MAX_BEYOND: f64 = 0.13;
+/// An end is in view when it is seen on this share of the lines with regular runs; and so many are needed to judge.
+const END_SHARE: f64 = 0.2;
+const MIN_LINES: usize = 5;
+const MIN_LINKS: usize = 50;
+
+/// Refuses numbers that hold together no further than any code's do: on lines under another code, windows that occur in
+/// this one are found all over, but they do not continue. Half the numbered crossings of the right one stand in runs as
+/// long as the code's window and [`BEYOND_WINDOW`] together.
+pub(super) fn check_runs(
+    curves: &Curves,
+    votes: &[Vote],
+    window: usize,
+    scratch: &mut Vec<f32>,
+) -> Result<()> {
+    scratch.clear();
+    for y in 0..curves.line_count() {
+        let line = &votes[curves.of(y)];
+        for run in line.chunk_by(|a, b| a.label != NONE && a.label + 1 == b.label) {
+            if run[0].label != NONE {
+                scratch.extend(run.iter().map(|_| run.len() as f32));
+            }
+        }
+    }
+    let usual = median_f32(scratch).unwrap_or(0.0);
+    if usual < (window + BEYOND_WINDOW) as f32 {
+        return Err(Error::NotFound {
+            what: "the pattern's code",
+            seen: format!(
+                "{} stripe crossings; those that fit the code follow each other for {usual} slits, where {window} fit by chance",
+                curves.crossings.len()
+            ),
+            advice: "check that the pattern file is the one that was projected".into(),
+        });
+    }
+    Ok(())
+}
+
+/// What neighbours on regular runs of stripes say of the numbers: there, every slit is followed by the next.
+#[derive(Debug, Clone, Copy, Default)]
+struct Evidence {
+    /// Lines with regular runs.
+    lines: usize,
+    /// Neighbours on them, and those of which the second has the number after the first's.
+    links: usize,
+    follow: usize,
+    /// Sightings of the first and the last slit, and those beyond which the run goes on.
+    ends: [usize; 2],
+    beyond: [usize; 2],
+}
+
+impl Evidence {
+    fn add_run(&mut self, labels: impl ExactSizeIterator<Item = u16>, last: u16) {
+        self.links += labels.len().saturating_sub(1);
+        let mut previous = None;
+        for label in labels {
+            if let Some(before) = previous {
+                self.follow += usize::from(label != NONE && before != NONE && before + 1 == label);
+                self.beyond[0] += usize::from(label == 0);
+                self.beyond[1] += usize::from(before == last);
+            }
+            self.ends[0] += usize::from(label == 0);
+            self.ends[1] += usize::from(label == last);
+            previous = Some(label);
+        }
+    }
+
+    fn broken(&self) -> f64 {
+        if self.links < MIN_LINKS {
+            return 0.0;
+        }
+        1.0 - self.follow as f64 / self.links as f64
+    }
+
+    /// The larger share of the two ends.
+    fn beyond(&self) -> f64 {
+        let enough = (END_SHARE * self.lines as f64).max(MIN_LINES as f64);
+        let shares = self.ends.iter().zip(self.beyond).filter(|(seen, _)| **seen as f64 >= enough);
+        shares.map(|(&seen, beyond)| beyond as f64 / seen as f64).fold(0.0, f64::max)
+    }
+}
+
+/// Whether crossing `i` goes on with the regular run that starts at `from`.
+fn goes_on(nodes: &[Node], from: usize, i: usize) -> bool {
+    let (a, b) = (&nodes[i - 1], &nodes[i]);
+    let even = i < from + 2 || !differ(b.u - a.u, a.u - nodes[i - 2].u, EVEN);
+    even && !differ(a.width, b.width, ALIKE) && !relit(a, b, BRIGHTER)
+}
+
+/// Refuses numbers that contradict each other on one surface, and a code beyond whose end the stripes go on: a pattern may
+/// share windows, or its beginning, with the one that was projected.
+///
+/// What stands in no regular run of more slits than the code's window is not asked: clutter, and whatever else a room holds.
+pub(super) fn check_neighbors(
+    numbers: &mut Numbers,
+    curves: &Curves,
+    slits: usize,
+    window: usize,
+) -> Result<()> {
+    let (count, last) = (numbers.line_count(), slits.saturating_sub(1) as u16);
+    let mut evidence = Evidence::default();
+    for line in (0..count).step_by((count / EVIDENCE_LINES).max(1)) {
+        let (nodes, label) = numbers.numbered_line(curves, line);
+        let before = evidence.links;
+        let mut from = 0;
+        for i in 1..=nodes.len() {
+            if i < nodes.len() && goes_on(nodes, from, i) {
+                continue;
+            }
+            if i - from >= window + BEYOND_WINDOW {
+                evidence.add_run((from..i).map(&label), last);
+            }
+            from = i;
+        }
+        evidence.lines += usize::from(evidence.links > before);
+    }
+    let (broken, beyond) = (evidence.broken(), evidence.beyond());
+    let seen = if broken > MAX_BROKEN {
+        format!(
+            "{} pairs of evenly spaced neighbours; in {:.0} % of them the second does not follow the first in the code",
+            evidence.links,
+            100.0 * broken
+        )
+    } else if beyond > MAX_BEYOND {
+        format!(
+            "evenly spaced stripes that go on beyond an end of the code, on {:.0} % of the lines that show it",
+            100.0 * beyond
+        )
+    } else {
+        return Ok(());
+    };
+    Err(Error::NotFound {
+        what: "the pattern's code",
+        seen,
+        advice: "check that the pattern file is the one that was projected".into(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_count_what_follows_and_what_lies_beyond_the_ends() {
+        let mut evidence = Evidence::default();
+        evidence.add_run([0, 1, 2, 3, NONE, NONE].into_iter(), 3);
+        evidence.add_run([NONE, 0, 1, 1, 3].into_iter(), 3);
+        assert_eq!((evidence.links, evidence.follow), (9, 4));
+        assert_eq!((evidence.ends, evidence.beyond), ([2, 2], [1, 1]));
+        assert!(evidence.broken() < f64::EPSILON, "too few to judge");
+    }
+}
