@@ -22,20 +22,15 @@ pub(super) fn crosstalk(
     directions: &[[f32; 3]],
     brightness: &[f32],
 ) -> Option<[[f64; 3]; 3]> {
-    let (mut pp, mut cp) = (Matrix3::<f64>::zeros(), Matrix3::<f64>::zeros());
+    let mut cp = Matrix3::<f64>::zeros();
     for ((p, d), b) in palette.iter().zip(directions).zip(brightness) {
         let p = vector(*p);
         // Light is counted as the sum over the channels.
         let c = vector(*d);
         let c = c * f64::from(*b) / c.sum().max(1e-9);
-        pp += p * p.transpose();
         cp += c * p.transpose();
     }
-    let scale = pp.trace();
-    if pp.determinant() < 1e-6 * scale.powi(3) {
-        return None;
-    }
-    let m = cp * pp.try_inverse()?;
+    let m = cp * inverse_products(palette)?;
     let mut out = [[0.0; 3]; 3];
     for k in 0..3 {
         let top = m.column(k).amax();
@@ -73,14 +68,20 @@ fn vector(color: [f32; 3]) -> Vector3<f64> {
     Vector3::from(color.map(f64::from))
 }
 
+/// (Σ p·pᵀ)⁻¹ over the palette: the normal equations of a matrix that mixes it. `None` where it has fewer than three
+/// independent colours.
+fn inverse_products(palette: &[[f32; 3]]) -> Option<Matrix3<f64>> {
+    let products = palette.iter().fold(Matrix3::zeros(), |sum, &p| sum + vector(p) * vector(p).transpose());
+    if products.determinant() < 1e-6 * products.trace().powi(3) {
+        return None;
+    }
+    products.try_inverse()
+}
+
 /// The largest angle between a hue's direction and M · its colour in the palette, for the matrix M and the brightness of
 /// the hues that fit best, in turn; rad. `None` where the palette has fewer than three independent colours.
 fn hue_misfit(palette: &[[f32; 3]], directions: &[[f32; 3]]) -> Option<f64> {
-    let own = palette.iter().fold(Matrix3::zeros(), |sum, &p| sum + vector(p) * vector(p).transpose());
-    if own.determinant() < 1e-6 * own.trace().powi(3) {
-        return None;
-    }
-    let inverse = own.try_inverse()?;
+    let inverse = inverse_products(palette)?;
     let hues = || palette.iter().zip(directions).map(|(&p, &d)| (vector(p), vector(d)));
     let fit = |brightness: &dyn Fn(&Vector3<f64>, &Vector3<f64>) -> f64| {
         hues().fold(Matrix3::zeros(), |sum, (p, d)| sum + d * brightness(&p, &d) * p.transpose()) * inverse

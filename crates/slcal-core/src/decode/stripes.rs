@@ -211,8 +211,9 @@ fn below_half(length: usize, at: impl Fn(isize) -> f32) -> Option<usize> {
 }
 
 /// The edge of a hill that is `below` half its height so many pixels from the top, on the way to the valley `length` pixels
-/// from it. The area under the light over `reach` pixels to either side, of which `inner` at most may be the hill's, gives
-/// the place at which a sharp step would have the same area: exact for any blur within those pixels.
+/// from it. The area under the light over `reach` pixels to either side gives the place at which a sharp step would have the
+/// same area: exact for any blur within those pixels. On the hill they end at its top or, where that is level, at the
+/// latest `inner` pixels from the edge.
 #[inline]
 fn edge(below: usize, length: usize, inner: usize, reach: usize, at: impl Fn(isize) -> f32) -> Option<Edge> {
     let (below, length) = (below as isize, length as isize);
