@@ -1,8 +1,20 @@
 """Projector-camera calibration from one photograph and one-shot structured-light reconstruction.
 
-Pixels have integer centres; pictures are (height, width, 3) arrays of uint8 in RGB order.
+Arrays in, arrays out, in OpenCV's conventions: x right, y down, z forward; pixels have integer centres; lengths are
+millimetres. Photographs are (H, W, 3) or (H, W) arrays of uint8 or uint16 in RGB order (OpenCV reads BGR: give
+``image[..., ::-1]``).
 """
 
+from ._errors import CalibrationError, DecodeError, DetectionError, Error, FormatError
 from ._slcal import CheckerPattern, StripePattern, __version__
 
-__all__ = ["CheckerPattern", "StripePattern", "__version__"]
+__all__ = [
+    "CalibrationError",
+    "CheckerPattern",
+    "DecodeError",
+    "DetectionError",
+    "Error",
+    "FormatError",
+    "StripePattern",
+    "__version__",
+]

@@ -1,76 +1,614 @@
-from collections.abc import Sequence
-from typing import Final, final
+from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike
+from typing import IO, Any, Final, Literal, TypeAlias, final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["CheckerPattern", "StripePattern", "__version__", "run_command"]
+from ._reports import (
+    Advice,
+    CalibrationReport,
+    CloudReport,
+    DecodeReport,
+    DeviceSigma,
+    NoiseReport,
+    PlaneFit,
+    Quality,
+    SceneReport,
+    SphereFit,
+    Verification,
+    ViewRms,
+)
+
 __version__: Final[str]
+
+_Image: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16]
+_Path: TypeAlias = str | PathLike[str]
+_File: TypeAlias = _Path | IO[bytes] | IO[str]
+_Gamma: TypeAlias = Literal["srgb", "linear"] | float
+_PrincipalPoint: TypeAlias = Literal["prior", "shift", "centre", "free"] | tuple[float, float]
+_Distortion: TypeAlias = Literal["auto", "none", "k1", "k1k2", "full"]
+_Cull: TypeAlias = Literal["auto", "off"] | float
+_Frame: TypeAlias = Literal["camera", "plane"]
+
+# What is projected
 
 @final
 class CheckerPattern:
-    """The checkerboard that calibration needs, centred on the projector's panel: 11 columns and 8 rows unless told otherwise.
-
-    Raises ValueError when columns + rows is even (the board would look the same after half a turn) or when the board
-    does not fit on the panel.
-    """
-
     def __new__(
         cls,
         projector: tuple[int, int],
-        squares: tuple[int, int] = ...,
+        squares: tuple[int, int] = (11, 8),
         square_px: int | None = None,
+        *,
+        first_square: Literal["black", "white"] = "black",
+        background: Literal["black", "white"] = "white",
     ) -> CheckerPattern: ...
     @property
-    def projector(self) -> tuple[int, int]:
-        """Width and height of the panel, px."""
+    def projector(self) -> tuple[int, int]: ...
     @property
-    def squares(self) -> tuple[int, int]:
-        """Columns and rows of squares."""
+    def squares(self) -> tuple[int, int]: ...
     @property
-    def square_px(self) -> float:
-        """Side of a square, px."""
+    def square_px(self) -> float: ...
     @property
-    def origin_px(self) -> tuple[float, float]:
-        """Outer top-left corner of the top-left square, px, pixel centres at integers."""
-    def image(self) -> NDArray[np.uint8]:
-        """The picture to project: (height, width, 3), sRGB."""
-    def to_json(self) -> str:
-        """The pattern file (schema slcal-pattern/1)."""
+    def origin_px(self) -> tuple[float, float]: ...
+    @property
+    def first_square(self) -> Literal["black", "white"]: ...
+    @property
+    def background(self) -> Literal["black", "white"]: ...
+    def corners(self) -> NDArray[np.float64]: ...
+    def image(self) -> NDArray[np.uint8]: ...
+    def save(self, file: _File) -> None: ...
+    @staticmethod
+    def load(file: _File) -> CheckerPattern: ...
+    def to_json(self) -> str: ...
+    @staticmethod
+    def from_json(text: str) -> CheckerPattern: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
 
 @final
 class StripePattern:
-    """Coloured vertical slits in a De Bruijn sequence.
-
-    Raises ValueError when the colours and the order do not allow that many slits, or when they do not fit on the panel.
-    """
-
     def __new__(
         cls,
         projector: tuple[int, int],
         hues: int = 4,
         order: int = 3,
         slits: int | None = None,
+        *,
+        axis: Literal["columns", "rows"] = "columns",
+    ) -> StripePattern: ...
+    @staticmethod
+    def from_slits(
+        projector: tuple[int, int],
+        palette: ArrayLike,
+        sequence: ArrayLike,
+        centres_px: ArrayLike,
+        width_px: float,
+        *,
+        axis: Literal["columns", "rows"] = "columns",
+        order: int = 3,
     ) -> StripePattern: ...
     @property
-    def projector(self) -> tuple[int, int]:
-        """Width and height of the panel, px."""
+    def projector(self) -> tuple[int, int]: ...
     @property
-    def palette(self) -> NDArray[np.uint8]:
-        """The colours: (hues, 3), sRGB."""
+    def axis(self) -> Literal["columns", "rows"]: ...
     @property
-    def sequence(self) -> NDArray[np.uint8]:
-        """The colour of each slit: indices into the palette."""
+    def palette(self) -> NDArray[np.uint8]: ...
     @property
-    def centres_px(self) -> NDArray[np.float64]:
-        """Projector column of each slit's centre, px."""
+    def sequence(self) -> NDArray[np.uint8]: ...
     @property
-    def width_px(self) -> float:
-        """Width of a slit, px."""
-    def image(self) -> NDArray[np.uint8]:
-        """The picture to project: (height, width, 3), sRGB."""
-    def to_json(self) -> str:
-        """The pattern file (schema slcal-pattern/1)."""
+    def centres_px(self) -> NDArray[np.float64]: ...
+    @property
+    def width_px(self) -> float: ...
+    @property
+    def order(self) -> int: ...
+    def image(self) -> NDArray[np.uint8]: ...
+    def save(self, file: _File) -> None: ...
+    @staticmethod
+    def load(file: _File) -> StripePattern: ...
+    def to_json(self) -> str: ...
+    @staticmethod
+    def from_json(text: str) -> StripePattern: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
 
-def run_command(args: Sequence[str], /) -> int:
-    """Run a command line, the program's name first, and return its exit code."""
+def load_pattern(file: _File) -> CheckerPattern | StripePattern: ...
+def read_image(path: _Path) -> _Image: ...
+
+# What a photograph of the sheet shows
+
+@final
+class SheetDetection:
+    """`corners` (4, 2) TL TR BR BL; `edges[side]` (N, 2) for "top", "right", "bottom", "left" (empty when the corners were given)."""
+
+    @property
+    def corners(self) -> NDArray[np.float64] | None: ...
+    @property
+    def edges(self) -> dict[str, NDArray[np.float64]]: ...
+    @property
+    def edge_sigma_px(self) -> dict[str, NDArray[np.float64]]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+@final
+class CornerDetection:
+    """The pattern's corners that were seen: `camera_px` (N, 2), `projector_px` (N, 2), `sigma_px` (N,); `expected` is how many the pattern has."""
+
+    @property
+    def camera_px(self) -> NDArray[np.float64]: ...
+    @property
+    def projector_px(self) -> NDArray[np.float64]: ...
+    @property
+    def sigma_px(self) -> NDArray[np.float64]: ...
+    @property
+    def expected(self) -> int: ...
+    def __len__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+@final
+class Detection:
+    """Sheet and corners of one photograph; `view` is what calibration takes."""
+
+    @property
+    def sheet(self) -> SheetDetection: ...
+    @property
+    def corners(self) -> CornerDetection: ...
+    @property
+    def view(self) -> ViewObservation: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+def detect(
+    photo: _Image,
+    size_mm: tuple[float, float],
+    pattern: CheckerPattern | None = None,
+    *,
+    screen: _Image | None = None,
+    corners: ArrayLike | None = None,
+    gamma: _Gamma = "srgb",
+) -> Detection: ...
+def detect_sheet(photo: _Image, *, corners: ArrayLike | None = None, gamma: _Gamma = "srgb") -> SheetDetection: ...
+def detect_corners(photo: _Image, pattern: CheckerPattern, *, gamma: _Gamma = "srgb") -> CornerDetection: ...
+
+@final
+class ViewObservation:
+    def __new__(
+        cls,
+        size_mm: tuple[float, float],
+        *,
+        sheet_corners: ArrayLike | None = None,
+        sheet_edges: Mapping[str, ArrayLike] | None = None,
+        pairs: ArrayLike | None = None,
+        sheet_sigma_px: float | Mapping[str, ArrayLike] | None = None,
+        pair_sigma_px: ArrayLike | None = None,
+        photo: str | None = None,
+    ) -> ViewObservation: ...
+    @property
+    def size_mm(self) -> tuple[float, float]: ...
+    @property
+    def sheet_corners(self) -> NDArray[np.float64] | None: ...
+    @property
+    def sheet_edges(self) -> dict[str, NDArray[np.float64]] | None: ...
+    @property
+    def pairs(self) -> NDArray[np.float64]: ...
+    @property
+    def photo(self) -> str | None: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+@final
+class Observations:
+    def __new__(
+        cls,
+        camera: tuple[int, int],
+        projector: tuple[int, int] | None,
+        views: Iterable[ViewObservation | Detection],
+    ) -> Observations: ...
+    @property
+    def camera(self) -> tuple[int, int]: ...
+    @property
+    def projector(self) -> tuple[int, int] | None: ...
+    @property
+    def views(self) -> list[ViewObservation]: ...
+    def save(self, file: _File) -> None: ...
+    @staticmethod
+    def load(file: _File) -> Observations: ...
+    def to_json(self) -> str: ...
+    @staticmethod
+    def from_json(text: str) -> Observations: ...
+    def __len__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+def observe(
+    photos: Sequence[_Image] | _Image,
+    size_mm: tuple[float, float],
+    pattern: CheckerPattern | None = None,
+    *,
+    screen: Sequence[_Image] | None = None,
+    corners: Sequence[ArrayLike] | ArrayLike | None = None,
+    gamma: _Gamma = "srgb",
+    names: Sequence[str] | None = None,
+) -> Observations: ...
+
+# Calibration
+
+def calibrate(
+    photos: Sequence[_Image] | _Image,
+    size_mm: tuple[float, float],
+    pattern: CheckerPattern | None = None,
+    *,
+    screen: Sequence[_Image] | None = None,
+    corners: Sequence[ArrayLike] | ArrayLike | None = None,
+    camera: Camera | None = None,
+    camera_pp: _PrincipalPoint = "prior",
+    projector_pp: _PrincipalPoint = "shift",
+    distortion: _Distortion = "auto",
+    projector_distortion: _Distortion = "auto",
+    method: Literal["ml", "two-vp"] = "ml",
+    focal_35mm: float | None = None,
+    gamma: _Gamma = "srgb",
+    allow_degenerate: bool = False,
+    names: Sequence[str] | None = None,
+) -> Rig: ...
+def calibrate_observations(
+    observations: Observations | Mapping[str, Any],
+    *,
+    camera: Camera | None = None,
+    camera_pp: _PrincipalPoint = "prior",
+    projector_pp: _PrincipalPoint = "shift",
+    distortion: _Distortion = "auto",
+    projector_distortion: _Distortion = "auto",
+    method: Literal["ml", "two-vp"] = "ml",
+    focal_35mm: float | None = None,
+    allow_degenerate: bool = False,
+) -> Rig: ...
+
+@final
+class Camera:
+    """A camera or a projector: K (3, 3), distortion (5,) k1 k2 p1 p2 k3, and the σ of its parameters where known."""
+
+    def __new__(cls, K: ArrayLike, size: tuple[int, int], distortion: ArrayLike | None = None) -> Camera: ...
+    @staticmethod
+    def load(file: _File) -> Camera: ...
+    @staticmethod
+    def from_fov(size: tuple[int, int], fov_deg: float) -> Camera: ...
+    @staticmethod
+    def from_35mm(size: tuple[int, int], focal_35mm: float) -> Camera: ...
+    @staticmethod
+    def from_throw(size: tuple[int, int], throw: float) -> Camera: ...
+    @property
+    def K(self) -> NDArray[np.float64]: ...
+    @property
+    def distortion(self) -> NDArray[np.float64]: ...
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def size(self) -> tuple[int, int]: ...
+    @property
+    def sigma(self) -> DeviceSigma | None: ...
+    def project(self, points: ArrayLike) -> NDArray[np.float64]: ...
+    def undistort(self, pixels: ArrayLike) -> NDArray[np.float64]: ...
+    def rays(self, pixels: ArrayLike) -> NDArray[np.float64]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+@final
+class Pose:
+    """X_a = R · X_b + t, mm; `sigma_t_mm` and `sigma_r_rad` (3,) where known."""
+
+    def __new__(cls, R: ArrayLike, t: ArrayLike) -> Pose: ...
+    @property
+    def R(self) -> NDArray[np.float64]: ...
+    @property
+    def t(self) -> NDArray[np.float64]: ...
+    @property
+    def rvec(self) -> NDArray[np.float64]: ...
+    @property
+    def matrix(self) -> NDArray[np.float64]: ...
+    @property
+    def sigma_t_mm(self) -> NDArray[np.float64] | None: ...
+    @property
+    def sigma_r_rad(self) -> NDArray[np.float64] | None: ...
+    def inverse(self) -> Pose: ...
+    def transform(self, points: ArrayLike) -> NDArray[np.float64]: ...
+    def __matmul__(self, other: Pose, /) -> Pose: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+@final
+class View:
+    @property
+    def photo(self) -> str | None: ...
+    @property
+    def size_mm(self) -> tuple[float, float]: ...
+    @property
+    def camera_from_sheet(self) -> Pose: ...
+    @property
+    def projector_from_sheet(self) -> Pose | None: ...
+    @property
+    def camera_vanishing_points(self) -> NDArray[np.float64]: ...
+    @property
+    def projector_vanishing_points(self) -> NDArray[np.float64] | None: ...
+    @property
+    def corners_px(self) -> NDArray[np.float64]: ...
+    @property
+    def rms_px(self) -> ViewRms | None: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+@final
+class Covariance:
+    """`parameters`: names of rows and columns; `matrix` (P, P), in the units of the parameters (px, mm, rad)."""
+
+    @property
+    def parameters(self) -> list[str]: ...
+    @property
+    def matrix(self) -> NDArray[np.float64]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+@final
+class Rectification:
+    """`panel_from_source` (3, 3) maps pixels of the source onto the panel; `size_mm`, `origin_mm`: where the picture lies on the sheet."""
+
+    @property
+    def panel_from_source(self) -> NDArray[np.float64]: ...
+    @property
+    def size_mm(self) -> tuple[float, float]: ...
+    @property
+    def origin_mm(self) -> tuple[float, float]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+@final
+class Rig:
+    def __new__(
+        cls,
+        camera: Camera,
+        projector: Camera | None = None,
+        projector_from_camera: Pose | None = None,
+        *,
+        method: str = "external",
+    ) -> Rig: ...
+    @property
+    def camera(self) -> Camera: ...
+    @property
+    def projector(self) -> Camera | None: ...
+    @property
+    def projector_from_camera(self) -> Pose | None: ...
+    @property
+    def views(self) -> list[View]: ...
+    @property
+    def method(self) -> str: ...
+    @property
+    def quality(self) -> Quality | None: ...
+    @property
+    def covariance(self) -> Covariance | None: ...
+    @property
+    def report(self) -> CalibrationReport | None: ...
+    @property
+    def baseline_mm(self) -> float | None: ...
+    @property
+    def baseline_sigma_mm(self) -> float | None: ...
+    def save(self, file: _File) -> None: ...
+    @staticmethod
+    def load(file: _File) -> Rig: ...
+    def to_json(self) -> str: ...
+    @staticmethod
+    def from_json(text: str) -> Rig: ...
+    def to_opencv(self) -> dict[str, NDArray[Any]]: ...
+    @staticmethod
+    def from_opencv(
+        parameters: Mapping[str, ArrayLike] | None = None,
+        /,
+        *,
+        camera_K: ArrayLike | None = None,
+        camera_dist: ArrayLike | None = None,
+        camera_size: ArrayLike | None = None,
+        projector_K: ArrayLike | None = None,
+        projector_dist: ArrayLike | None = None,
+        projector_size: ArrayLike | None = None,
+        R: ArrayLike | None = None,
+        t: ArrayLike | None = None,
+    ) -> Rig: ...
+    def reconstruct(
+        self,
+        image: _Image,
+        pattern: StripePattern,
+        *,
+        black: _Image | None = None,
+        white: _Image | None = None,
+        gamma: _Gamma = "srgb",
+        frame: _Frame = "camera",
+        mesh: bool = False,
+        cull: _Cull = "auto",
+        min_confidence: float = 0.4,
+    ) -> PointCloud: ...
+    def triangulate(
+        self,
+        pixels: Matches | ArrayLike,
+        columns: ArrayLike | None = None,
+        rows: ArrayLike | None = None,
+        *,
+        sigma_px: ArrayLike | None = None,
+        frame: _Frame = "camera",
+        mesh: bool = False,
+        cull: _Cull = "off",
+    ) -> PointCloud: ...
+    def rectify(self, source: CheckerPattern | NDArray[np.uint8], *, view: int = 0) -> NDArray[np.uint8]: ...
+    def rectification(self, source: CheckerPattern | NDArray[np.uint8], *, view: int = 0) -> Rectification: ...
+    def verify(
+        self,
+        photo: _Image,
+        pattern: CheckerPattern,
+        *,
+        size_mm: tuple[float, float] | None = None,
+        as_drawn: bool = False,
+        corners: ArrayLike | None = None,
+        gamma: _Gamma = "srgb",
+        significance: float = 0.001,
+    ) -> Verification: ...
+    def advise(self, pattern: CheckerPattern | None = None) -> Advice: ...
+    def _repr_html_(self) -> str: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+def advise(
+    camera: Camera,
+    size_mm: tuple[float, float],
+    *,
+    projector: Camera | None = None,
+    distance_mm: float | None = None,
+    noise_px: float = 0.1,
+    camera_pp: _PrincipalPoint = "prior",
+    projector_pp: _PrincipalPoint = "shift",
+    distortion: _Distortion = "auto",
+) -> Advice: ...
+
+# From stripes to points
+
+@final
+class Matches:
+    """`pixels` (N, 2) camera pixels (x, y); `columns`, `rows` (N,) projector pixels or None; `slits` (N,) int32, -1 where there is none."""
+
+    def __new__(
+        cls,
+        pixels: ArrayLike,
+        columns: ArrayLike | None = None,
+        rows: ArrayLike | None = None,
+        *,
+        slits: ArrayLike | None = None,
+        confidence: ArrayLike | None = None,
+        sigma_px: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+    ) -> Matches: ...
+    @property
+    def pixels(self) -> NDArray[np.float64]: ...
+    @property
+    def columns(self) -> NDArray[np.float64] | None: ...
+    @property
+    def rows(self) -> NDArray[np.float64] | None: ...
+    @property
+    def slits(self) -> NDArray[np.int32]: ...
+    @property
+    def confidence(self) -> NDArray[np.float64]: ...
+    @property
+    def sigma_px(self) -> NDArray[np.float64]: ...
+    @property
+    def colors(self) -> NDArray[np.uint8]: ...
+    @property
+    def report(self) -> DecodeReport | None: ...
+    def save(self, file: _File) -> None: ...
+    @staticmethod
+    def load(file: _File) -> Matches: ...
+    def __len__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+def decode(
+    image: _Image,
+    pattern: StripePattern,
+    *,
+    black: _Image | None = None,
+    white: _Image | None = None,
+    gamma: _Gamma = "srgb",
+    min_confidence: float = 0.4,
+) -> Matches: ...
+
+@final
+class PointCloud:
+    def __new__(
+        cls,
+        points: ArrayLike,
+        *,
+        colors: ArrayLike | None = None,
+        sigma: ArrayLike | None = None,
+        noise: ArrayLike | None = None,
+        pixels: ArrayLike | None = None,
+        slits: ArrayLike | None = None,
+        confidence: ArrayLike | None = None,
+        triangles: ArrayLike | None = None,
+        frame: _Frame = "camera",
+        camera_centre: ArrayLike | None = None,
+    ) -> PointCloud: ...
+    @property
+    def points(self) -> NDArray[np.float64]: ...
+    @property
+    def colors(self) -> NDArray[np.uint8]: ...
+    @property
+    def sigma(self) -> NDArray[np.float64]: ...
+    @property
+    def noise(self) -> NDArray[np.float64]: ...
+    @property
+    def pixels(self) -> NDArray[np.float64]: ...
+    @property
+    def slits(self) -> NDArray[np.uint16]: ...
+    @property
+    def confidence(self) -> NDArray[np.float64]: ...
+    @property
+    def triangles(self) -> NDArray[np.uint32]: ...
+    @property
+    def frame(self) -> _Frame: ...
+    @property
+    def camera_centre(self) -> NDArray[np.float64]: ...
+    @property
+    def report(self) -> CloudReport | None: ...
+    def save(self, file: _File, *, format: Literal["ply", "pcd", "xyz", "obj", "glb"] | None = None) -> None: ...
+    @staticmethod
+    def load(file: _File) -> PointCloud: ...
+    def to_bytes(self, format: Literal["ply", "pcd", "xyz", "obj", "glb"] = "ply") -> bytes: ...
+    def fit_plane(self) -> PlaneFit: ...
+    def fit_sphere(self) -> SphereFit: ...
+    def _repr_html_(self) -> str: ...
+    def __len__(self) -> int: ...
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["plane", "sphere"]) -> PlaneFit | SphereFit: ...
+
+@final
+class Reconstructor:
+    """One photograph after another with the same rig and pattern; its buffers are kept from frame to frame."""
+
+    def __new__(
+        cls,
+        rig: Rig,
+        pattern: StripePattern,
+        *,
+        gamma: _Gamma = "srgb",
+        frame: _Frame = "camera",
+        mesh: bool = False,
+        cull: _Cull = "auto",
+        min_confidence: float = 0.4,
+    ) -> Reconstructor: ...
+    def reconstruct(
+        self, image: _Image, *, black: _Image | None = None, white: _Image | None = None
+    ) -> PointCloud: ...
+
+# Photographs and observations with known truth: see slcal.simulate for what the functions take
+
+@final
+class Scene:
+    @property
+    def rig(self) -> Rig: ...
+    @property
+    def pattern(self) -> CheckerPattern | StripePattern: ...
+    @property
+    def photo(self) -> _Image: ...
+    @property
+    def white(self) -> _Image: ...
+    @property
+    def black(self) -> _Image: ...
+    @property
+    def matches(self) -> Matches: ...
+    @property
+    def cloud(self) -> PointCloud: ...
+    @property
+    def column(self) -> NDArray[np.float32]: ...
+    @property
+    def row(self) -> NDArray[np.float32]: ...
+    @property
+    def depth(self) -> NDArray[np.float32]: ...
+    @property
+    def surface(self) -> NDArray[np.uint8]: ...
+    @property
+    def report(self) -> SceneReport: ...
+
+def run_command(args: Sequence[str], /) -> int: ...
