@@ -2,10 +2,11 @@
 //! the Python package's entry point are the same program.
 //!
 //! `args` is the command line as typed, `verbs` has one file per verb (load → one call of the core → print or write), `io`
-//! has all files, `output` all printing and `exit` all exit codes.
+//! has all files, `output` all printing and `exit` all exit codes. [`files`] is what the Python package shares of `io`.
 
 mod args;
 mod exit;
+pub mod files;
 mod io;
 mod noise_table;
 mod output;

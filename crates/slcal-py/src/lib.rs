@@ -1,5 +1,13 @@
-//! The extension module `slcal._slcal`: thin classes over the types of the core.
+//! The extension module `slcal._slcal`: thin, frozen classes over the types of the core.
+//!
+//! `convert` carries values between Python and the core, `errors` its errors, `files` bytes; the other files are the verbs
+//! of the work in their order, each with the classes that it takes and gives. Every call of the core runs without the
+//! interpreter's lock.
 
+mod convert;
+mod errors;
+mod files;
+mod geometry;
 mod pattern;
 
 use std::ffi::OsString;
@@ -17,7 +25,7 @@ fn run_command(py: Python<'_>, args: Vec<OsString>) -> u8 {
 #[pymodule]
 fn _slcal(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_class::<pattern::CheckerPattern>()?;
-    module.add_class::<pattern::StripePattern>()?;
+    pattern::register(module)?;
+    geometry::register(module)?;
     module.add_function(wrap_pyfunction!(run_command, module)?)
 }

@@ -1,45 +1,167 @@
-//! The patterns, and their drawing as arrays.
+//! What is projected: the patterns, and their drawing as arrays.
 
-use numpy::ndarray::{Array2, Array3};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use slcal_core::format::write_pattern;
-use slcal_core::pattern::{self, CheckerConfig, Pattern, StripeConfig};
+use slcal_core::format::{read_pattern, write_pattern};
+use slcal_core::pattern::{self, Axis, CheckerConfig, Pattern, SquareColor, StripeConfig};
 
-fn value_error(error: impl std::fmt::Display) -> PyErr {
-    PyValueError::new_err(error.to_string())
+use crate::convert::array::{bytes_of, column, column_of, integers_of, rows, shaped};
+use crate::convert::option::{one_of, whole_pair};
+use crate::errors::{self, Looking, Raise as _, raised_from};
+use crate::files;
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<CheckerPattern>()?;
+    module.add_class::<StripePattern>()?;
+    module.add_function(wrap_pyfunction!(load_pattern, module)?)?;
+    module.add_function(wrap_pyfunction!(files::read_image, module)?)
 }
 
-/// A drawn pattern as an array of (height, width, 3).
-fn as_array(py: Python<'_>, picture: image::RgbImage) -> PyResult<Bound<'_, PyArray3<u8>>> {
-    let shape = (picture.height() as usize, picture.width() as usize, 3);
-    let array = Array3::from_shape_vec(shape, picture.into_raw()).map_err(value_error)?;
-    Ok(array.into_pyarray(py))
+const COLORS: [(&str, SquareColor); 2] = [("black", SquareColor::Black), ("white", SquareColor::White)];
+const AXES: [(&str, Axis); 2] = [("columns", Axis::Columns), ("rows", Axis::Rows)];
+
+fn named<T: PartialEq + Copy>(value: T, names: &[(&'static str, T)]) -> &'static str {
+    names.iter().find(|(_, v)| *v == value).map_or("", |(n, _)| n)
 }
 
-fn json(pattern: &Pattern) -> PyResult<String> {
+/// A drawn pattern as an array of (H, W, 3).
+fn picture<'py>(
+    py: Python<'py>,
+    draw: impl Fn() -> slcal_core::Result<image::RgbImage> + Send + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    let drawn = py.detach(draw).raise(py, Looking::ForSheet)?;
+    let shape = [drawn.height() as usize, drawn.width() as usize, 3];
+    shaped(py, drawn.into_raw(), &shape)
+}
+
+fn json(py: Python<'_>, pattern: &Pattern) -> PyResult<Vec<u8>> {
     let mut bytes = Vec::new();
-    write_pattern(pattern, &mut bytes).map_err(value_error)?;
-    String::from_utf8(bytes).map_err(value_error)
+    write_pattern(pattern, &mut bytes).raise(py, Looking::ForSheet)?;
+    Ok(bytes)
+}
+
+fn parse(py: Python<'_>, bytes: &[u8], name: Option<&str>) -> PyResult<Pattern> {
+    read_pattern(bytes).map_err(|e| raised_from(py, &e, Looking::ForSheet, name))
+}
+
+fn from_file(file: &Bound<'_, PyAny>) -> PyResult<Pattern> {
+    let contents = files::read(file)?;
+    parse(file.py(), &contents.bytes, contents.name.as_deref())
+}
+
+fn checker(py: Python<'_>, pattern: Pattern) -> PyResult<CheckerPattern> {
+    match pattern {
+        Pattern::Checker(p) => Ok(CheckerPattern(p)),
+        Pattern::Stripes(_) => {
+            Err(errors::invalid(py, "pattern", "a checkerboard", "stripes; StripePattern.load reads them"))
+        }
+    }
+}
+
+fn stripes(py: Python<'_>, pattern: Pattern) -> PyResult<StripePattern> {
+    match pattern {
+        Pattern::Stripes(p) => Ok(StripePattern(p)),
+        Pattern::Checker(_) => {
+            Err(errors::invalid(py, "pattern", "stripes", "a checkerboard; CheckerPattern.load reads it"))
+        }
+    }
+}
+
+/// Reads a pattern file of either kind.
+///
+/// Parameters
+/// ----------
+/// file : path or file object
+///     The JSON file (schema slcal-pattern/1) that `save` or ``slcal pattern`` wrote.
+///
+/// Returns
+/// -------
+/// CheckerPattern or StripePattern
+///
+/// Raises
+/// ------
+/// OSError
+///     When the file cannot be read.
+/// FormatError
+///     When it does not follow its schema; the message names the field.
+#[pyfunction]
+fn load_pattern<'py>(file: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let py = file.py();
+    Ok(match from_file(file)? {
+        Pattern::Checker(p) => Bound::new(py, CheckerPattern(p))?.into_any(),
+        Pattern::Stripes(p) => Bound::new(py, StripePattern(p))?.into_any(),
+    })
 }
 
 /// The checkerboard that calibration needs, centred on the projector's panel.
-#[pyclass(frozen, module = "slcal", eq)]
-#[derive(PartialEq)]
-pub(crate) struct CheckerPattern(pattern::CheckerPattern);
+///
+/// Parameters
+/// ----------
+/// projector : (int, int)
+///     Width and height of the projector's panel, px: its native resolution.
+/// squares : (int, int), default (11, 8)
+///     Columns and rows of squares; their sum is odd, so that the board differs from itself after half a turn.
+/// square_px : int, optional
+///     Side of a square, px; a sixteenth of the panel's height unless given.
+/// first_square : {"black", "white"}, default "black"
+///     The colour of the top-left square.
+/// background : {"black", "white"}, default "white"
+///     The colour around the board.
+///
+/// Raises
+/// ------
+/// Error
+///     When the sum is even or the board does not fit on the panel.
+///
+/// Examples
+/// --------
+/// >>> checker = slcal.CheckerPattern(projector=(1024, 768))
+/// >>> checker
+/// CheckerPattern(projector=(1024, 768), squares=(11, 8), square_px=48)
+/// >>> checker.image().shape
+/// (768, 1024, 3)
+#[pyclass(frozen, module = "slcal", eq, hash)]
+#[derive(PartialEq, Clone)]
+pub(crate) struct CheckerPattern(pub(crate) pattern::CheckerPattern);
+
+impl std::hash::Hash for CheckerPattern {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        (self.0.projector, self.0.squares, self.0.square_px.to_bits()).hash(state);
+    }
+}
 
 #[pymethods]
 impl CheckerPattern {
     #[new]
-    #[pyo3(signature = (projector, squares=(11, 8), square_px=None))]
-    fn new(projector: (u32, u32), squares: (u32, u32), square_px: Option<u32>) -> PyResult<Self> {
-        let config = CheckerConfig {
-            squares: squares.into(),
-            square_px: square_px.map(f64::from),
-            ..CheckerConfig::default()
-        };
-        pattern::CheckerPattern::new(projector.into(), &config).map(Self).map_err(value_error)
+    #[pyo3(
+        signature = (projector, squares=None, square_px=None, *, first_square=None, background=None),
+        text_signature = "(projector, squares=(11, 8), square_px=None, *, first_square='black', background='white')"
+    )]
+    fn new(
+        projector: &Bound<'_, PyAny>,
+        squares: Option<&Bound<'_, PyAny>>,
+        square_px: Option<&Bound<'_, PyAny>>,
+        first_square: Option<&Bound<'_, PyAny>>,
+        background: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let py = projector.py();
+        let mut config = CheckerConfig::default();
+        if let Some(squares) = squares {
+            config.squares = whole_pair(squares, "squares")?;
+        }
+        if let Some(side) = square_px {
+            config.square_px = Some(
+                side.extract()
+                    .map_err(|_| errors::wrong_type("square_px", "a number of pixels", &side.to_string()))?,
+            );
+        }
+        if let Some(color) = first_square {
+            config.first_square = one_of(color, "first_square", &COLORS)?;
+        }
+        if let Some(color) = background {
+            config.background = one_of(color, "background", &COLORS)?;
+        }
+        let panel = whole_pair(projector, "projector")?;
+        pattern::CheckerPattern::new(panel, &config).map(Self).raise(py, Looking::ForSheet)
     }
 
     /// Width and height of the panel, px.
@@ -66,14 +188,67 @@ impl CheckerPattern {
         (self.0.origin_px.x, self.0.origin_px.y)
     }
 
-    /// The picture to project: (height, width, 3), sRGB.
-    fn image<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        as_array(py, py.detach(|| self.0.image()).map_err(value_error)?)
+    /// The colour of the top-left square.
+    #[getter]
+    fn first_square(&self) -> &'static str {
+        named(self.0.first_square, &COLORS)
     }
 
-    /// The pattern file (schema slcal-pattern/1).
-    fn to_json(&self) -> PyResult<String> {
-        json(&Pattern::Checker(self.0.clone()))
+    /// The colour around the board.
+    #[getter]
+    fn background(&self) -> &'static str {
+        named(self.0.background, &COLORS)
+    }
+
+    /// The corners between four squares, row by row.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray
+    ///     (N, 2) float64, projector px.
+    fn corners<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(py, self.0.inner_corners().into_iter().map(|c| [c.x, c.y]))
+    }
+
+    /// The picture to project, to be shown full screen without scaling.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray
+    ///     (H, W, 3) uint8, sRGB.
+    fn image<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        picture(py, || self.0.image())
+    }
+
+    /// Writes the pattern file (schema slcal-pattern/1).
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     A path, where the file appears when it is complete and replaces an older one, or an object with write().
+    fn save(&self, file: &Bound<'_, PyAny>) -> PyResult<()> {
+        files::write(file, &json(file.py(), &Pattern::Checker(self.0.clone()))?, true)
+    }
+
+    /// Reads a pattern file; see `slcal.load_pattern` for files of either kind.
+    #[staticmethod]
+    fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
+        checker(file.py(), from_file(file)?)
+    }
+
+    /// The content of the pattern file.
+    fn to_json(&self, py: Python<'_>) -> PyResult<String> {
+        files::text_of(json(py, &Pattern::Checker(self.0.clone()))?)
+    }
+
+    /// The pattern that `to_json` wrote.
+    #[staticmethod]
+    fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
+        checker(py, parse(py, text.as_bytes(), None)?)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((py.get_type::<Self>().getattr("from_json")?, (self.to_json(py)?,)))
     }
 
     fn __repr__(&self) -> String {
@@ -82,18 +257,123 @@ impl CheckerPattern {
     }
 }
 
-/// Coloured vertical slits in a De Bruijn sequence.
-#[pyclass(frozen, module = "slcal", eq)]
-#[derive(PartialEq)]
-pub(crate) struct StripePattern(pattern::StripePattern);
+/// Coloured slits in a De Bruijn sequence: any `order` of them in a row occur once.
+///
+/// Parameters
+/// ----------
+/// projector : (int, int)
+///     Width and height of the projector's panel, px: its native resolution.
+/// hues : int, default 4
+///     Colours.
+/// order : int, default 3
+///     Length of the windows that are unique.
+/// slits : int, optional
+///     Slits; hues to the power of order unless given.
+/// axis : {"columns", "rows"}, default "columns"
+///     Whether slits are counted along the panel's columns (they stand upright) or rows.
+///
+/// Raises
+/// ------
+/// Error
+///     When the colours and the order do not allow that many slits, or when they do not fit on the panel.
+///
+/// Examples
+/// --------
+/// >>> stripes = slcal.StripePattern(projector=(1024, 768))
+/// >>> stripes
+/// StripePattern(projector=(1024, 768), hues=4, order=3, slits=64)
+/// >>> stripes.palette.shape, stripes.centres_px.shape
+/// ((4, 3), (64,))
+#[pyclass(frozen, module = "slcal", eq, hash)]
+#[derive(PartialEq, Clone)]
+pub(crate) struct StripePattern(pub(crate) pattern::StripePattern);
+
+impl std::hash::Hash for StripePattern {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        (self.0.projector, &self.0.palette, &self.0.sequence, self.0.width_px.to_bits()).hash(state);
+    }
+}
 
 #[pymethods]
 impl StripePattern {
     #[new]
-    #[pyo3(signature = (projector, hues=4, order=3, slits=None))]
-    fn new(projector: (u32, u32), hues: u32, order: u32, slits: Option<u32>) -> PyResult<Self> {
-        let config = StripeConfig { hues, order, slits, ..StripeConfig::default() };
-        pattern::StripePattern::new(projector.into(), &config).map(Self).map_err(value_error)
+    #[pyo3(
+        signature = (projector, hues=4, order=3, slits=None, *, axis=None),
+        text_signature = "(projector, hues=4, order=3, slits=None, *, axis='columns')"
+    )]
+    fn new(
+        projector: &Bound<'_, PyAny>,
+        hues: i64,
+        order: i64,
+        slits: Option<i64>,
+        axis: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let py = projector.py();
+        let count = |what: &str, n: i64| {
+            u32::try_from(n)
+                .map_err(|_| errors::invalid(py, what, "a whole number above zero", &n.to_string()))
+        };
+        let config = StripeConfig {
+            hues: count("hues", hues)?,
+            order: count("order", order)?,
+            slits: slits.map(|n| count("slits", n)).transpose()?,
+            axis: axis.map_or(Ok(Axis::Columns), |a| one_of(a, "axis", &AXES))?,
+            ..StripeConfig::default()
+        };
+        let panel = whole_pair(projector, "projector")?;
+        pattern::StripePattern::new(panel, &config).map(Self).raise(py, Looking::ForSheet)
+    }
+
+    /// Any slits, as other programs draw them.
+    ///
+    /// Parameters
+    /// ----------
+    /// projector : (int, int)
+    ///     Width and height of the panel, px.
+    /// palette : array_like
+    ///     (hues, 3), sRGB from 0 to 255.
+    /// sequence : array_like
+    ///     (slits,), the colour of each slit: indices into the palette.
+    /// centres_px : array_like
+    ///     (slits,), ascending: projector column (or row) of each slit's centre, px.
+    /// width_px : float
+    ///     Width of a slit, px.
+    /// axis : {"columns", "rows"}, default "columns"
+    ///     Whether `centres_px` are columns or rows.
+    /// order : int, default 3
+    ///     Length of the windows of the sequence that are unique.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When the slits overlap, leave the panel, or no window of them is unique.
+    #[staticmethod]
+    #[pyo3(
+        signature = (projector, palette, sequence, centres_px, width_px, *, axis=None, order=3),
+        text_signature = "(projector, palette, sequence, centres_px, width_px, *, axis='columns', order=3)"
+    )]
+    fn from_slits(
+        projector: &Bound<'_, PyAny>,
+        palette: &Bound<'_, PyAny>,
+        sequence: &Bound<'_, PyAny>,
+        centres_px: &Bound<'_, PyAny>,
+        width_px: f64,
+        axis: Option<&Bound<'_, PyAny>>,
+        order: u32,
+    ) -> PyResult<Self> {
+        let sequence: Vec<u8> =
+            integers_of(sequence, "sequence", [0, 255])?.into_iter().map(|i| i as u8).collect();
+        let made = pattern::StripePattern {
+            projector: whole_pair(projector, "projector")?,
+            axis: axis.map_or(Ok(Axis::Columns), |a| one_of(a, "axis", &AXES))?,
+            palette: bytes_of(palette, "palette")?,
+            centres_px: column_of(centres_px, sequence.len(), "centres_px", true)?,
+            sequence,
+            width_px,
+            order,
+        };
+        made.validate().raise(projector.py(), Looking::ForSheet)?;
+        Ok(Self(made))
     }
 
     /// Width and height of the panel, px.
@@ -102,24 +382,28 @@ impl StripePattern {
         self.0.projector.into()
     }
 
-    /// The colours: (hues, 3), sRGB.
+    /// Whether slits are counted along the panel's columns (they stand upright) or rows.
     #[getter]
-    fn palette<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u8>>> {
-        let shape = (self.0.palette.len(), 3);
-        let array = Array2::from_shape_vec(shape, self.0.palette.concat()).map_err(value_error)?;
-        Ok(array.into_pyarray(py))
+    fn axis(&self) -> &'static str {
+        named(self.0.axis, &AXES)
     }
 
-    /// The colour of each slit: indices into the palette.
+    /// The colours: (hues, 3) uint8, sRGB.
     #[getter]
-    fn sequence<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
-        PyArray1::from_slice(py, &self.0.sequence)
+    fn palette<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(py, self.0.palette.iter().copied())
     }
 
-    /// Projector column of each slit's centre, px.
+    /// The colour of each slit: (slits,) uint8, indices into the palette.
     #[getter]
-    fn centres_px<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.0.centres_px)
+    fn sequence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        column(py, self.0.sequence.iter().copied())
+    }
+
+    /// Projector column (or row) of each slit's centre: (slits,) float64, px.
+    #[getter]
+    fn centres_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        column(py, self.0.centres_px.iter().copied())
     }
 
     /// Width of a slit, px.
@@ -128,14 +412,51 @@ impl StripePattern {
         self.0.width_px
     }
 
-    /// The picture to project: (height, width, 3), sRGB.
-    fn image<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        as_array(py, py.detach(|| self.0.image()).map_err(value_error)?)
+    /// Length of the windows of the sequence that are unique.
+    #[getter]
+    fn order(&self) -> u32 {
+        self.0.order
     }
 
-    /// The pattern file (schema slcal-pattern/1).
-    fn to_json(&self) -> PyResult<String> {
-        json(&Pattern::Stripes(self.0.clone()))
+    /// The picture to project, to be shown full screen without scaling.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray
+    ///     (H, W, 3) uint8, sRGB.
+    fn image<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        picture(py, || self.0.image())
+    }
+
+    /// Writes the pattern file (schema slcal-pattern/1).
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     A path, where the file appears when it is complete and replaces an older one, or an object with write().
+    fn save(&self, file: &Bound<'_, PyAny>) -> PyResult<()> {
+        files::write(file, &json(file.py(), &Pattern::Stripes(self.0.clone()))?, true)
+    }
+
+    /// Reads a pattern file; see `slcal.load_pattern` for files of either kind.
+    #[staticmethod]
+    fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
+        stripes(file.py(), from_file(file)?)
+    }
+
+    /// The content of the pattern file.
+    fn to_json(&self, py: Python<'_>) -> PyResult<String> {
+        files::text_of(json(py, &Pattern::Stripes(self.0.clone()))?)
+    }
+
+    /// The pattern that `to_json` wrote.
+    #[staticmethod]
+    fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
+        stripes(py, parse(py, text.as_bytes(), None)?)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((py.get_type::<Self>().getattr("from_json")?, (self.to_json(py)?,)))
     }
 
     fn __repr__(&self) -> String {

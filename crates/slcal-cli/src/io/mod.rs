@@ -20,7 +20,7 @@ pub(crate) use text::{
     load_stripes,
 };
 pub(crate) use write::{
-    Destination, check_distinct, check_spares, end_whole_on_interrupt, png_bytes, write_all,
+    Destination, check_distinct, check_spares, end_whole_on_interrupt, png_bytes, write_all, write_whole,
 };
 
 use crate::exit::{Exit, Failure, Outcome};

@@ -190,6 +190,20 @@ fn replace_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
     Ok(())
 }
 
+/// Writes one file or replaces it, whole or not at all; a device or a pipe is written in place.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    // A link stays one.
+    let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    if fs::metadata(&path).is_ok_and(|m| !m.is_file()) {
+        return OpenOptions::new().write(true).open(&path).and_then(|mut f| f.write_all(bytes));
+    }
+    let _held = with_temporaries();
+    let mut file = temporary(folder_of(&path))?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(&path).map(|_| ()).map_err(|e| e.error)
+}
+
 /// A picture as the bytes of a PNG file.
 pub(crate) fn png_bytes(picture: &DynamicImage) -> Outcome<Vec<u8>> {
     let mut bytes = Vec::new();

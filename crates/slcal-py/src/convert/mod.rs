@@ -1,0 +1,6 @@
+//! Values between Python and the core.
+
+pub(crate) mod array;
+pub(crate) mod image;
+pub(crate) mod option;
+pub(crate) mod report;

@@ -1,0 +1,35 @@
+//! The core's reports as the records of `slcal._reports`.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use serde_json::Value;
+
+/// The record `class` of what `report` says.
+pub(crate) fn record<'py>(py: Python<'py>, class: &str, report: &Value) -> PyResult<Bound<'py, PyAny>> {
+    py.import("slcal._reports")?.getattr(class)?.call_method1("_of", (value(py, report)?,))
+}
+
+/// JSON as Python's own values.
+pub(crate) fn value<'py>(py: Python<'py>, json: &Value) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match json {
+        Value::Null => py.None().into_bound(py),
+        Value::Bool(b) => b.into_pyobject(py)?.to_owned().into_any(),
+        Value::Number(n) => match (n.as_u64(), n.as_i64()) {
+            (Some(n), _) => n.into_pyobject(py)?.into_any(),
+            (_, Some(n)) => n.into_pyobject(py)?.into_any(),
+            _ => n.as_f64().into_pyobject(py)?.into_any(),
+        },
+        Value::String(s) => s.into_pyobject(py)?.into_any(),
+        Value::Array(items) => {
+            let items = items.iter().map(|v| value(py, v)).collect::<PyResult<Vec<_>>>()?;
+            PyList::new(py, items)?.into_any()
+        }
+        Value::Object(fields) => {
+            let dict = PyDict::new(py);
+            for (name, field) in fields {
+                dict.set_item(name, value(py, field)?)?;
+            }
+            dict.into_any()
+        }
+    })
+}

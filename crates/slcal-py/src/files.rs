@@ -1,0 +1,120 @@
+//! Bytes from and to paths and file objects.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use pyo3::exceptions::{PyOSError, PyTypeError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyString};
+
+use crate::errors;
+
+/// What was read, and how it is called in messages.
+pub(crate) struct Contents {
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) name: Option<String>,
+}
+
+/// The content of a path or of a readable file object, binary or text.
+pub(crate) fn read(file: &Bound<'_, PyAny>) -> PyResult<Contents> {
+    let py = file.py();
+    if let Some(path) = path_of(file)? {
+        let bytes = py.detach(|| std::fs::read(&path)).map_err(|e| os_error(&e, &path))?;
+        return Ok(Contents { bytes, name: Some(path.display().to_string()) });
+    }
+    let Some(read) = file.getattr_opt("read")? else { return Err(no_file(file, "read")) };
+    let content = read.call0()?;
+    let name = file.getattr_opt("name")?.and_then(|n| n.extract::<String>().ok());
+    let bytes = if let Ok(text) = content.cast::<PyString>() {
+        text.to_str()?.as_bytes().to_vec()
+    } else if let Ok(bytes) = content.cast::<PyBytes>() {
+        bytes.as_bytes().to_vec()
+    } else {
+        let found = format!("{} from read()", content.get_type().name()?);
+        return Err(PyTypeError::new_err(format!("file: expected bytes or text, found {found}")));
+    };
+    Ok(Contents { bytes, name })
+}
+
+/// Writes to a path, where the file appears when it is complete and replaces an older one, or to a file object: binary, or
+/// text if `is_text`.
+pub(crate) fn write(file: &Bound<'_, PyAny>, bytes: &[u8], is_text: bool) -> PyResult<()> {
+    let py = file.py();
+    if let Some(path) = path_of(file)? {
+        return py.detach(|| slcal_cli::files::write_whole(&path, bytes)).map_err(|e| os_error(&e, &path));
+    }
+    let Some(write) = file.getattr_opt("write")? else { return Err(no_file(file, "write")) };
+    let text_file = file.is_instance(&py.import("io")?.getattr("TextIOBase")?)?;
+    match std::str::from_utf8(bytes) {
+        Ok(text) if text_file && is_text => write.call1((text,))?,
+        _ if text_file => {
+            return Err(errors::wrong_type(
+                "file",
+                "one opened for bytes (mode \"wb\")",
+                "one opened for text",
+            ));
+        }
+        _ => write.call1((PyBytes::new(py, bytes),))?,
+    };
+    Ok(())
+}
+
+/// The path that an argument is, if it is one.
+pub(crate) fn path_of(file: &Bound<'_, PyAny>) -> PyResult<Option<PathBuf>> {
+    if file.is_instance_of::<PyString>() || file.hasattr("__fspath__")? {
+        return file.extract().map(Some);
+    }
+    Ok(None)
+}
+
+fn no_file(file: &Bound<'_, PyAny>, method: &str) -> PyErr {
+    let found = file.get_type().name().map_or_else(|_| "another object".to_owned(), |n| n.to_string());
+    errors::wrong_type("file", &format!("a path, or a file object with {method}()"), &found)
+}
+
+/// The exception that Python itself would raise: `FileNotFoundError` and its kin, with the file's name.
+fn os_error(error: &io::Error, path: &Path) -> PyErr {
+    let shown = path.display().to_string();
+    match error.raw_os_error() {
+        Some(number) => {
+            let text = error.to_string();
+            let text = text.split(" (os error").next().unwrap_or_default().to_owned();
+            PyOSError::new_err((number, text, shown))
+        }
+        None => PyOSError::new_err(format!("{shown}: {error}")),
+    }
+}
+
+/// Reads a photograph: PNG, JPEG or TIFF, 8 or 16 bit, turned upright as its EXIF orientation asks.
+///
+/// Parameters
+/// ----------
+/// file : path or binary file object
+///     The photograph.
+///
+/// Returns
+/// -------
+/// ndarray
+///     (H, W, 3) in RGB order, or (H, W) for a grey one; uint8 or uint16. An alpha channel is left out.
+///
+/// Raises
+/// ------
+/// OSError
+///     When the file cannot be read.
+/// FormatError
+///     When it is no such picture, or not a whole one; the message says how to convert it.
+#[pyfunction]
+pub(crate) fn read_image<'py>(file: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let py = file.py();
+    let Contents { bytes, name } = read(file)?;
+    let name = name.unwrap_or_else(|| "image".to_owned());
+    let photo = py
+        .detach(|| slcal_cli::files::decode_photo(&bytes, &name))
+        .map_err(|message| errors::malformed(py, "photograph", &message))?;
+    crate::convert::image::array_of(py, photo)
+}
+
+/// What a writer of JSON wrote, as text.
+pub(crate) fn text_of(bytes: Vec<u8>) -> PyResult<String> {
+    String::from_utf8(bytes).map_err(|e| PyOSError::new_err(e.to_string()))
+}

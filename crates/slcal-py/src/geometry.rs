@@ -1,0 +1,467 @@
+//! Cameras and poses: values that rigs are made of.
+
+use nalgebra::{Matrix3, Point2, Point3, Vector3};
+use pyo3::prelude::*;
+use slcal_core::format::read_camera;
+use slcal_core::geometry::{self, Distortion, Intrinsics};
+use slcal_core::{Device, DeviceSigma, FocalPrior};
+
+use crate::convert::array::{matrix_of, rows, rows_of, shaped, vector_of};
+use crate::convert::option::whole_pair;
+use crate::convert::report::record;
+use crate::errors::{self, Looking, Raise as _, raised_from};
+use crate::files;
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Camera>()?;
+    module.add_class::<Pose>()
+}
+
+fn matrix<'py>(py: Python<'py>, m: &Matrix3<f64>) -> PyResult<Bound<'py, PyAny>> {
+    rows(py, m.row_iter().map(|r| [r[0], r[1], r[2]]))
+}
+
+fn vector<'py>(py: Python<'py>, v: &[f64]) -> PyResult<Bound<'py, PyAny>> {
+    shaped(py, v.to_vec(), &[v.len()])
+}
+
+/// A camera or a projector: how it maps what stands before it onto its pixels, as OpenCV does.
+///
+/// Parameters
+/// ----------
+/// K : array_like
+///     (3, 3), upper triangular, px: the camera matrix.
+/// size : (int, int)
+///     Width and height of the image or panel, px.
+/// distortion : array_like, optional
+///     Up to five of k1, k2, p1, p2, k3 in this order (OpenCV's "plumb bob"); none unless given.
+///
+/// Raises
+/// ------
+/// Error
+///     When K is no camera matrix, or a number is not finite.
+///
+/// Examples
+/// --------
+/// >>> camera = slcal.Camera([[1500, 0, 639.5], [0, 1500, 479.5], [0, 0, 1]], size=(1280, 960))
+/// >>> camera.project([[0, 0, 1000], [100, 0, 1000]])
+/// array([[639.5, 479.5],
+///        [789.5, 479.5]])
+#[pyclass(frozen, module = "slcal", eq)]
+#[derive(PartialEq, Clone)]
+pub(crate) struct Camera(pub(crate) Device);
+
+impl Camera {
+    fn pinhole(size: [u32; 2], focal_px: f64) -> Self {
+        let [width, height] = size;
+        let intrinsics = Intrinsics::square(focal_px, geometry::Camera::image_centre(width, height));
+        Self::of(geometry::Camera { width, height, intrinsics, distortion: Distortion::NONE })
+    }
+
+    fn of(model: geometry::Camera) -> Self {
+        Self(Device { model, sigma: None })
+    }
+}
+
+#[pymethods]
+impl Camera {
+    #[new]
+    #[pyo3(signature = (K, size, distortion=None))]
+    #[allow(non_snake_case, reason = "the name that the field has for it")]
+    fn new(
+        K: &Bound<'_, PyAny>,
+        size: &Bound<'_, PyAny>,
+        distortion: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let py = K.py();
+        let k = matrix_of(K, "K")?;
+        let k = Matrix3::from_fn(|i, j| k[i][j]);
+        let intrinsics = Intrinsics::from_matrix(&k).raise(py, Looking::ForSheet)?;
+        let [width, height] = whole_pair(size, "size")?;
+        let distortion = distortion.map_or(Ok(Distortion::NONE), distortion_of)?;
+        Ok(Self::of(geometry::Camera { width, height, intrinsics, distortion }))
+    }
+
+    /// Reads a camera's intrinsics.
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     A YAML or XML file of OpenCV, a camera_info of ROS, or a rig's JSON file, whose camera is taken. It must say how large
+    ///     the image is.
+    ///
+    /// Returns
+    /// -------
+    /// Camera
+    #[staticmethod]
+    fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let py = file.py();
+        let contents = files::read(file)?;
+        let name = contents.name.as_deref();
+        let known = read_camera(contents.bytes.as_slice())
+            .map_err(|e| raised_from(py, &e, Looking::ForSheet, name))?;
+        let Some([width, height]) = known.size else {
+            return Err(errors::invalid(
+                py,
+                name.unwrap_or("camera file"),
+                "an image size (image_width and image_height)",
+                "none; give K, size and distortion to slcal.Camera instead",
+            ));
+        };
+        let (intrinsics, distortion) = (known.intrinsics, known.distortion);
+        Ok(Self::of(geometry::Camera { width, height, intrinsics, distortion }))
+    }
+
+    /// A camera without distortion by its horizontal angle of view.
+    ///
+    /// Parameters
+    /// ----------
+    /// size : (int, int)
+    ///     Width and height of the image, px.
+    /// fov_deg : float
+    ///     Angle of view across the width, degrees.
+    ///
+    /// Returns
+    /// -------
+    /// Camera
+    #[staticmethod]
+    fn from_fov(py: Python<'_>, size: &Bound<'_, PyAny>, fov_deg: f64) -> PyResult<Self> {
+        let size = whole_pair(size, "size")?;
+        if !(0.1..179.0).contains(&fov_deg) {
+            return Err(errors::invalid(py, "fov_deg", "0.1 to 179 degrees", &fov_deg.to_string()));
+        }
+        let focal_px = f64::from(size[0]) / 2.0 / (fov_deg.to_radians() / 2.0).tan();
+        Ok(Self::pinhole(size, focal_px))
+    }
+
+    /// A camera without distortion by the 35 mm equivalent of its focal length, as EXIF tags state it.
+    #[staticmethod]
+    fn from_35mm(py: Python<'_>, size: &Bound<'_, PyAny>, focal_35mm: f64) -> PyResult<Self> {
+        let size = whole_pair(size, "size")?;
+        positive(py, "focal_35mm", focal_35mm)?;
+        Ok(Self::pinhole(size, FocalPrior::from_35mm_equivalent(focal_35mm, size).focal_px))
+    }
+
+    /// A projector by its throw ratio (distance over width of the picture), its axis through the lower edge of the panel as
+    /// with most lens shifts.
+    #[staticmethod]
+    fn from_throw(py: Python<'_>, size: &Bound<'_, PyAny>, throw: f64) -> PyResult<Self> {
+        let [width, height] = whole_pair(size, "size")?;
+        positive(py, "throw", throw)?;
+        let centre = geometry::Camera::image_centre(width, height);
+        let pp = Point2::new(centre.x, f64::from(height) - 0.5);
+        let intrinsics = Intrinsics::square(throw * f64::from(width), pp);
+        Ok(Self::of(geometry::Camera { width, height, intrinsics, distortion: Distortion::NONE }))
+    }
+
+    /// The camera matrix: (3, 3) float64, px.
+    #[getter]
+    #[pyo3(name = "K")]
+    fn k<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        matrix(py, &self.0.model.intrinsics.matrix())
+    }
+
+    /// k1, k2, p1, p2, k3: (5,) float64.
+    #[getter]
+    fn distortion<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        vector(py, &self.0.model.distortion.to_array())
+    }
+
+    /// Width of the image, px.
+    #[getter]
+    fn width(&self) -> u32 {
+        self.0.model.width
+    }
+
+    /// Height of the image, px.
+    #[getter]
+    fn height(&self) -> u32 {
+        self.0.model.height
+    }
+
+    /// Width and height of the image, px.
+    #[getter]
+    fn size(&self) -> (u32, u32) {
+        (self.0.model.width, self.0.model.height)
+    }
+
+    /// 1σ of the parameters, zero for what was held fixed; None where nothing is known of them.
+    #[getter]
+    fn sigma<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let json = |s: &DeviceSigma| {
+            serde_json::json!({
+                "focal_px": s.focal_px, "cx_px": s.cx_px, "cy_px": s.cy_px, "distortion": s.distortion,
+            })
+        };
+        self.0.sigma.as_ref().map(|s| record(py, "DeviceSigma", &json(s))).transpose()
+    }
+
+    /// The pixels in which points are seen, as ``cv2.projectPoints`` with neither rotation nor translation.
+    ///
+    /// Parameters
+    /// ----------
+    /// points : array_like
+    ///     (N, 3), mm, in the camera's frame.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray
+    ///     (N, 2) float64, px.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When a point does not lie before the camera, or where the distortion has no pixel for it.
+    fn project<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let py = points.py();
+        let points = rows_of::<3>(points, "points")?;
+        let project = || each(&points, |p| self.0.model.project(&Point3::from(*p)).map(|q| [q.x, q.y]));
+        let pixels = py.detach(project).map_err(|(i, p)| {
+            let found = format!("[{}, {}, {}] in row {i}", p[0], p[1], p[2]);
+            errors::invalid(py, "points", "points before the camera that its lens has pixels for", &found)
+        })?;
+        rows(py, pixels.into_iter())
+    }
+
+    /// The directions in which pixels look, at distance 1 along the axis: ``cv2.undistortPoints`` to the end.
+    ///
+    /// Parameters
+    /// ----------
+    /// pixels : array_like
+    ///     (N, 2), px.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray
+    ///     (N, 2) float64: x/z and y/z.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When the distortion's model does not reach a pixel.
+    fn undistort<'py>(&self, pixels: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let py = pixels.py();
+        let pixels = rows_of::<2>(pixels, "pixels")?;
+        let undistort = || each(&pixels, |p| self.0.model.undistort(Point2::from(*p)).map(|n| [n.x, n.y]));
+        let directions = py.detach(undistort).map_err(|(i, p)| unreached(py, i, p))?;
+        rows(py, directions.into_iter())
+    }
+
+    /// The directions in which pixels look: (N, 3) float64 of length 1 from (N, 2) px.
+    fn rays<'py>(&self, pixels: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let py = pixels.py();
+        let pixels = rows_of::<2>(pixels, "pixels")?;
+        let bearings =
+            || each(&pixels, |p| self.0.model.bearing(Point2::from(*p)).map(|b| b.normalize().into()));
+        let rays: Vec<[f64; 3]> = py.detach(bearings).map_err(|(i, p)| unreached(py, i, p))?;
+        rows(py, rays.into_iter())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, CameraState)> {
+        let model = &self.0.model;
+        let k = &model.intrinsics;
+        let sigma = self.0.sigma.as_ref().map(|s| ([s.focal_px, s.cx_px, s.cy_px], s.distortion));
+        let state = (self.size(), [k.fx, k.fy, k.skew, k.cx, k.cy], model.distortion.to_array(), sigma);
+        Ok((py.get_type::<Self>().getattr("_restored")?, state))
+    }
+
+    #[staticmethod]
+    fn _restored(
+        size: (u32, u32),
+        k: [f64; 5],
+        distortion: [f64; 5],
+        sigma: Option<([f64; 3], [f64; 5])>,
+    ) -> Self {
+        let [fx, fy, skew, cx, cy] = k;
+        let intrinsics = Intrinsics { fx, fy, skew, cx, cy };
+        let (width, height) = size;
+        let distortion = Distortion::from_array(distortion);
+        let sigma = sigma.map(|([focal_px, cx_px, cy_px], distortion)| DeviceSigma {
+            focal_px,
+            cx_px,
+            cy_px,
+            distortion,
+        });
+        Self(Device { model: geometry::Camera { width, height, intrinsics, distortion }, sigma })
+    }
+
+    fn __repr__(&self) -> String {
+        let (m, k) = (&self.0.model, &self.0.model.intrinsics);
+        let sigma = self.0.sigma.as_ref().map_or(String::new(), |s| format!(" ± {:.1}", s.focal_px));
+        format!(
+            "Camera({}x{}, focal length {:.1}{sigma} px, principal point {:.1}, {:.1})",
+            m.width, m.height, k.fx, k.cx, k.cy
+        )
+    }
+}
+
+type CameraState = ((u32, u32), [f64; 5], [f64; 5], Option<([f64; 3], [f64; 5])>);
+
+/// All results, or the first item that has none.
+fn each<const N: usize, const K: usize>(
+    items: &[[f64; N]],
+    of: impl Fn(&[f64; N]) -> Option<[f64; K]>,
+) -> Result<Vec<[f64; K]>, (usize, [f64; N])> {
+    items.iter().enumerate().map(|(i, p)| of(p).ok_or((i, *p))).collect()
+}
+
+fn unreached(py: Python<'_>, i: usize, p: [f64; 2]) -> PyErr {
+    let found = format!("[{}, {}] in row {i}, which its model does not reach", p[0], p[1]);
+    errors::invalid(py, "pixels", "pixels that the lens's distortion has a direction for", &found)
+}
+
+fn positive(py: Python<'_>, what: &str, value: f64) -> PyResult<()> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(errors::invalid(py, what, "a number above zero", &value.to_string()))
+}
+
+/// k1, k2, p1, p2, k3, or as many of them as are not zero.
+pub(crate) fn distortion_of(values: &Bound<'_, PyAny>) -> PyResult<Distortion> {
+    let py = values.py();
+    let numbers = crate::convert::array::Numbers::of(values, "distortion")?;
+    let given: Vec<f64> = numbers.view().iter().copied().collect();
+    let mut coefficients = [0.0; 5];
+    let beyond = given.iter().skip(5).any(|c| *c != 0.0);
+    if beyond || given.iter().any(|c| !c.is_finite()) {
+        let wanted = "up to five finite numbers k1, k2, p1, p2, k3 (no rational or fisheye model)";
+        return Err(errors::invalid(py, "distortion", wanted, &format!("{given:?}")));
+    }
+    for (c, g) in coefficients.iter_mut().zip(&given) {
+        *c = *g;
+    }
+    Ok(Distortion::from_array(coefficients))
+}
+
+/// A rotation and a translation: X_a = R · X_b + t.
+///
+/// Parameters
+/// ----------
+/// R : array_like
+///     (3, 3) rotation matrix, or (3,) rotation vector (axis times angle in rad, as of ``cv2.Rodrigues``).
+/// t : array_like
+///     (3,), mm.
+///
+/// Raises
+/// ------
+/// Error
+///     When R is no rotation, or a number is not finite.
+///
+/// Examples
+/// --------
+/// >>> pose = slcal.Pose(R=np.eye(3), t=[200, 0, 0])
+/// >>> pose.inverse().t
+/// array([-200.,    0.,    0.])
+/// >>> (pose @ pose).t
+/// array([400.,   0.,   0.])
+#[pyclass(frozen, module = "slcal", eq)]
+#[derive(PartialEq, Clone)]
+pub(crate) struct Pose {
+    pub(crate) pose: geometry::Pose,
+    pub(crate) sigma_t_mm: Option<[f64; 3]>,
+    pub(crate) sigma_r_rad: Option<[f64; 3]>,
+}
+
+impl From<geometry::Pose> for Pose {
+    fn from(pose: geometry::Pose) -> Self {
+        Self { pose, sigma_t_mm: None, sigma_r_rad: None }
+    }
+}
+
+#[pymethods]
+impl Pose {
+    #[new]
+    #[allow(non_snake_case, reason = "the name that the field has for it")]
+    fn new(R: &Bound<'_, PyAny>, t: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let py = R.py();
+        let t = Vector3::from(vector_of::<3>(t, "t")?);
+        if crate::convert::array::Numbers::of(R, "R")?.view().len() == 3 {
+            let rotation = nalgebra::Rotation3::new(Vector3::from(vector_of::<3>(R, "R")?));
+            return Ok(geometry::Pose { rotation, translation: t }.into());
+        }
+        let r = matrix_of(R, "R")?;
+        let r = Matrix3::from_fn(|i, j| r[i][j]);
+        geometry::Pose::from_matrix(&r, t).map(Self::from).raise(py, Looking::ForSheet)
+    }
+
+    /// The rotation matrix: (3, 3) float64.
+    #[getter]
+    #[pyo3(name = "R")]
+    fn r<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        matrix(py, self.pose.rotation.matrix())
+    }
+
+    /// The translation: (3,) float64, mm.
+    #[getter]
+    fn t<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        vector(py, self.pose.translation.as_slice())
+    }
+
+    /// The rotation as axis times angle: (3,) float64, rad, as of ``cv2.Rodrigues``.
+    #[getter]
+    fn rvec<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        vector(py, self.pose.rotation.scaled_axis().as_slice())
+    }
+
+    /// Both as one homogeneous matrix: (4, 4) float64.
+    #[getter]
+    fn matrix<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let m = self.pose.to_isometry().to_homogeneous();
+        rows(py, m.row_iter().map(|r| [r[0], r[1], r[2], r[3]]))
+    }
+
+    /// 1σ of t: (3,) float64, mm; None where it is not known.
+    #[getter]
+    fn sigma_t_mm<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.sigma_t_mm.map(|s| vector(py, &s)).transpose()
+    }
+
+    /// 1σ of a small rotation about the axes of frame a: (3,) float64, rad; None where it is not known.
+    #[getter]
+    fn sigma_r_rad<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.sigma_r_rad.map(|s| vector(py, &s)).transpose()
+    }
+
+    /// The way back: X_b = Rᵀ · X_a − Rᵀ · t. It has no σ.
+    fn inverse(&self) -> Self {
+        self.pose.inverse().into()
+    }
+
+    /// R · X + t for each point: (N, 3) float64 from (N, 3), mm.
+    fn transform<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let py = points.py();
+        let points = rows_of::<3>(points, "points")?;
+        rows(py, points.into_iter().map(|p| <[f64; 3]>::from(self.pose.transform(&Point3::from(p)))))
+    }
+
+    /// One after the other: (a from b) @ (b from c) is (a from c). It has no σ.
+    fn __matmul__(&self, other: &Self) -> Self {
+        self.pose.compose(&other.pose).into()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, PoseState)> {
+        let r = self.pose.rotation.matrix();
+        let rows = [0, 1, 2].map(|i| [r[(i, 0)], r[(i, 1)], r[(i, 2)]]);
+        let state = (rows, self.pose.translation.into(), self.sigma_t_mm, self.sigma_r_rad);
+        Ok((py.get_type::<Self>().getattr("_restored")?, state))
+    }
+
+    #[staticmethod]
+    fn _restored(
+        r: [[f64; 3]; 3],
+        t: [f64; 3],
+        sigma_t_mm: Option<[f64; 3]>,
+        sigma_r_rad: Option<[f64; 3]>,
+    ) -> Self {
+        let rotation = nalgebra::Rotation3::from_matrix_unchecked(Matrix3::from_fn(|i, j| r[i][j]));
+        Self { pose: geometry::Pose { rotation, translation: t.into() }, sigma_t_mm, sigma_r_rad }
+    }
+
+    fn __repr__(&self) -> String {
+        let (angle, t) = (self.pose.rotation.angle().to_degrees(), self.pose.translation);
+        format!("Pose(turned by {angle:.2}°, t = [{:.1}, {:.1}, {:.1}] mm)", t.x, t.y, t.z)
+    }
+}
+
+type PoseState = ([[f64; 3]; 3], [f64; 3], Option<[f64; 3]>, Option<[f64; 3]>);
