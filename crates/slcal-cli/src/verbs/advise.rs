@@ -4,10 +4,8 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use nalgebra::Point2;
-use serde_json::{Value, json};
-use slcal_core::calibrate::{
-    Advice, CameraPlan, NextView, Predicted, TiltForecast, advise_first, advise_next,
-};
+use slcal_core::calibrate::{Advice, CameraPlan, Predicted, TiltForecast, advise_first, advise_next};
+use slcal_core::format::report_json;
 use slcal_core::geometry::{Camera, Distortion, Intrinsics};
 use slcal_core::{CalibrateConfig, PrincipalPointRule};
 
@@ -34,7 +32,7 @@ pub(super) fn run(args: &AdviseArgs) -> Outcome {
         }
         None => advise_first(&plan(args)?)?,
     };
-    if args.json { print_json(&in_json(&advice)) } else { print_result(&in_words(&advice)) }
+    if args.json { print_json(&report_json::advice(&advice)) } else { print_result(&in_words(&advice)) }
 }
 
 fn plan(args: &AdviseArgs) -> Outcome<CameraPlan> {
@@ -205,48 +203,4 @@ fn next(advice: &Advice) -> String {
             predicted(&next.after)
         ),
     }
-}
-
-fn in_json(advice: &Advice) -> Value {
-    let figures = |p: Predicted| {
-        json!({
-            "camera_focal_percent": 100.0 * p.camera_focal,
-            "projector_focal_percent": p.projector_focal.map(|f| 100.0 * f),
-            "projector_cy_px": p.projector_cy_px,
-            "point_mm": p.point_mm,
-        })
-    };
-    let pose = |n: &NextView| {
-        let r = n.camera_from_sheet.rotation;
-        let t = n.camera_from_sheet.translation;
-        let rows = [0, 1, 2].map(|i| [r[(i, 0)], r[(i, 1)], r[(i, 2)]]);
-        json!({
-            "tilt_about_horizontal_deg": n.tilt_x_rad.to_degrees(),
-            "tilt_about_vertical_deg": n.tilt_y_rad.to_degrees(),
-            "distance_mm": n.distance_mm,
-            "centre_px": [n.centre_px.x, n.centre_px.y],
-            "camera_from_sheet": {
-                "R": rows,
-                "t": [t.x, t.y, t.z],
-            },
-            "in_words": n.in_words(advice.size),
-            "then_reversed": advice.now.is_none(),
-            "sigma_after": figures(n.after),
-        })
-    };
-    json!({
-        "schema": "slcal-advice/1",
-        "size_mm": [advice.size.width_mm, advice.size.height_mm],
-        "distance_mm": advice.distance_mm,
-        "noise_px": { "sheet": advice.noise_px[0], "pattern": advice.noise_px[1] },
-        "sigma_now": advice.now.map(figures),
-        "table": advice.table.iter().map(|t| json!({
-            "tilt_about_horizontal_deg": t.tilt_x_rad.to_degrees(),
-            "tilt_about_vertical_deg": t.tilt_y_rad.to_degrees(),
-            "one": t.one.map(figures),
-            "pair": t.pair.map(figures),
-        })).collect::<Vec<_>>(),
-        "next": advice.next.as_ref().map(pose),
-        "worth_it": advice.worth_it,
-    })
 }

@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
-use serde::Serialize;
-use slcal_core::decode::{DecodeConfig, DecodeInput, DecodeReport, Decoding, decode_frames};
-use slcal_core::format::write_matches;
+use slcal_core::decode::{DecodeConfig, DecodeInput, Decoding, decode_frames};
+use slcal_core::format::{report_json, write_matches};
 use slcal_core::photo::PhotoView;
 
 use crate::args::{self, DecodeArgs};
@@ -41,7 +40,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     write_all(&files)?;
 
     if args.json {
-        return print_json(&Report::of(&decoding));
+        return print_json(&report_json::decoding(&decoding.report));
     }
     let text = summary::decoding(&decoding.report);
     if output == Destination::Stdout {
@@ -49,20 +48,6 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
         return Ok(());
     }
     print_result(&text)
-}
-
-/// What decoding reports as JSON.
-#[derive(Serialize)]
-struct Report<'a> {
-    schema: &'static str,
-    #[serde(flatten)]
-    report: &'a DecodeReport,
-}
-
-impl<'a> Report<'a> {
-    fn of(decoding: &'a Decoding) -> Self {
-        Self { schema: "slcal-decode/1", report: &decoding.report }
-    }
 }
 
 /// The photographs under a dark and a white projector, and how all of them are to be read.

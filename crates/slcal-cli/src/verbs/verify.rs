@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use image::DynamicImage;
-use serde_json::{Value, json};
 use slcal_core::detect::{DetectConfig, Detection, observe};
+use slcal_core::format::report_json;
 use slcal_core::geometry::{RectangleSize, Warp};
 use slcal_core::pattern::CheckerPattern;
 use slcal_core::photo::PhotoView;
@@ -57,7 +57,8 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
         write_all(&[(place, png_bytes(&picture)?)])?;
     }
     if args.json {
-        print_json(&in_json(args, &result, found.pattern_corners))?;
+        let name = input_name(&args.photo);
+        print_json(&report_json::verification(&result, Some(&name), args.as_drawn, found.pattern_corners))?;
     } else {
         print_result(&in_words(args, &result))?;
     }
@@ -261,59 +262,4 @@ fn test_in_words(v: &Verification) -> String {
         );
     }
     text
-}
-
-fn in_json(args: &VerifyArgs, v: &Verification, pattern_corners: usize) -> Value {
-    let angle = |m: Measured| json!({ "value": m.value.to_degrees(), "sigma": m.sigma.to_degrees() });
-    let plain = |m: Measured| json!({ "value": m.value, "sigma": m.sigma });
-    let percent = |m: Measured| json!({ "value": 100.0 * m.value, "sigma": 100.0 * m.sigma });
-    let k = &v.keystone;
-    let change = v.rig.change.map(|c| match c {
-        Change::Moved { turn_rad, shift_mm } => {
-            json!({ "what": "projector-moved", "turn_deg": angle(turn_rad), "shift_mm": plain(shift_mm) })
-        }
-        Change::ProjectorFocal(m) => json!({ "what": "projector-focal", "focal_percent": percent(m) }),
-        Change::CameraFocal(m) => json!({ "what": "camera-focal", "focal_percent": percent(m) }),
-        Change::Several => json!({ "what": "several" }),
-    });
-    json!({
-        "schema": "slcal-verify/1",
-        "photo": input_name(&args.photo),
-        "pattern": if args.as_drawn { "as-drawn" } else { "rectified" },
-        "significance": v.significance,
-        "with_covariance": v.with_covariance,
-        "keystone": {
-            "worst_deg": angle(k.worst_rad),
-            "top_deg": angle(k.sides_rad[0]),
-            "right_deg": angle(k.sides_rad[1]),
-            "bottom_deg": angle(k.sides_rad[2]),
-            "left_deg": angle(k.sides_rad[3]),
-            "bottom_against_top_deg": angle(k.top_bottom_rad),
-            "right_against_left_deg": angle(k.left_right_rad),
-            "rotation_deg": angle(k.rotation_rad),
-            "aspect_percent": percent(k.aspect),
-            "corners_mm": k.corners_mm.map(|c| [c.x, c.y]),
-        },
-        "rig": {
-            "moved": v.rig.moved,
-            "p_value": v.rig.p_value,
-            "chi_squared": v.rig.chi_squared,
-            "degrees_of_freedom": v.rig.freedom,
-            "pattern_off_mm": v.rig.pattern_off_mm,
-            "corner_rms_px": { "under_rig": v.rig.corner_rms_px[0], "projector_free": v.rig.corner_rms_px[1] },
-            "change": change,
-        },
-        "sheet": v.sheet.map(|s| json!({
-            "moved": s.moved,
-            "p_value": s.p_value,
-            "chi_squared": s.chi_squared,
-            "turn_deg": s.turn_rad.to_degrees(),
-            "shift_mm": s.shift_mm,
-            "largest_mm": s.largest_mm,
-        })),
-        "corners": v.corners,
-        "pattern_corners": pattern_corners,
-        "left_out": v.left_out,
-        "noise_factor": { "sheet": v.widened[0], "pattern": v.widened[1] },
-    })
 }

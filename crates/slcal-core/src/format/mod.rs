@@ -10,6 +10,7 @@ mod pattern_json;
 mod pcd;
 mod pfm;
 mod ply;
+pub mod report_json;
 mod rig_json;
 mod xyz;
 

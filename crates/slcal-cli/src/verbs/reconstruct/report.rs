@@ -1,8 +1,8 @@
 //! What is said of each frame, as JSON and in words.
 
 use serde::Serialize;
-use slcal_core::decode::DecodeReport;
-use slcal_core::reconstruct::{CullReport, Reconstruction, TriangulateReport};
+use slcal_core::format::report_json;
+use slcal_core::reconstruct::Reconstruction;
 
 use crate::exit::{Failure, Outcome};
 use crate::output::print_json;
@@ -56,11 +56,8 @@ impl ErrorReport {
 /// A cloud that was written.
 #[derive(Debug, Serialize)]
 pub(super) struct CloudReport {
-    points: usize,
-    triangles: usize,
-    decode: Option<DecodeReport>,
-    triangulate: TriangulateReport,
-    cull: CullReport,
+    #[serde(flatten)]
+    numbers: report_json::CloudReport,
     /// The whole story, for one frame.
     #[serde(skip)]
     pub(super) text: String,
@@ -73,14 +70,6 @@ impl CloudReport {
     pub(super) fn of(result: &Reconstruction) -> Self {
         let mut text = result.decode.as_ref().map_or_else(String::new, summary::decoding);
         text += &summary::cloud(result);
-        Self {
-            points: result.cloud.points.len(),
-            triangles: result.cloud.triangles.len(),
-            decode: result.decode.clone(),
-            triangulate: result.triangulate,
-            cull: result.cull,
-            text,
-            line: summary::cloud_in_a_line(result),
-        }
+        Self { numbers: report_json::cloud(result), text, line: summary::cloud_in_a_line(result) }
     }
 }

@@ -5,9 +5,10 @@ use std::path::Path;
 
 use image::{DynamicImage, GrayImage, Luma, RgbImage};
 use serde::Serialize;
+use slcal_core::format::report_json::SceneReport;
 use slcal_core::format::{write_matches, write_pfm};
 use slcal_core::pattern::Pattern;
-use slcal_core::simulate::{Photographer, RenderConfig, Seen};
+use slcal_core::simulate::{Photographer, Seen};
 use slcal_core::{CloudPoint, Matches, PointCloud, Rig};
 
 use super::super::calibrate::rig_bytes;
@@ -90,56 +91,31 @@ fn cloud(matches: &Matches, white: &DynamicImage, photographer: &Photographer) -
 
 /// What was made, as JSON.
 #[derive(Serialize)]
-pub(super) struct Made<'a> {
-    schema: &'static str,
-    camera: [u32; 2],
-    surfaces: usize,
-    /// Pixels that see a surface, and those of them that the projector's light reaches.
-    seen_pixels: usize,
-    lit_pixels: usize,
-    /// Least and greatest depth of the lit pixels, mm.
-    depth_mm: Option<[f64; 2]>,
-    matches: usize,
-    render: &'a RenderConfig,
+pub(super) struct Made {
+    #[serde(flatten)]
+    scene: SceneReport,
     files: [&'static str; 12],
 }
 
-impl<'a> Made<'a> {
-    pub(super) fn of(
-        photographer: &Photographer,
-        rig: &Rig,
-        matches: &Matches,
-        render: &'a RenderConfig,
-    ) -> Self {
-        let truth = photographer.truth();
-        let lit = || truth.pixels().flatten().filter(|s| s.panel.is_some()).map(|s| s.point.z);
-        let depth = [lit().fold(f64::INFINITY, f64::min), lit().fold(f64::NEG_INFINITY, f64::max)];
-        Self {
-            schema: "slcal-simulate-scene/1",
-            camera: [rig.camera.model.width, rig.camera.model.height],
-            surfaces: photographer.surfaces().len(),
-            seen_pixels: truth.pixels().flatten().count(),
-            lit_pixels: truth.lit(),
-            depth_mm: (depth[0] <= depth[1]).then_some(depth),
-            matches: matches.items.len(),
-            render,
-            files: NAMES,
-        }
+impl Made {
+    pub(super) fn of(scene: SceneReport) -> Self {
+        Self { scene, files: NAMES }
     }
 
     pub(super) fn in_words(&self, folder: &Path) -> String {
-        let [w, h] = self.camera;
+        let scene = &self.scene;
+        let [w, h] = scene.camera;
         let percent = |n: usize| 100.0 * n as f64 / (f64::from(w) * f64::from(h));
         let mut text = format!(
             "photograph  {w} x {h} px; {:.1} % see a surface, {:.1} % in the projector's light\n",
-            percent(self.seen_pixels),
-            percent(self.lit_pixels)
+            percent(scene.seen_pixels),
+            percent(scene.lit_pixels)
         );
         // Writing into a string cannot fail.
-        if let Some([near, far]) = self.depth_mm {
+        if let Some([near, far]) = scene.depth_mm {
             let _ = writeln!(text, "depth       {near:.1} to {far:.1} mm");
         }
-        let _ = writeln!(text, "matches     {} without error in truth_matches.csv", self.matches);
+        let _ = writeln!(text, "matches     {} without error in truth_matches.csv", scene.matches);
         let _ = write!(text, "files       {}: {}", folder.display(), self.files.join(", "));
         text
     }

@@ -6,12 +6,11 @@ mod scene;
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
-use serde::Serialize;
 use slcal_core::ExternalObservations;
-use slcal_core::format::write_observations;
+use slcal_core::format::{report_json, write_observations};
 use slcal_core::simulate::{
-    Draws, NoiseConfig, NoiseExperiment, NoiseModel, NoiseReport, PoseConfig, PrincipalPoints, RigConfig,
-    Scene, SpreadConfig, spread_poses,
+    Draws, NoiseConfig, NoiseExperiment, NoiseModel, PoseConfig, PrincipalPoints, RigConfig, Scene,
+    SpreadConfig, spread_poses,
 };
 
 use super::calibrate::rig_bytes;
@@ -48,15 +47,6 @@ fn rig(args: &RigArgs) -> RigConfig {
     }
 }
 
-/// What the experiment reports as JSON.
-#[derive(Serialize)]
-struct NoiseResult<'a> {
-    schema: &'static str,
-    config: &'a NoiseConfig,
-    #[serde(flatten)]
-    report: &'a NoiseReport,
-}
-
 fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
     let csv = args.csv.as_deref().map(|p| Destination::prepare(p, args.force)).transpose()?;
     let csv_to_stdout = csv == Some(Destination::Stdout);
@@ -89,11 +79,7 @@ fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
         write_all(&[(place, report.csv().into_bytes())])?;
     }
     if args.json {
-        return print_json(&NoiseResult {
-            schema: "slcal-simulate-noise/1",
-            config: &config,
-            report: &report,
-        });
+        return print_json(&report_json::noise_experiment(&config, &report));
     }
     let text = noise_table::text(&config, &report);
     if csv_to_stdout {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use image::RgbImage;
 use slcal_core::Rig;
+use slcal_core::format::report_json;
 use slcal_core::pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
 use slcal_core::simulate::{
     Photographer, Placing, PoseConfig, RenderConfig, RigConfig, Scene, Shown, Subject,
@@ -46,7 +47,7 @@ pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
              --tilt)",
         );
     }
-    let made = Made::of(&photographer, &rig, &matches, &config);
+    let made = Made::of(report_json::simulated_scene(&photographer, &matches));
     let contents = contents(&photos, picture, &pattern, &rig, &matches, &photographer)?;
     write_all(&places.into_iter().zip(contents).collect::<Vec<_>>())?;
     if args.json {

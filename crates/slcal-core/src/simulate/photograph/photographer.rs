@@ -70,6 +70,12 @@ impl Photographer {
         Ok(Self { stage, config: config.clone(), truth, reference2: reference_mm * reference_mm })
     }
 
+    /// How it photographs.
+    #[must_use]
+    pub fn config(&self) -> &RenderConfig {
+        &self.config
+    }
+
     /// What every pixel sees.
     #[must_use]
     pub fn truth(&self) -> &Truth {
