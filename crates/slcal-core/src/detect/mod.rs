@@ -3,7 +3,7 @@
 //! [`observe`] first finds the projected checkerboard (`board`: labels by `checkerboard`, their place in the pattern by
 //! `anchor`, positions by `corner`), which gives the border of the projector's light on the sheet (`light_field`). Then
 //! the sheet is the quadrilateral of straight edges (`edge_map`, `lines`, `quad`) that holds the board, and its sides are
-//! measured on linear light at full resolution (`edge`).
+//! measured on linear light at full resolution (`edge`). [`find_corners`] and [`find_sheet`] do one of the two.
 
 mod anchor;
 mod board;
@@ -82,6 +82,24 @@ pub struct Detection {
     pub notes: Vec<String>,
 }
 
+/// The sheet as found by itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SheetDetection {
+    /// Its outline.
+    pub observation: SheetObservation,
+    /// Things worth telling: corners taken from the user.
+    pub notes: Vec<String>,
+}
+
+/// The projected corners as found by themselves, wherever they fall.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CornerDetection {
+    /// Those that were seen, row by row of the pattern.
+    pub pairs: Vec<CornerPair>,
+    /// Corners of the whole pattern.
+    pub expected: usize,
+}
+
 /// Finds the sheet, and the pattern when there is one, in a photograph.
 ///
 /// `photo` shows the sheet with the pattern projected on it; `screen`, if given, the same pose with a dark or plain
@@ -108,19 +126,19 @@ pub fn observe(
             format!("{}x{}", screen.width(), screen.height()),
         ));
     }
+    let Some(pattern) = pattern else {
+        let SheetDetection { observation: sheet, notes } = find_sheet(screen.unwrap_or(photo), config)?;
+        let observation = ViewObservation { size, sheet, pairs: Vec::new() };
+        return Ok(Detection { observation, pattern_corners: 0, notes });
+    };
     let photo = LinearPhoto::new(photo, config.encoding);
     let working = Working::new(&photo);
-    let board = pattern.map(|p| Board::find(&photo, &working, p)).transpose()?;
-    let field = match (&board, pattern) {
-        (Some(board), Some(p)) => {
-            // The board was fitted in the pattern's own pixels; the light ends where the panel does.
-            let pattern_from_panel = config.panel_from_pattern.and_then(|w| w.homography.inverse());
-            let straight = board.straight_from_projector;
-            LightField::new(&pattern_from_panel.map_or(straight, |h| straight.compose(&h)), p.projector)
-        }
-        _ => LightField::none(),
-    };
-    let lens = board.as_ref().map_or_else(|| Lens::straight(photo.width(), photo.height()), |b| b.lens);
+    let board = Board::find(&photo, &working, pattern)?;
+    // The board was fitted in the pattern's own pixels; the light ends where the panel does.
+    let pattern_from_panel = config.panel_from_pattern.and_then(|w| w.homography.inverse());
+    let straight = board.straight_from_projector;
+    let field =
+        LightField::new(&pattern_from_panel.map_or(straight, |h| straight.compose(&h)), pattern.projector);
     let (photo, working) = match screen {
         Some(screen) => {
             let screen = LinearPhoto::new(screen, config.encoding);
@@ -129,16 +147,42 @@ pub fn observe(
         }
         None => (photo, working),
     };
-    let light = Light { field: &field, lens: &lens, board: board.as_ref().zip(pattern) };
-    let sheet = sheet::find(&photo, &working, &light, config.corners)?;
-    let mut notes = sheet.notes;
-    let pattern_corners = board.as_ref().map_or(0, |b| b.expected);
-    let pairs = match board {
-        None => Vec::new(),
-        Some(board) => on_panel(on_sheet(board, &sheet.observation, &mut notes)?.pairs, config),
-    };
-    let observation = ViewObservation { size, sheet: sheet.observation, pairs };
-    Ok(Detection { observation, pattern_corners, notes })
+    let light = Light { field: &field, lens: &board.lens, board: Some((&board, pattern)) };
+    let SheetDetection { observation: sheet, mut notes } =
+        sheet::find(&photo, &working, &light, config.corners)?;
+    let pattern_corners = board.expected;
+    let pairs = on_panel(on_sheet(board, &sheet, &mut notes)?.pairs, config);
+    Ok(Detection { observation: ViewObservation { size, sheet, pairs }, pattern_corners, notes })
+}
+
+/// Finds the sheet alone, of whatever size: the brightest large quadrilateral with straight sides, or the sides near the
+/// corners given by hand. What is projected is not known here: take a photograph with a dark or plain projector.
+///
+/// # Errors
+/// [`Error::NotFound`] when no sheet is seen, with what was seen instead; [`Error::Invalid`] when the configuration is wrong.
+pub fn find_sheet(photo: PhotoView<'_>, config: &DetectConfig) -> Result<SheetDetection> {
+    config.validate()?;
+    let photo = LinearPhoto::new(photo, config.encoding);
+    let lens = Lens::straight(photo.width(), photo.height());
+    let light = Light { field: &LightField::none(), lens: &lens, board: None };
+    sheet::find(&photo, &Working::new(&photo), &light, config.corners)
+}
+
+/// Finds the corners of the projected checkerboard alone, on the sheet or beside it; [`DetectConfig::corners`] says nothing
+/// here.
+///
+/// # Errors
+/// [`Error::NotFound`] when the checkerboard is not seen, with what was seen instead; [`Error::Invalid`] when the
+/// configuration is wrong.
+pub fn find_corners(
+    photo: PhotoView<'_>,
+    pattern: &CheckerPattern,
+    config: &DetectConfig,
+) -> Result<CornerDetection> {
+    config.validate()?;
+    let photo = LinearPhoto::new(photo, config.encoding);
+    let board = Board::find(&photo, &Working::new(&photo), pattern)?;
+    Ok(CornerDetection { expected: board.expected, pairs: on_panel(board.pairs, config) })
 }
 
 /// The pairs with their pixels where the pattern was drawn.

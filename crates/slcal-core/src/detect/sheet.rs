@@ -2,6 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
+use super::SheetDetection;
 use super::edge::measure_side;
 use super::edge_map::{Edgel, SeenEdges};
 use super::lens::Lens;
@@ -12,13 +13,6 @@ use super::working::Working;
 use crate::error::{Error, Result};
 use crate::observations::SheetObservation;
 use crate::photo::LinearPhoto;
-
-/// The outline and what is worth telling about it.
-#[derive(Debug, Clone)]
-pub(super) struct Sheet {
-    pub(super) observation: SheetObservation,
-    pub(super) notes: Vec<String>,
-}
 
 /// Corners pointed at by hand are off by about this part of the frame's diagonal.
 const HAND_SIGMA: f64 = 0.002;
@@ -58,14 +52,14 @@ pub(super) fn find(
     working: &Working,
     light: &Light<'_>,
     by_hand: Option<[Point2<f64>; 4]>,
-) -> Result<Sheet> {
+) -> Result<SheetDetection> {
     let (width, height) = (photo.width(), photo.height());
     let diagonal = (width as f64).hypot(height as f64);
     if let Some(corners) = by_hand {
         return Ok(
             match measure(photo, corners.map(|c| light.lens.straighten(c)), HAND_REACH * diagonal, light) {
-                Ok(observation) => Sheet { observation, notes: Vec::new() },
-                Err(side) => Sheet {
+                Ok(observation) => SheetDetection { observation, notes: Vec::new() },
+                Err(side) => SheetDetection {
                     observation: SheetObservation::Corners { corners, sigma_px: HAND_SIGMA * diagonal },
                     notes: vec![format!(
                         "the {side} side was not seen near the given corners: they are used as they are, uncertain by {:.1} px",
@@ -90,7 +84,7 @@ pub(super) fn find(
     let observation = measure(photo, corners, outcome.uncertainty_px, &light).map_err(|side| {
         not_found(format!("a quadrilateral was seen, but its {side} side is not a clean edge"))
     })?;
-    Ok(Sheet { observation, notes: Vec::new() })
+    Ok(SheetDetection { observation, notes: Vec::new() })
 }
 
 /// Straightening coefficients tried when no board shows the lens (r = 1 at half the diagonal): barrel lenses of common

@@ -157,6 +157,58 @@ fn without_a_pattern_the_bright_quadrilateral_is_the_sheet() {
 }
 
 #[test]
+fn corners_and_sheet_are_found_each_by_itself() {
+    let drawn = Drawn::tilted(640);
+    let image = drawn.draw();
+    let view = PhotoView::try_from(&image).unwrap();
+    let both = drawn.observe(Some(&pattern())).unwrap();
+    let found = find_corners(view, &pattern(), &DetectConfig::default()).unwrap();
+    assert_eq!((found.expected, &found.pairs), (70, &both.observation.pairs));
+
+    // The sheet's own sides outside the frame.
+    let close = image.crop_imm(170, 90, 380, 256);
+    let view = PhotoView::try_from(&close).unwrap();
+    let found = find_corners(view, &pattern(), &DetectConfig::default()).unwrap();
+    let h = drawn.camera_from_projector.unwrap();
+    assert!(found.pairs.len() >= 40, "{}", found.pairs.len());
+    for pair in &found.pairs {
+        let truth = h.map(pair.projector).unwrap() - nalgebra::Vector2::new(170.0, 90.0);
+        assert!((truth - pair.camera).norm() < 0.05, "{:?}", pair.projector);
+    }
+
+    let bare = Drawn { camera_from_projector: None, ..Drawn::tilted(640) };
+    let image = bare.draw();
+    let view = PhotoView::try_from(&image).unwrap();
+    let sheet = find_sheet(view, &DetectConfig::default()).unwrap();
+    assert_eq!(sheet.observation, bare.observe(None).unwrap().observation.sheet);
+    for (found, truth) in sheet.observation.corners().unwrap().iter().zip(&bare.sheet) {
+        assert!((found - truth).norm() < 0.05, "{found} for {truth}");
+    }
+    let error = find_corners(view, &pattern(), &DetectConfig::default()).unwrap_err();
+    assert!(matches!(error, Error::NotFound { what: "checkerboard", .. }), "{error}");
+}
+
+#[test]
+fn the_corners_of_a_moved_pattern_have_their_pixels_on_the_panel() {
+    let drawn = Drawn::tilted(640);
+    let image = drawn.draw();
+    let view = PhotoView::try_from(&image).unwrap();
+    // The same light, said to be a pattern drawn half as large that was enlarged about the panel's origin.
+    let half = CheckerPattern { square_px: 24.0, origin_px: pattern().origin_px / 2.0, ..pattern() };
+    let twice = Homography(Matrix3::from_diagonal(&nalgebra::Vector3::new(2.0, 2.0, 1.0)));
+    let config = DetectConfig { panel_from_pattern: Some(twice.into()), ..DetectConfig::default() };
+    let found = find_corners(view, &half, &config).unwrap();
+    let plain = find_corners(view, &pattern(), &DetectConfig::default()).unwrap();
+    assert_eq!(found.pairs.len(), plain.pairs.len());
+    for (a, b) in found.pairs.iter().zip(&plain.pairs) {
+        assert!((a.projector - b.projector).norm() < 1e-9, "{a:?} {b:?}");
+    }
+    let singular = Homography(Matrix3::zeros());
+    let config = DetectConfig { panel_from_pattern: Some(singular.into()), ..DetectConfig::default() };
+    assert!(matches!(find_corners(view, &half, &config), Err(Error::Invalid { .. })));
+}
+
+#[test]
 fn a_sheet_without_a_pattern_and_a_dark_room_are_not_found() {
     let bare = Drawn { camera_from_projector: None, ..Drawn::tilted(640) };
     let error = bare.observe(Some(&pattern())).unwrap_err();
@@ -179,6 +231,8 @@ fn tiny_photographs_are_refused_without_a_panic() {
         for p in [None, Some(&pattern())] {
             let view = PhotoView::try_from(&image).unwrap();
             assert!(observe(view, None, size, p, &DetectConfig::default()).is_err());
+            assert!(p.is_none_or(|p| find_corners(view, p, &DetectConfig::default()).is_err()));
+            assert!(find_sheet(view, &DetectConfig::default()).is_err());
         }
     }
 }
