@@ -23,6 +23,7 @@ pub(crate) fn read(file: &Bound<'_, PyAny>) -> PyResult<Contents> {
         return Ok(Contents { bytes, name: Some(path.display().to_string()) });
     }
     let Some(read) = file.getattr_opt("read")? else { return Err(no_file(file, "read")) };
+    check_open(file)?;
     let content = read.call0()?;
     let name = file.getattr_opt("name")?.and_then(|n| n.extract::<String>().ok());
     let bytes = if let Ok(text) = content.cast::<PyString>() {
@@ -44,6 +45,7 @@ pub(crate) fn write(file: &Bound<'_, PyAny>, bytes: &[u8], is_text: bool) -> PyR
         return py.detach(|| slcal_cli::files::write_whole(&path, bytes)).map_err(|e| os_error(&e, &path));
     }
     let Some(write) = file.getattr_opt("write")? else { return Err(no_file(file, "write")) };
+    check_open(file)?;
     let text_file = file.is_instance(&py.import("io")?.getattr("TextIOBase")?)?;
     match std::str::from_utf8(bytes) {
         Ok(text) if text_file && is_text => write.call1((text,))?,
@@ -65,6 +67,15 @@ pub(crate) fn path_of(file: &Bound<'_, PyAny>) -> PyResult<Option<PathBuf>> {
         return file.extract().map(Some);
     }
     Ok(None)
+}
+
+fn check_open(file: &Bound<'_, PyAny>) -> PyResult<()> {
+    match file.getattr_opt("closed")? {
+        Some(closed) if closed.is_truthy()? => {
+            Err(errors::invalid(file.py(), "file", "an open file, or a path", "a file that is closed"))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn no_file(file: &Bound<'_, PyAny>, method: &str) -> PyErr {

@@ -1,12 +1,12 @@
 //! Cameras and poses: values that rigs are made of.
 
-use nalgebra::{Matrix3, Point2, Point3, Vector3};
+use nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector3};
 use pyo3::prelude::*;
 use slcal_core::format::read_camera;
 use slcal_core::geometry::{self, Distortion, Intrinsics};
 use slcal_core::{Device, DeviceSigma, FocalPrior};
 
-use crate::convert::array::{matrix_of, rows, rows_of, shaped, vector_of};
+use crate::convert::array::{Numbers, matrix_of, rows, rows_of, shaped, vector_of};
 use crate::convert::option::whole_pair;
 use crate::convert::report::record;
 use crate::errors::{self, Looking, Raise as _, raised_from};
@@ -320,7 +320,7 @@ fn positive(py: Python<'_>, what: &str, value: f64) -> PyResult<()> {
 /// k1, k2, p1, p2, k3, or as many of them as are not zero.
 pub(crate) fn distortion_of(values: &Bound<'_, PyAny>) -> PyResult<Distortion> {
     let py = values.py();
-    let numbers = crate::convert::array::Numbers::of(values, "distortion")?;
+    let numbers = Numbers::of(values, "distortion")?;
     let given: Vec<f64> = numbers.view().iter().copied().collect();
     let mut coefficients = [0.0; 5];
     let beyond = given.iter().skip(5).any(|c| *c != 0.0);
@@ -332,6 +332,22 @@ pub(crate) fn distortion_of(values: &Bound<'_, PyAny>) -> PyResult<Distortion> {
         *c = *g;
     }
     Ok(Distortion::from_array(coefficients))
+}
+
+/// A pose by a rotation matrix or vector, and a translation.
+pub(crate) fn pose_of(
+    py: Python<'_>,
+    r: &Bound<'_, PyAny>,
+    t: &Bound<'_, PyAny>,
+) -> PyResult<geometry::Pose> {
+    let translation = Vector3::from(vector_of::<3>(t, "t")?);
+    if Numbers::of(r, "R")?.view().len() == 3 {
+        let rotation = Rotation3::new(Vector3::from(vector_of::<3>(r, "R")?));
+        return Ok(geometry::Pose { rotation, translation });
+    }
+    let rows = matrix_of(r, "R")?;
+    let matrix = Matrix3::from_fn(|i, j| rows[i][j]);
+    geometry::Pose::from_matrix(&matrix, translation).raise(py, Looking::ForSheet)
 }
 
 /// A rotation and a translation: X_a = R · X_b + t.
@@ -374,15 +390,7 @@ impl Pose {
     #[new]
     #[allow(non_snake_case, reason = "the name that the field has for it")]
     fn new(R: &Bound<'_, PyAny>, t: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let py = R.py();
-        let t = Vector3::from(vector_of::<3>(t, "t")?);
-        if crate::convert::array::Numbers::of(R, "R")?.view().len() == 3 {
-            let rotation = nalgebra::Rotation3::new(Vector3::from(vector_of::<3>(R, "R")?));
-            return Ok(geometry::Pose { rotation, translation: t }.into());
-        }
-        let r = matrix_of(R, "R")?;
-        let r = Matrix3::from_fn(|i, j| r[i][j]);
-        geometry::Pose::from_matrix(&r, t).map(Self::from).raise(py, Looking::ForSheet)
+        pose_of(R.py(), R, t).map(Self::from)
     }
 
     /// The rotation matrix: (3, 3) float64.
@@ -454,7 +462,7 @@ impl Pose {
         sigma_t_mm: Option<[f64; 3]>,
         sigma_r_rad: Option<[f64; 3]>,
     ) -> Self {
-        let rotation = nalgebra::Rotation3::from_matrix_unchecked(Matrix3::from_fn(|i, j| r[i][j]));
+        let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_fn(|i, j| r[i][j]));
         Self { pose: geometry::Pose { rotation, translation: t.into() }, sigma_t_mm, sigma_r_rad }
     }
 

@@ -9,6 +9,7 @@ mod errors;
 mod files;
 mod geometry;
 mod pattern;
+mod rig;
 
 use std::ffi::OsString;
 
@@ -27,5 +28,6 @@ fn _slcal(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     pattern::register(module)?;
     geometry::register(module)?;
+    rig::register(module)?;
     module.add_function(wrap_pyfunction!(run_command, module)?)
 }

@@ -6,15 +6,33 @@ millimetres. Photographs are (H, W, 3) or (H, W) arrays of uint8 or uint16 in RG
 """
 
 from ._errors import CalibrationError, DecodeError, DetectionError, Error, FormatError
-from ._slcal import CheckerPattern, StripePattern, __version__
+from ._slcal import (
+    Camera,
+    CheckerPattern,
+    Covariance,
+    Pose,
+    Rig,
+    StripePattern,
+    View,
+    __version__,
+    load_pattern,
+    read_image,
+)
 
 __all__ = [
     "CalibrationError",
+    "Camera",
     "CheckerPattern",
+    "Covariance",
     "DecodeError",
     "DetectionError",
     "Error",
     "FormatError",
+    "Pose",
+    "Rig",
     "StripePattern",
+    "View",
     "__version__",
+    "load_pattern",
+    "read_image",
 ]

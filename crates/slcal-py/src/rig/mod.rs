@@ -1,0 +1,297 @@
+//! The rig: what calibration gives and reconstruction takes.
+
+mod opencv;
+mod shown;
+mod view;
+
+use pyo3::prelude::*;
+use slcal_core::format::{read_rig, write_rig};
+use slcal_core::{CalibrationReport, StereoPose};
+
+pub(crate) use view::{Covariance, View};
+
+use crate::convert::report::record;
+use crate::errors::{self, Looking, Raise as _, raised_from};
+use crate::files;
+use crate::geometry::{Camera, Pose};
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Rig>()?;
+    module.add_class::<View>()?;
+    module.add_class::<Covariance>()
+}
+
+/// A calibrated camera, and projector if a pattern was seen; with how sure it is.
+///
+/// `slcal.calibrate` makes rigs; this makes one of devices that are known from elsewhere.
+///
+/// Parameters
+/// ----------
+/// camera : Camera
+///     The camera.
+/// projector : Camera, optional
+///     The projector, as if it were a camera.
+/// projector_from_camera : Pose, optional
+///     X_projector = R · X_camera + t, mm; given exactly when the projector is.
+/// method : str, default "external"
+///     How the rig was made, in a word.
+///
+/// Raises
+/// ------
+/// Error
+///     When only one of projector and projector_from_camera is given.
+///
+/// Examples
+/// --------
+/// >>> camera = slcal.Camera.from_fov((1280, 960), 45)
+/// >>> projector = slcal.Camera.from_throw((1024, 768), 1.6)
+/// >>> rig = slcal.Rig(camera, projector, slcal.Pose(np.eye(3), [-200, 0, 0]))
+/// >>> rig.baseline_mm
+/// 200.0
+/// >>> slcal.Rig.from_json(rig.to_json()) == rig
+/// True
+#[pyclass(frozen, module = "slcal")]
+pub(crate) struct Rig {
+    pub(crate) rig: slcal_core::Rig,
+    /// How it came about, when it was calibrated here.
+    pub(crate) report: Option<CalibrationReport>,
+}
+
+impl From<slcal_core::Rig> for Rig {
+    fn from(rig: slcal_core::Rig) -> Self {
+        Self { rig, report: None }
+    }
+}
+
+impl Rig {
+    fn json(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
+        let mut bytes = Vec::new();
+        write_rig(&self.rig, &mut bytes).raise(py, Looking::ForSheet)?;
+        Ok(bytes)
+    }
+
+    fn parse(py: Python<'_>, bytes: &[u8], name: Option<&str>) -> PyResult<Self> {
+        read_rig(bytes).map(Self::from).map_err(|e| raised_from(py, &e, Looking::ForSheet, name))
+    }
+}
+
+#[pymethods]
+impl Rig {
+    #[new]
+    #[pyo3(
+        signature = (camera, projector=None, projector_from_camera=None, *, method=None),
+        text_signature = "(camera, projector=None, projector_from_camera=None, *, method='external')"
+    )]
+    fn new(
+        py: Python<'_>,
+        camera: &Camera,
+        projector: Option<&Camera>,
+        projector_from_camera: Option<&Pose>,
+        method: Option<String>,
+    ) -> PyResult<Self> {
+        if projector.is_some() != projector_from_camera.is_some() {
+            let given = if projector.is_some() { "projector" } else { "projector_from_camera" };
+            let wanted = "both a projector and its projector_from_camera, or neither";
+            return Err(errors::invalid(py, "rig", wanted, &format!("{given} alone")));
+        }
+        let rig = slcal_core::Rig {
+            camera: camera.0,
+            projector: projector.map(|p| p.0),
+            stereo: projector_from_camera.map(|p| StereoPose {
+                projector_from_camera: p.pose,
+                sigma_t_mm: p.sigma_t_mm,
+                sigma_r_rad: p.sigma_r_rad,
+            }),
+            views: Vec::new(),
+            method: method.unwrap_or_else(|| "external".to_owned()),
+            quality: None,
+            covariance: None,
+        };
+        Ok(rig.into())
+    }
+
+    /// The camera.
+    #[getter]
+    fn camera(&self) -> Camera {
+        Camera(self.rig.camera)
+    }
+
+    /// The projector; None when the camera alone was calibrated.
+    #[getter]
+    fn projector(&self) -> Option<Camera> {
+        self.rig.projector.map(Camera)
+    }
+
+    /// X_projector = R · X_camera + t, mm; None without a projector.
+    #[getter]
+    fn projector_from_camera(&self) -> Option<Pose> {
+        self.rig.stereo.as_ref().map(|s| Pose {
+            pose: s.projector_from_camera,
+            sigma_t_mm: s.sigma_t_mm,
+            sigma_r_rad: s.sigma_r_rad,
+        })
+    }
+
+    /// The poses of the sheet that it was calibrated from.
+    #[getter]
+    fn views(&self) -> Vec<View> {
+        self.rig.views.iter().cloned().map(View).collect()
+    }
+
+    /// How it was made: "ml", "two-vp", or anything else for rigs from elsewhere.
+    #[getter]
+    fn method(&self) -> &str {
+        &self.rig.method
+    }
+
+    /// How far it can be trusted; None for rigs from elsewhere that do not say.
+    #[getter]
+    fn quality<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.rig.quality.as_ref().map(|q| record(py, "Quality", &shown::quality(q))).transpose()
+    }
+
+    /// Covariance of all estimated parameters; None for rigs from elsewhere.
+    #[getter]
+    fn covariance(&self) -> Option<Covariance> {
+        self.rig.covariance.clone().map(Covariance)
+    }
+
+    /// How the calibration went; None for a rig that was not calibrated in this program.
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.report.as_ref().map(|r| record(py, "CalibrationReport", &shown::report(r))).transpose()
+    }
+
+    /// Distance between the optical centres, mm; None without a projector.
+    #[getter]
+    fn baseline_mm(&self) -> Option<f64> {
+        self.rig.baseline_mm()
+    }
+
+    /// 1σ of it, mm; None without a covariance.
+    #[getter]
+    fn baseline_sigma_mm(&self) -> Option<f64> {
+        self.rig.baseline_sigma_mm()
+    }
+
+    /// Writes the rig file (schema slcal-rig/1), which the command line and other programs read.
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     A path, where the file appears when it is complete and replaces an older one, or an object with write().
+    fn save(&self, file: &Bound<'_, PyAny>) -> PyResult<()> {
+        files::write(file, &self.json(file.py())?, true)
+    }
+
+    /// Reads a rig file, however it was made.
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     The JSON file (schema slcal-rig/1).
+    ///
+    /// Returns
+    /// -------
+    /// Rig
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     When the file cannot be read.
+    /// FormatError
+    ///     When it does not follow its schema; the message names the field.
+    #[staticmethod]
+    fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let contents = files::read(file)?;
+        Self::parse(file.py(), &contents.bytes, contents.name.as_deref())
+    }
+
+    /// The content of the rig file.
+    fn to_json(&self, py: Python<'_>) -> PyResult<String> {
+        files::text_of(self.json(py)?)
+    }
+
+    /// The rig that `to_json` wrote.
+    #[staticmethod]
+    fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
+        Self::parse(py, text.as_bytes(), None)
+    }
+
+    /// The rig as OpenCV's functions take it.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     `camera_K` (3, 3), `camera_dist` (5,), `camera_size` (2,), the same of the projector, and `R` (3, 3) and `t` (3, 1) with
+    ///     X_projector = R · X_camera + t, mm: what ``cv2.stereoRectify`` calls R and T. Without a projector its entries are
+    ///     left out.
+    ///
+    /// Examples
+    /// --------
+    /// >>> camera = slcal.Camera.from_fov((1280, 960), 45)
+    /// >>> sorted(slcal.Rig(camera).to_opencv())
+    /// ['camera_K', 'camera_dist', 'camera_size']
+    fn to_opencv<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, pyo3::types::PyDict>> {
+        opencv::to_opencv(py, &self.rig)
+    }
+
+    /// A rig from what OpenCV's functions give.
+    ///
+    /// Parameters
+    /// ----------
+    /// parameters : mapping, optional
+    ///     What `to_opencv` gives; or the same as keyword arguments.
+    /// camera_K, projector_K : array_like
+    ///     (3, 3), px.
+    /// camera_dist, projector_dist : array_like, optional
+    ///     Up to five of k1, k2, p1, p2, k3; none unless given.
+    /// camera_size, projector_size : (int, int)
+    ///     Width and height, px.
+    /// R : array_like
+    ///     (3, 3), or (3,) as of ``cv2.Rodrigues``.
+    /// t : array_like
+    ///     (3,) or (3, 1), mm: X_projector = R · X_camera + t.
+    ///
+    /// Returns
+    /// -------
+    /// Rig
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When something is missing or is not what its name says.
+    #[staticmethod]
+    #[pyo3(signature = (parameters=None, /, **named), text_signature = "(parameters=None, /, *, camera_K=None, camera_dist=None, camera_size=None, projector_K=None, projector_dist=None, projector_size=None, R=None, t=None)")]
+    fn from_opencv(
+        py: Python<'_>,
+        parameters: Option<&Bound<'_, PyAny>>,
+        named: Option<&Bound<'_, pyo3::types::PyDict>>,
+    ) -> PyResult<Self> {
+        opencv::from_opencv(py, parameters, named).map(Self::from)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, Option<String>))> {
+        let report = self.report.as_ref().map(|r| shown::report(r).to_string());
+        Ok((py.get_type::<Self>().getattr("_restored")?, (self.to_json(py)?, report)))
+    }
+
+    #[staticmethod]
+    fn _restored(py: Python<'_>, rig: &str, report: Option<&str>) -> PyResult<Self> {
+        let report = report.map(|r| shown::report_of(py, r)).transpose()?;
+        Ok(Self { report, ..Self::from_json(py, rig)? })
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        // How a rig came about is no part of what it is.
+        other.cast::<Self>().is_ok_and(|o| o.get().rig == self.rig)
+    }
+
+    fn __repr__(&self) -> String {
+        shown::in_a_line(&self.rig)
+    }
+
+    fn _repr_html_(&self) -> String {
+        shown::as_html(&self.rig)
+    }
+}

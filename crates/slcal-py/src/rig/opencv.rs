@@ -1,0 +1,89 @@
+//! Rigs from and to the arrays of OpenCV's functions.
+
+use nalgebra::Matrix3;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use slcal_core::geometry::{self, Distortion, Intrinsics};
+use slcal_core::{Device, Rig, StereoPose};
+
+use crate::convert::array::{matrix_of, rows, shaped};
+use crate::convert::option::whole_pair;
+use crate::errors::{self, Looking, Raise as _};
+use crate::geometry::{distortion_of, pose_of};
+
+const NAMES: [&str; 8] =
+    ["camera_K", "camera_dist", "camera_size", "projector_K", "projector_dist", "projector_size", "R", "t"];
+
+/// See `Rig.to_opencv`.
+pub(super) fn to_opencv<'py>(py: Python<'py>, rig: &Rig) -> PyResult<Bound<'py, PyDict>> {
+    let parameters = PyDict::new(py);
+    for (name, device) in [("camera", Some(&rig.camera)), ("projector", rig.projector.as_ref())] {
+        let Some(Device { model, .. }) = device else { continue };
+        let k = model.intrinsics.matrix();
+        parameters.set_item(format!("{name}_K"), rows(py, k.row_iter().map(|r| [r[0], r[1], r[2]]))?)?;
+        parameters
+            .set_item(format!("{name}_dist"), shaped(py, model.distortion.to_array().to_vec(), &[5])?)?;
+        let size = vec![i64::from(model.width), i64::from(model.height)];
+        parameters.set_item(format!("{name}_size"), shaped(py, size, &[2])?)?;
+    }
+    if let Some(StereoPose { projector_from_camera: pose, .. }) = &rig.stereo {
+        let r = pose.rotation.matrix();
+        parameters.set_item("R", rows(py, r.row_iter().map(|r| [r[0], r[1], r[2]]))?)?;
+        parameters.set_item("t", shaped(py, pose.translation.as_slice().to_vec(), &[3, 1])?)?;
+    }
+    Ok(parameters)
+}
+
+/// See `Rig.from_opencv`.
+pub(super) fn from_opencv(
+    py: Python<'_>,
+    parameters: Option<&Bound<'_, PyAny>>,
+    named: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Rig> {
+    let all = PyDict::new(py);
+    if let Some(given) = parameters {
+        all.call_method1("update", (given,)).map_err(|_| {
+            errors::wrong_type("parameters", "a mapping, as Rig.to_opencv gives it", &given.to_string())
+        })?;
+    }
+    if let Some(named) = named {
+        all.call_method1("update", (named,))?;
+    }
+    for name in all.keys() {
+        let name: String = name.extract()?;
+        if !NAMES.contains(&name.as_str()) {
+            return Err(errors::invalid(py, "parameters", &format!("only {}", NAMES.join(", ")), &name));
+        }
+    }
+    let get = |name: &str| all.get_item(name).map(|value| value.filter(|v| !v.is_none()));
+    let needed = |name: &str| -> PyResult<Bound<'_, PyAny>> {
+        get(name)?.ok_or_else(|| errors::invalid(py, name, "its value", "nothing"))
+    };
+    let device = |name: &str| -> PyResult<Device> {
+        let k = matrix_of(&needed(&format!("{name}_K"))?, &format!("{name}_K"))?;
+        let k = Matrix3::from_fn(|i, j| k[i][j]);
+        let intrinsics = Intrinsics::from_matrix(&k).raise(py, Looking::ForSheet)?;
+        let [width, height] = whole_pair(&needed(&format!("{name}_size"))?, &format!("{name}_size"))?;
+        let distortion = match get(&format!("{name}_dist"))? {
+            Some(values) => distortion_of(&values)?,
+            None => Distortion::NONE,
+        };
+        Ok(Device { model: geometry::Camera { width, height, intrinsics, distortion }, sigma: None })
+    };
+    let camera = device("camera")?;
+    let names_of_projector = &NAMES[3..];
+    let with_projector =
+        names_of_projector.iter().try_fold(false, |any, n| get(n).map(|v| any || v.is_some()))?;
+    let (projector, stereo) = if with_projector {
+        let stereo = StereoPose {
+            projector_from_camera: pose_of(py, &needed("R")?, &needed("t")?)?,
+            sigma_t_mm: None,
+            sigma_r_rad: None,
+        };
+        (Some(device("projector")?), Some(stereo))
+    } else {
+        (None, None)
+    };
+    let method = "opencv".to_owned();
+    Ok(Rig { camera, projector, stereo, views: Vec::new(), method, quality: None, covariance: None })
+}
