@@ -1,12 +1,19 @@
 //! The core's reports as the records of `slcal._reports`.
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use serde::Serialize;
 use serde_json::Value;
 
 /// The record `class` of what `report` says.
-pub(crate) fn record<'py>(py: Python<'py>, class: &str, report: &Value) -> PyResult<Bound<'py, PyAny>> {
-    py.import("slcal._reports")?.getattr(class)?.call_method1("_of", (value(py, report)?,))
+pub(crate) fn record<'py>(
+    py: Python<'py>,
+    class: &str,
+    report: &impl Serialize,
+) -> PyResult<Bound<'py, PyAny>> {
+    let report = serde_json::to_value(report).map_err(|e| PyValueError::new_err(e.to_string()))?;
+    py.import("slcal._reports")?.getattr(class)?.call_method1("_of", (value(py, &report)?,))
 }
 
 /// JSON as Python's own values.
