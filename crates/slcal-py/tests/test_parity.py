@@ -11,6 +11,7 @@ import pytest
 from common import DEMO, RENDERED, command, command_json, scenes
 
 import slcal
+from slcal import reports
 
 SIZE = (594, 420)
 
@@ -133,7 +134,7 @@ def test_reconstruction(scene: Path, tmp_path: Path) -> None:
 
 
 def fit_fields() -> list[str]:
-    return [f for f in slcal.FitReport.__dataclass_fields__]
+    return [f for f in reports.FitReport.__dataclass_fields__]
 
 
 def test_reconstruction_with_black_and_white(scene: Path, tmp_path: Path) -> None:

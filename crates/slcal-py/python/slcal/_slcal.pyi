@@ -5,7 +5,7 @@ from typing import IO, Any, Final, Literal, TypeAlias, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._reports import (
+from .reports import (
     Advice,
     CalibrationReport,
     CloudReport,

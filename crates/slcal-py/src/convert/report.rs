@@ -1,4 +1,4 @@
-//! The core's reports as the records of `slcal._reports`.
+//! The core's reports as the records of `slcal.reports`.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -13,7 +13,7 @@ pub(crate) fn record<'py>(
     report: &impl Serialize,
 ) -> PyResult<Bound<'py, PyAny>> {
     let report = serde_json::to_value(report).map_err(|e| PyValueError::new_err(e.to_string()))?;
-    py.import("slcal._reports")?.getattr(class)?.call_method1("_of", (value(py, &report)?,))
+    py.import("slcal.reports")?.getattr(class)?.call_method1("_of", (value(py, &report)?,))
 }
 
 /// JSON as Python's own values.

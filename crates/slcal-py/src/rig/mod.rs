@@ -159,7 +159,10 @@ impl Rig {
     /// How the calibration went; None for a rig that was not calibrated in this program.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        self.report.as_ref().map(|r| record(py, "CalibrationReport", &report_json::calibration(r))).transpose()
+        self.report
+            .as_ref()
+            .map(|r| record(py, "CalibrationReport", &report_json::calibration(r)))
+            .transpose()
     }
 
     /// Distance between the optical centres, mm; None without a projector.
