@@ -86,8 +86,10 @@ fn no_file(file: &Bound<'_, PyAny>, method: &str) -> PyErr {
 /// The exception that Python itself would raise: `FileNotFoundError` and its kin, with the file's name.
 fn os_error(error: &io::Error, path: &Path) -> PyErr {
     let shown = path.display().to_string();
-    match error.raw_os_error() {
-        Some(number) => {
+    // A temporary file's error wraps that of the system.
+    let within = error.get_ref().and_then(|e| e.source()).and_then(|e| e.downcast_ref::<io::Error>());
+    match [Some(error), within].into_iter().flatten().find_map(|e| Some((e, e.raw_os_error()?))) {
+        Some((error, number)) => {
             let text = error.to_string();
             let text = text.split(" (os error").next().unwrap_or_default().to_owned();
             PyOSError::new_err((number, text, shown))

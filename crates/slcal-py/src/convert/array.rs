@@ -44,6 +44,10 @@ impl<'py> Numbers<'py> {
     /// From an array-like of real numbers, called `what` in messages.
     pub(crate) fn of(values: &Bound<'py, PyAny>, what: &str) -> PyResult<Self> {
         let refused = |found: &str| errors::wrong_type(what, "an array of real numbers", found);
+        // NumPy would take it for a number that is none.
+        if values.is_none() {
+            return Err(refused("None"));
+        }
         // Complex numbers and dates would lose a part of themselves on the way.
         if let Some(kind) = values.getattr_opt("dtype")?.and_then(|d| d.getattr("kind").ok()) {
             let kind: String = kind.extract()?;
