@@ -85,16 +85,14 @@ fn no_file(file: &Bound<'_, PyAny>, method: &str) -> PyErr {
 
 /// The exception that Python itself would raise: `FileNotFoundError` and its kin, with the file's name.
 fn os_error(error: &io::Error, path: &Path) -> PyErr {
-    let shown = path.display().to_string();
-    // A temporary file's error wraps that of the system.
-    let within = error.get_ref().and_then(|e| e.source()).and_then(|e| e.downcast_ref::<io::Error>());
-    match [Some(error), within].into_iter().flatten().find_map(|e| Some((e, e.raw_os_error()?))) {
-        Some((error, number)) => {
-            let text = error.to_string();
+    let (shown, text) = (path.display().to_string(), error.to_string());
+    match error.raw_os_error() {
+        Some(number) => {
             let text = text.split(" (os error").next().unwrap_or_default().to_owned();
             PyOSError::new_err((number, text, shown))
         }
-        None => PyOSError::new_err(format!("{shown}: {error}")),
+        // The kind still tells which of the exceptions it is.
+        None => io::Error::new(error.kind(), format!("{shown}: {text}")).into(),
     }
 }
 

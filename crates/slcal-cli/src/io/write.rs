@@ -197,8 +197,11 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if fs::metadata(&path).is_ok_and(|m| !m.is_file()) {
         return OpenOptions::new().write(true).open(&path).and_then(|mut f| f.write_all(bytes));
     }
+    let folder = folder_of(&path);
+    // Says what is missing itself, not the temporary file that could not be made there.
+    fs::metadata(folder)?;
     let _held = with_temporaries();
-    let mut file = temporary(folder_of(&path))?;
+    let mut file = temporary(folder)?;
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
     file.persist(&path).map(|_| ()).map_err(|e| e.error)
