@@ -29,11 +29,12 @@ mod matches;
 mod observations;
 mod photographs;
 mod rig;
+mod verify_photo;
 
 pub use calibrate::{
     CalibrateConfig, Calibration, CalibrationReport, DistortionModel, ExternalCalibration, FocalPrior,
     Method, NoiseFound, NoiseOf, PrincipalPointRule, Rectification, calibrate_external,
-    calibrate_observations, rectify, rectify_checker,
+    calibrate_observations, rectify, rectify_checker, rectify_checker_picture, rectify_picture,
 };
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Error, ErrorClass, Result};
@@ -43,3 +44,4 @@ pub use observations::{
 };
 pub use photographs::calibrate;
 pub use rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning};
+pub use verify_photo::{PhotoVerifier, VerifiedPhoto, VerifyPhotoConfig, verify_photo};

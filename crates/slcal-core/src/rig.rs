@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, Matrix3, Point2, Vector3};
 use serde::{Deserialize, Serialize};
 
+use crate::error::{Error, Result};
 use crate::geometry::{Camera, Pose, RectangleSize, VanishingPoints};
 
 /// 1σ of a device's parameters; zero for what was held fixed.
@@ -180,6 +181,23 @@ impl Rig {
             Matrix3::from_fn(|i, j| covariance.matrix.get((at[i], at[j])).copied().unwrap_or(f64::NAN));
         let variance = (along.transpose() * of_t * along)[0];
         (variance >= 0.0).then(|| variance.sqrt())
+    }
+
+    /// The projector, when `what` is for it: a pattern that was drawn for a panel of this size.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a rig that holds the camera alone, and for another panel.
+    pub fn projector_for(&self, what: &str, panel: [u32; 2]) -> Result<&Device> {
+        let projector = self.projector.as_ref().ok_or_else(|| {
+            let expected = "a calibrated projector (calibrate with --pattern)";
+            Error::invalid("rig", expected, "a rig that holds the camera alone")
+        })?;
+        let [w, h] = [projector.model.width, projector.model.height];
+        if panel != [w, h] {
+            let expected = format!("a pattern for the rig's projector of {w}x{h} px");
+            return Err(Error::invalid(what, expected, format!("one for {}x{} px", panel[0], panel[1])));
+        }
+        Ok(projector)
     }
 
     /// The camera's viewing direction onto the sheet of view `i`: angle between optical axis and the sheet's normal, rad.

@@ -1,14 +1,12 @@
 //! `slcal rectify`: the picture to project so that it appears upright on the sheet.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use image::{DynamicImage, RgbImage};
-use nalgebra::Point2;
-use slcal_core::pattern::{CheckerPattern, warp_image};
-use slcal_core::{Rectification, Rig, rectify, rectify_checker};
+use image::DynamicImage;
+use slcal_core::{rectify_checker_picture, rectify_picture};
 
 use crate::args::RectifyArgs;
-use crate::exit::{Exit, Failure, InFile as _, Outcome};
+use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{
     Destination, check_panel, check_spares, load_checker, load_photo, load_rig, png_bytes, write_all,
 };
@@ -23,11 +21,11 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
         (Some(path), _) => {
             let pattern = load_checker(path)?;
             check_panel(path, pattern.projector, &args.rig, &rig)?;
-            checkerboard(&pattern, &rig, &args.rig)?
+            rectify_checker_picture(&rig, 0, &pattern).in_file(&args.rig)?
         }
         (None, Some(path)) => {
             let picture = load_photo(path, printer)?.to_rgb8();
-            any_picture(&picture, &rig, &args.rig)?
+            rectify_picture(&rig, 0, &picture).in_file(&args.rig)?
         }
         (None, None) => return Err(Failure::usage("expected --pattern or --image")),
     };
@@ -44,22 +42,6 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
         return Ok(());
     }
     print_result(&text)
-}
-
-fn checkerboard(pattern: &CheckerPattern, rig: &Rig, rig_path: &Path) -> Outcome<(RgbImage, Rectification)> {
-    let place = rectify_checker(rig, 0, pattern).in_file(rig_path)?;
-    Ok((pattern.draw_warped(&place.panel_from_source)?, place))
-}
-
-fn any_picture(picture: &RgbImage, rig: &Rig, rig_path: &Path) -> Outcome<(RgbImage, Rectification)> {
-    let (w, h) = (f64::from(picture.width()), f64::from(picture.height()));
-    let (top_left, bottom_right) = (Point2::new(-0.5, -0.5), Point2::new(w - 0.5, h - 0.5));
-    let place = rectify(rig, 0, top_left, bottom_right).in_file(rig_path)?;
-    let panel = rig
-        .projector
-        .map(|p| [p.model.width, p.model.height])
-        .ok_or_else(|| Failure::new(Exit::Input, format!("{}: expected a projector", rig_path.display())))?;
-    Ok((warp_image(picture, panel, &place.panel_from_source, [0; 3])?, place))
 }
 
 /// A millimetre value to one decimal without the sign of a zero.

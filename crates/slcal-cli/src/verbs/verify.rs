@@ -4,13 +4,11 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use image::DynamicImage;
-use slcal_core::detect::{DetectConfig, Detection, observe};
+use slcal_core::detect::Detection;
 use slcal_core::format::report_json;
-use slcal_core::geometry::{RectangleSize, Warp};
-use slcal_core::pattern::CheckerPattern;
 use slcal_core::photo::PhotoView;
-use slcal_core::verify::{Change, Measured, Verification, VerifyConfig, expected_corner, outline, verify};
-use slcal_core::{Rig, rectify_checker};
+use slcal_core::verify::{Change, Measured, Verification, expected_corner};
+use slcal_core::{PhotoVerifier, Rig, VerifiedPhoto, VerifyPhotoConfig};
 
 use crate::args::VerifyArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
@@ -28,30 +26,26 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     let overlay = Destination::prepare_overlay(args.overlay.as_ref(), args.force)?;
     let inputs = [&args.photo, &args.rig, &args.pattern];
     check_spares(&overlay, inputs.into_iter().map(PathBuf::as_path))?;
-    let config = VerifyConfig { significance: args.significance };
+    let config = VerifyPhotoConfig {
+        size: args.size,
+        as_drawn: args.as_drawn,
+        encoding: args.gamma.gamma,
+        corners: args.corners,
+        significance: args.significance,
+    };
     config.validate()?;
     let rig = load_rig(&args.rig)?;
     let pattern = load_checker(&args.pattern)?;
     check_panel(&args.pattern, pattern.projector, &args.rig, &rig)?;
-    let size = sheet_size(args, &rig)?;
-    let drawn = if args.as_drawn {
-        None
-    } else {
-        Some(rectify_checker(&rig, 0, &pattern).in_file(&args.rig)?.panel_from_source)
-    };
+    check_size(args, &rig)?;
+    let verifier = PhotoVerifier::new(&rig, &pattern, &config).in_file(&args.rig)?;
     let photo = load_photo(&args.photo, printer)?;
-    check_camera(args, &photo, &rig)?;
-    let found = detect(args, &photo, &pattern, size, drawn)?;
+    let view = PhotoView::try_from(&photo).in_file(&args.photo)?;
+    let VerifiedPhoto { detection: found, verification: result } =
+        verifier.verify(view).in_file(&args.photo)?;
     for note in &found.notes {
         printer.note(format!("{}: {note}", input_name(&args.photo)));
     }
-    let (corners, aspect) = outline(&pattern, drawn.as_ref()).ok_or_else(|| {
-        Failure::new(
-            Exit::Input,
-            format!("{}: the pattern cannot be drawn on the panel", args.pattern.display()),
-        )
-    })?;
-    let result = verify(&rig, &found.observation, &corners, aspect, &config).in_file(&args.photo)?;
     if let Some(place) = overlay {
         let picture = draw(&photo, &found, &rig, &result);
         write_all(&[(place, png_bytes(&picture)?)])?;
@@ -70,46 +64,15 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     Ok(())
 }
 
-fn sheet_size(args: &VerifyArgs, rig: &Rig) -> Outcome<RectangleSize> {
-    args.size.or_else(|| rig.views.first().map(|v| v.size)).ok_or_else(|| {
-        Failure::usage(format!(
-            "--size: expected the sheet's size, since {} holds no view of a sheet",
-            args.rig.display()
-        ))
-    })
-}
-
-fn check_camera(args: &VerifyArgs, photo: &DynamicImage, rig: &Rig) -> Outcome {
-    let (camera, found) = (rig.camera.model, [photo.width(), photo.height()]);
-    if [camera.width, camera.height] == found {
+/// The core asks for the size, too, but does not know the option that states it.
+fn check_size(args: &VerifyArgs, rig: &Rig) -> Outcome {
+    if args.size.is_some() || !rig.views.is_empty() {
         return Ok(());
     }
-    Err(Failure::new(
-        Exit::Input,
-        format!(
-            "{}: expected a photograph of {}x{} pixels, by the camera of {}, found {}x{}; a rig holds for one camera at one \
-             resolution, uncropped",
-            input_name(&args.photo),
-            camera.width,
-            camera.height,
-            args.rig.display(),
-            found[0],
-            found[1]
-        ),
-    ))
-}
-
-fn detect(
-    args: &VerifyArgs,
-    photo: &DynamicImage,
-    pattern: &CheckerPattern,
-    size: RectangleSize,
-    panel_from_pattern: Option<Warp>,
-) -> Outcome<Detection> {
-    let config = DetectConfig { encoding: args.gamma.gamma, corners: args.corners, panel_from_pattern };
-    config.validate()?;
-    let view = PhotoView::try_from(photo).in_file(&args.photo)?;
-    observe(view, None, size, Some(pattern), &config).in_file(&args.photo)
+    Err(Failure::usage(format!(
+        "--size: expected the sheet's size, since {} holds no view of a sheet",
+        args.rig.display()
+    )))
 }
 
 fn draw(photo: &DynamicImage, found: &Detection, rig: &Rig, result: &Verification) -> DynamicImage {

@@ -13,6 +13,7 @@ mod joint;
 mod judge;
 mod noise;
 pub(crate) mod plan;
+mod rectified;
 mod rectify;
 mod start;
 mod two_vp;
@@ -21,6 +22,7 @@ pub use config::{CalibrateConfig, DistortionModel, FocalPrior, Method, Principal
 pub use noise::{ExternalCalibration, NoiseFound, NoiseOf, calibrate_external};
 pub use plan::outlook::Predicted;
 pub use plan::{Advice, CameraPlan, NextView, TiltForecast, advise_first, advise_next};
+pub use rectified::{rectify_checker_picture, rectify_picture};
 pub use rectify::{Rectification, rectify, rectify_checker};
 
 // What `verify` shares with the calibration: its measurements, its model and its residuals.

@@ -77,21 +77,7 @@ impl Reconstructor {
     /// [`Error::Invalid`] for a rig without a projector, a pattern for another panel, the sheet's frame with a rig that
     /// has no views, or a configuration out of range.
     pub fn new(rig: &Rig, pattern: &StripePattern, config: ReconstructConfig) -> Result<Self> {
-        let Some(projector) = rig.projector else {
-            return Err(Error::invalid(
-                "rig",
-                "a calibrated projector (calibrate with --pattern)",
-                "a rig that holds the camera alone",
-            ));
-        };
-        let panel = [projector.model.width, projector.model.height];
-        if panel != pattern.projector {
-            return Err(Error::invalid(
-                "stripe pattern",
-                format!("a pattern for the rig's projector of {}x{} px", panel[0], panel[1]),
-                format!("one for {}x{} px", pattern.projector[0], pattern.projector[1]),
-            ));
-        }
+        rig.projector_for("stripe pattern", pattern.projector)?;
         let stages = Stages::new(rig, &config)?;
         let decoder = Decoder::new(pattern, config.decode)?;
         let camera = [rig.camera.model.width, rig.camera.model.height];

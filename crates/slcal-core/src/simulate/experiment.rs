@@ -1,5 +1,7 @@
 //! The published synthetic experiment: calibrate again and again under rising noise.
 
+use std::ops::ControlFlow;
+
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
@@ -233,24 +235,35 @@ impl NoiseExperiment {
         self.config.draws * self.config.levels_px.len()
     }
 
-    /// Runs all levels; `progress` is called before every draw with the number of those that are done.
+    /// Runs all levels; `progress` is called before every draw, which takes milliseconds, with the number of those that are
+    /// done, and may stop the run: then there is no report.
     ///
     /// # Errors
     /// [`Error::Invalid`] when a draw of the principal points puts something behind a device.
-    pub fn run(&self, mut progress: impl FnMut(usize)) -> Result<NoiseReport> {
+    pub fn run(&self, mut progress: impl FnMut(usize) -> ControlFlow<()>) -> Result<Option<NoiseReport>> {
         let mut levels = Vec::with_capacity(self.config.levels_px.len());
         for (i, &level_px) in self.config.levels_px.iter().enumerate() {
             let before = i * self.config.draws;
-            levels.push(self.level(i, level_px, &mut |done| progress(before + done))?);
+            let Some(level) = self.level(i, level_px, &mut |done| progress(before + done))? else {
+                return Ok(None);
+            };
+            levels.push(level);
         }
-        Ok(NoiseReport { truth: self.truth(), levels })
+        Ok(Some(NoiseReport { truth: self.truth(), levels }))
     }
 
-    fn level(&self, index: usize, level_px: f64, progress: &mut dyn FnMut(usize)) -> Result<LevelReport> {
+    fn level(
+        &self,
+        index: usize,
+        level_px: f64,
+        progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
+    ) -> Result<Option<LevelReport>> {
         let noise = NoiseModel::uniform(level_px);
         let mut tallies = [Tally::default(), Tally::default()];
         for draw in 0..self.config.draws {
-            progress(draw);
+            if progress(draw).is_break() {
+                return Ok(None);
+            }
             // A stream of its own for every draw: nothing depends on what came before.
             let mut draws = Draws::new(self.config.seed, ((index as u64) << 32) | draw as u64);
             let scene = self.drawn_scene(&mut draws);
@@ -263,11 +276,11 @@ impl NoiseExperiment {
             }
         }
         let [two_vp, ml] = tallies;
-        Ok(LevelReport {
+        Ok(Some(LevelReport {
             level_px,
             bound: self.bound(level_px)?,
             methods: [two_vp.report(MethodName::TwoVp), ml.report(MethodName::Ml)],
-        })
+        }))
     }
 
     fn prior_px(&self) -> [f64; 4] {

@@ -3,7 +3,7 @@
 use super::*;
 
 fn run(config: NoiseConfig) -> NoiseReport {
-    NoiseExperiment::new(config).unwrap().run(|_| {}).unwrap()
+    NoiseExperiment::new(config).unwrap().run(|_| ControlFlow::Continue(())).unwrap().unwrap()
 }
 
 fn at(level_px: f64, draws: usize) -> NoiseConfig {
@@ -88,6 +88,19 @@ fn the_same_seed_gives_the_same_numbers_and_levels_do_not_depend_on_each_other()
     let first = run(NoiseConfig { levels_px: vec![0.1], ..two.clone() });
     assert_eq!(first.levels[0], a.levels[0]);
     assert_ne!(run(NoiseConfig { seed: 2, ..two }), a);
+}
+
+#[test]
+fn a_run_can_be_stopped_between_draws() {
+    let config = NoiseConfig { levels_px: vec![0.1, 0.3], draws: 3, ..NoiseConfig::default() };
+    let experiment = NoiseExperiment::new(config).unwrap();
+    let mut told = Vec::new();
+    let stopped = experiment.run(|done| {
+        told.push(done);
+        if done == 4 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert_eq!((stopped, told), (Ok(None), vec![0, 1, 2, 3, 4]));
+    assert_eq!(experiment.run(|_| ControlFlow::Break(())), Ok(None));
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod made;
 mod scene;
 
 use std::fmt::Write as _;
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use slcal_core::ExternalObservations;
@@ -15,7 +16,7 @@ use slcal_core::simulate::{
 
 use super::calibrate::rig_bytes;
 use crate::args::{NoiseArgs, PrincipalPointsArg, RigArgs, SimulateVerb, ViewsArgs};
-use crate::exit::{Failure, Outcome};
+use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{Destination, check_distinct, write_all};
 use crate::noise_table;
 use crate::output::{Printer, print_json, print_result};
@@ -74,7 +75,9 @@ fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
             told = Instant::now();
             printer.note(format!("{done} of {total} draws"));
         }
+        ControlFlow::Continue(())
     })?;
+    let report = report.ok_or_else(|| Failure::new(Exit::Other, "the experiment was stopped"))?;
     if let Some(place) = csv {
         write_all(&[(place, report.csv().into_bytes())])?;
     }
