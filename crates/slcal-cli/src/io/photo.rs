@@ -40,17 +40,6 @@ pub(crate) fn load_photo_and_file(path: &Path, printer: Printer) -> Outcome<(Dyn
 /// The same for work that must not print.
 pub(crate) fn read_photo(path: &Path, remarks: &mut Remarks) -> Outcome<(DynamicImage, Vec<u8>)> {
     let name = input_name(path);
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if RAW_EXTENSIONS.contains(&extension.as_str()) {
-        // A file that is not there is missing, whatever it would have been.
-        read_bytes(path, "a photograph")?;
-        return Err(refused(
-            &name,
-            "a camera raw file",
-            "develop it to a 16 bit TIFF first, for instance with `darktable-cli IN OUT.tif` or `dcraw -T -6 IN` \
-             (and say --gamma linear if the result is linear)",
-        ));
-    }
     let bytes = read_bytes(path, "a photograph")?;
     let (photo, orientation) = decode_photo(&bytes, &name)?;
     if orientation != Orientation::NoTransforms {
@@ -64,8 +53,18 @@ pub(crate) fn read_photo(path: &Path, remarks: &mut Remarks) -> Outcome<(Dynamic
     Ok((photo, bytes))
 }
 
-/// Decodes the bytes of a photograph called `name` in messages.
+/// Decodes the bytes of a photograph called `name` in messages, whose ending tells camera raw files.
 pub(crate) fn decode_photo(bytes: &[u8], name: &str) -> Outcome<(DynamicImage, Orientation)> {
+    let extension =
+        Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if RAW_EXTENSIONS.contains(&extension.as_str()) {
+        return Err(refused(
+            name,
+            "a camera raw file",
+            "develop it to a 16 bit TIFF first, for instance with `darktable-cli IN OUT.tif` or `dcraw -T -6 IN` \
+             (and say --gamma linear if the result is linear)",
+        ));
+    }
     if is_heic(bytes) {
         return Err(refused(
             name,
