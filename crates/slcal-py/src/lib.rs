@@ -4,11 +4,16 @@
 //! of the work in their order, each with the classes that it takes and gives. Every call of the core runs without the
 //! interpreter's lock.
 
+mod cloud;
 mod convert;
+mod decode;
 mod errors;
+mod evaluate;
 mod files;
 mod geometry;
+mod matches;
 mod pattern;
+mod reconstruct;
 mod rig;
 
 use std::ffi::OsString;
@@ -29,5 +34,10 @@ fn _slcal(module: &Bound<'_, PyModule>) -> PyResult<()> {
     pattern::register(module)?;
     geometry::register(module)?;
     rig::register(module)?;
+    matches::register(module)?;
+    decode::register(module)?;
+    cloud::register(module)?;
+    reconstruct::register(module)?;
+    evaluate::register(module)?;
     module.add_function(wrap_pyfunction!(run_command, module)?)
 }

@@ -132,17 +132,30 @@ fn stored<T: Element + Copy>(mut view: ArrayViewD<'_, T>) -> Stored<'_, T> {
 impl Pixels<'_> {
     /// The photograph as the core takes it.
     pub(crate) fn view(&self, py: Python<'_>) -> PyResult<PhotoView<'_>> {
+        self.in_layout(py, |layout| layout)
+    }
+
+    /// The same with red for blue and blue for red.
+    pub(crate) fn swapped(&self, py: Python<'_>) -> PyResult<PhotoView<'_>> {
+        self.in_layout(py, |layout| match layout {
+            Layout::Rgb => Layout::Bgr,
+            Layout::Bgr => Layout::Rgb,
+            other => other,
+        })
+    }
+
+    fn in_layout(&self, py: Python<'_>, of: impl Fn(Layout) -> Layout) -> PyResult<PhotoView<'_>> {
         match self {
-            Self::Bytes(s) => s.view(py, Samples::U8(&s.samples)),
-            Self::Words(s) => s.view(py, Samples::U16(&s.samples)),
+            Self::Bytes(s) => s.view(py, Samples::U8(&s.samples), of(s.layout)),
+            Self::Words(s) => s.view(py, Samples::U16(&s.samples), of(s.layout)),
         }
     }
 }
 
 impl<T: Clone> Stored<'_, T> {
-    fn view<'b>(&self, py: Python<'_>, samples: Samples<'b>) -> PyResult<PhotoView<'b>> {
+    fn view<'b>(&self, py: Python<'_>, samples: Samples<'b>, layout: Layout) -> PyResult<PhotoView<'b>> {
         let stride = self.width * if self.layout.has_color() { 3 } else { 1 };
-        PhotoView::new(samples, self.width, self.height, stride, self.layout).raise(py, Looking::ForSheet)
+        PhotoView::new(samples, self.width, self.height, stride, layout).raise(py, Looking::ForSheet)
     }
 }
 

@@ -1,0 +1,530 @@
+//! Points in space.
+
+use nalgebra::{Point2, Point3};
+use numpy::PyReadonlyArray2;
+use numpy::ndarray::ArrayView1;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
+use slcal_core::format::{read_ply, write_glb, write_obj, write_pcd, write_ply, write_xyz};
+use slcal_core::solve::median;
+use slcal_core::{CloudPoint, Frame};
+
+use crate::convert::array::{column, integers_of, rows, rows_of, vector_of};
+use crate::convert::option;
+use crate::convert::report::Reported;
+use crate::errors::{self, Looking, Raise as _, raised_from};
+use crate::evaluate;
+use crate::files;
+use crate::matches::{as_many, colors_of, within};
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<PointCloud>()
+}
+
+/// Files of clouds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Format {
+    Ply,
+    Pcd,
+    Xyz,
+    Obj,
+    Glb,
+}
+
+const FORMATS: [(&str, Format); 5] = [
+    ("ply", Format::Ply),
+    ("pcd", Format::Pcd),
+    ("xyz", Format::Xyz),
+    ("obj", Format::Obj),
+    ("glb", Format::Glb),
+];
+
+impl Format {
+    fn named(name: &Bound<'_, PyAny>) -> PyResult<Self> {
+        option::one_of(name, "format", &FORMATS)
+    }
+
+    /// By the extension of a path; PLY for file objects.
+    fn of_file(file: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let Some(path) = files::path_of(file)? else { return Ok(Self::Ply) };
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+        let found = FORMATS.iter().find(|(name, _)| extension == *name);
+        found.map(|(_, format)| *format).ok_or_else(|| {
+            let wanted = "a file name that ends in .ply, .pcd, .xyz, .obj or .glb, or format=";
+            errors::invalid(file.py(), "file", wanted, &path.display().to_string())
+        })
+    }
+
+    fn is_text(self) -> bool {
+        matches!(self, Self::Xyz | Self::Obj)
+    }
+
+    fn bytes(self, cloud: &slcal_core::PointCloud) -> slcal_core::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        match self {
+            Self::Ply => write_ply(cloud, &mut bytes),
+            Self::Pcd => write_pcd(cloud, &mut bytes),
+            Self::Xyz => write_xyz(cloud, &mut bytes),
+            Self::Obj => write_obj(cloud, &mut bytes),
+            Self::Glb => write_glb(cloud, &mut bytes),
+        }?;
+        Ok(bytes)
+    }
+}
+
+/// Points in space, with what is known of each, and the triangles between them where a mesh was asked for.
+///
+/// `Rig.reconstruct` and `Rig.triangulate` make clouds; they can also be made of arrays. Two of them are equal when their
+/// numbers are (NaN equals NaN); the report is not compared. ``np.asarray(cloud)`` gives the points.
+///
+/// Parameters
+/// ----------
+/// points : array_like
+///     (N, 3), mm.
+/// colors : array_like, optional
+///     (N, 3), sRGB from 0 to 255; black unless given.
+/// sigma : array_like, optional
+///     (N,) or one for all: 1σ along the camera's ray, mm; 0 unless given.
+/// noise : array_like, optional
+///     (N,) or one for all: the part of `sigma` that differs from point to point, mm; 0 unless given.
+/// pixels : array_like, optional
+///     (N, 2): the camera pixels in which the points are seen; NaN unless given.
+/// slits : array_like, optional
+///     (N,): numbers of the slits; 0 unless given.
+/// confidence : array_like, optional
+///     (N,) or one for all, 0 to 1; 1 unless given.
+/// triangles : array_like, optional
+///     (M, 3): indices into the points, counter-clockwise as the camera sees them.
+/// frame : {"camera", "plane"}, default "camera"
+///     Whose coordinates these are: the camera's, or those of the sheet of the rig's first view.
+/// camera_centre : array_like, optional
+///     (3,): where the camera stands in these coordinates, mm; the origin unless given.
+///
+/// Raises
+/// ------
+/// Error
+///     When the shapes do not fit each other, points are not finite, or a number is out of its range.
+/// TypeError
+///     When something is no array of numbers.
+///
+/// Examples
+/// --------
+/// >>> cloud = slcal.PointCloud([[0, 0, 1000], [3, 4, 1000]], sigma=0.2)
+/// >>> cloud
+/// PointCloud(2 points, 1000.0 to 1000.0 mm from the camera, median σ 0.200 mm)
+/// >>> np.asarray(cloud).shape
+/// (2, 3)
+#[pyclass(frozen, module = "slcal", eq)]
+pub(crate) struct PointCloud {
+    pub(crate) cloud: slcal_core::PointCloud,
+    pub(crate) report: Reported,
+}
+
+impl PartialEq for PointCloud {
+    fn eq(&self, other: &Self) -> bool {
+        let (a, b) = (&self.cloud, &other.cloud);
+        a.triangles == b.triangles
+            && a.frame == b.frame
+            && a.camera_centre == b.camera_centre
+            && a.points.len() == b.points.len()
+            && a.points.iter().zip(&b.points).all(|(p, q)| same_point(p, q))
+    }
+}
+
+/// What is a number of a point.
+const NUMBERS: usize = 8;
+
+fn numbers(p: &CloudPoint) -> [f64; NUMBERS] {
+    let (x, u) = (p.position, p.pixel);
+    [x.x, x.y, x.z, u.x, u.y, p.sigma_mm, p.noise_mm, p.confidence]
+}
+
+fn same_point(p: &CloudPoint, q: &CloudPoint) -> bool {
+    let same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan());
+    p.color == q.color && p.slit == q.slit && numbers(p).iter().zip(&numbers(q)).all(same)
+}
+
+impl From<slcal_core::PointCloud> for PointCloud {
+    fn from(cloud: slcal_core::PointCloud) -> Self {
+        Self { cloud, report: Reported::default() }
+    }
+}
+
+/// (M, 3) indices of `n` points.
+fn triangles_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<[u32; 3]>> {
+    let index = |x: f64| (x.fract() == 0.0 && x >= 0.0 && x < n as f64).then_some(x as u32);
+    let triangle = |(i, t): (usize, [f64; 3])| match t.map(index) {
+        [Some(a), Some(b), Some(c)] => Ok([a, b, c]),
+        _ => {
+            let found = format!("{t:?} in row {i}");
+            Err(errors::invalid(values.py(), "triangles", &format!("indices of the {n} points"), &found))
+        }
+    };
+    rows_of::<3>(values, "triangles")?.into_iter().enumerate().map(triangle).collect()
+}
+
+fn slits_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<u16>> {
+    let slits = integers_of(values, "slits", [0, i64::from(u16::MAX)])?;
+    as_many(values.py(), "slits", slits.len(), n)?;
+    Ok(slits.into_iter().map(|s| s as u16).collect())
+}
+
+/// (N, 2) pixels, NaN where a point was seen in none.
+fn pixels_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<[f64; 2]>> {
+    let numbers = crate::convert::array::Numbers::of(values, "pixels")?;
+    let view = numbers.view();
+    if view.shape() != [n, 2] {
+        let found = format!("{:?}", view.shape()).replace('[', "(").replace(']', ")");
+        let wanted = format!("shape ({n}, 2)");
+        return Err(errors::invalid(values.py(), "pixels", &wanted, &format!("shape {found}")));
+    }
+    Ok((0..n).map(|i| [view[[i, 0]], view[[i, 1]]]).collect())
+}
+
+#[pymethods]
+impl PointCloud {
+    #[new]
+    #[pyo3(
+        signature = (
+            points, *, colors=None, sigma=None, noise=None, pixels=None, slits=None, confidence=None, triangles=None,
+            frame=None, camera_centre=None
+        ),
+        text_signature = "(points, *, colors=None, sigma=None, noise=None, pixels=None, slits=None, confidence=None, \
+                          triangles=None, frame='camera', camera_centre=None)"
+    )]
+    #[allow(clippy::too_many_arguments, reason = "what is known of points")]
+    fn new(
+        points: &Bound<'_, PyAny>,
+        colors: Option<&Bound<'_, PyAny>>,
+        sigma: Option<&Bound<'_, PyAny>>,
+        noise: Option<&Bound<'_, PyAny>>,
+        pixels: Option<&Bound<'_, PyAny>>,
+        slits: Option<&Bound<'_, PyAny>>,
+        confidence: Option<&Bound<'_, PyAny>>,
+        triangles: Option<&Bound<'_, PyAny>>,
+        frame: Option<&Bound<'_, PyAny>>,
+        camera_centre: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let points = rows_of::<3>(points, "points")?;
+        let n = points.len();
+        let colors = colors.map(|v| colors_of(v, n)).transpose()?;
+        let sigma = sigma.map(|v| within(v, n, "sigma", f64::MAX)).transpose()?;
+        let noise = noise.map(|v| within(v, n, "noise", f64::MAX)).transpose()?;
+        let pixels = pixels.map(|v| pixels_of(v, n)).transpose()?;
+        let slits = slits.map(|v| slits_of(v, n)).transpose()?;
+        let confidence = confidence.map(|v| within(v, n, "confidence", 1.0)).transpose()?;
+        let triangles = triangles.map_or(Ok(Vec::new()), |v| triangles_of(v, n))?;
+        let camera_centre = camera_centre.map_or(Ok([0.0; 3]), |v| vector_of(v, "camera_centre"))?;
+        let point = |(i, p): (usize, [f64; 3])| CloudPoint {
+            position: Point3::from(p),
+            pixel: Point2::from(pixels.as_ref().map_or([f64::NAN; 2], |u| u[i])),
+            color: colors.as_ref().map_or([0; 3], |c| c[i]),
+            sigma_mm: sigma.as_ref().map_or(0.0, |s| s[i]),
+            noise_mm: noise.as_ref().map_or(0.0, |s| s[i]),
+            slit: slits.as_ref().map_or(0, |s| s[i]),
+            confidence: confidence.as_ref().map_or(1.0, |c| c[i]),
+        };
+        let points = points.into_iter().enumerate().map(point).collect();
+        let (frame, camera_centre) = (option::frame(frame)?, Point3::from(camera_centre));
+        Ok(slcal_core::PointCloud { points, triangles, frame, camera_centre }.into())
+    }
+
+    /// Positions: (N, 3) float64, mm.
+    #[getter]
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(py, self.cloud.points.iter().map(|p| p.position.into()))
+    }
+
+    /// Colours: (N, 3) uint8, sRGB.
+    #[getter]
+    fn colors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(py, self.cloud.points.iter().map(|p| p.color))
+    }
+
+    /// 1σ along the camera's ray: (N,) float64, mm; of the match and of the rig together.
+    #[getter]
+    fn sigma<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        column(py, self.cloud.points.iter().map(|p| p.sigma_mm))
+    }
+
+    /// The part of `sigma` that differs from point to point: (N,) float64, mm. The rest is common to the whole cloud.
+    #[getter]
+    fn noise<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        column(py, self.cloud.points.iter().map(|p| p.noise_mm))
+    }
+
+    /// Camera pixels (x, y) in which the points were seen: (N, 2) float64, NaN in clouds from files.
+    #[getter]
+    fn pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(py, self.cloud.points.iter().map(|p| [p.pixel.x, p.pixel.y]))
+    }
+
+    /// Numbers of the slits: (N,) uint16, 0 where the matches were not of stripes.
+    #[getter]
+    fn slits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        column(py, self.cloud.points.iter().map(|p| p.slit))
+    }
+
+    /// How sure the matches were: (N,) float64, 0 to 1.
+    #[getter]
+    fn confidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        column(py, self.cloud.points.iter().map(|p| p.confidence))
+    }
+
+    /// Indices into the points: (M, 3) uint32, counter-clockwise as the camera sees them; (0, 3) without a mesh.
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(py, self.cloud.triangles.iter().copied())
+    }
+
+    /// Whose coordinates these are: "camera", or "plane" for the sheet of the rig's first view.
+    #[getter]
+    fn frame(&self) -> &'static str {
+        match self.cloud.frame {
+            Frame::Camera => "camera",
+            Frame::Plane => "plane",
+        }
+    }
+
+    /// Where the camera stands in these coordinates: (3,) float64, mm.
+    #[getter]
+    fn camera_centre<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        column(py, self.cloud.camera_centre.iter().copied())
+    }
+
+    /// How the cloud came about; None for one that was constructed or loaded.
+    #[getter]
+    fn report(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
+        self.report.get(py)
+    }
+
+    /// Writes the cloud.
+    ///
+    /// PLY holds all but pixels, in single precision; OBJ and GLB hold points, colours and triangles (GLB in metres, y up); PCD and
+    /// XYZ have no triangles.
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     A path, where the file appears when it is complete and replaces an older one, or an object with write().
+    /// format : {"ply", "pcd", "xyz", "obj", "glb"}, optional
+    ///     By the extension of the path unless given; "ply" for file objects.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When neither the extension nor `format` is one of these.
+    /// OSError
+    ///     When the file cannot be written.
+    #[pyo3(signature = (file, *, format=None))]
+    fn save(&self, file: &Bound<'_, PyAny>, format: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let py = file.py();
+        let format = format.map_or_else(|| Format::of_file(file), Format::named)?;
+        let bytes = py.detach(|| format.bytes(&self.cloud)).raise(py, Looking::ForStripes)?;
+        files::write(file, &bytes, format.is_text())
+    }
+
+    /// Reads a cloud from a PLY file, text or binary.
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     Positions are needed; colours, sigma, noise, slit, confidence and faces are taken when they are there.
+    ///
+    /// Returns
+    /// -------
+    /// PointCloud
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     When the file cannot be read.
+    /// FormatError
+    ///     When it is no PLY, or not a whole one.
+    /// Error
+    ///     When its name is that of another format, which are written only.
+    #[staticmethod]
+    fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let py = file.py();
+        if let Some(path) = files::path_of(file)?
+            && let Ok(format) = Format::of_file(file)
+            && format != Format::Ply
+        {
+            let wanted = "a PLY file; the other formats are written only";
+            return Err(errors::invalid(py, "file", wanted, &path.display().to_string()));
+        }
+        let contents = files::read(file)?;
+        let name = contents.name.as_deref();
+        let read = py.detach(|| read_ply(contents.bytes.as_slice()));
+        read.map(Self::from).map_err(|e| raised_from(py, &e, Looking::ForStripes, name))
+    }
+
+    /// The content of the file that `save` would write.
+    #[pyo3(signature = (format=None), text_signature = "($self, format='ply')")]
+    fn to_bytes<'py>(
+        &self,
+        py: Python<'py>,
+        format: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let format = format.map_or(Ok(Format::Ply), Format::named)?;
+        let bytes = py.detach(|| format.bytes(&self.cloud)).raise(py, Looking::ForStripes)?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Fits a plane to the points, which may hold other things as well.
+    ///
+    /// Returns
+    /// -------
+    /// PlaneFit
+    ///     The plane, and how far its inliers lie from it.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When there are fewer than three points, or no plane has points on it.
+    fn fit_plane<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate::plane(py, &self.cloud)
+    }
+
+    /// Fits a sphere to the points, which may hold a wall as well.
+    ///
+    /// Returns
+    /// -------
+    /// SphereFit
+    ///     The sphere, and how far its inliers lie from it.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When there are fewer than four points, or no sphere that the camera could see has points on it.
+    fn fit_sphere<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate::sphere(py, &self.cloud)
+    }
+
+    fn __len__(&self) -> usize {
+        self.cloud.points.len()
+    }
+
+    /// The points as NumPy takes them: ``np.asarray(cloud)`` is (N, 3) float64, mm.
+    #[pyo3(signature = (dtype=None, copy=None))]
+    fn __array__<'py>(
+        &self,
+        py: Python<'py>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        copy: Option<bool>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if copy == Some(false) {
+            return Err(PyValueError::new_err("a cloud's points cannot be an array without a copy"));
+        }
+        let points = self.points(py)?;
+        let Some(dtype) = dtype else { return Ok(points) };
+        let options = PyDict::new(py);
+        options.set_item("copy", false)?;
+        points.call_method("astype", (dtype,), Some(&options))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let state = [
+            rows(py, self.cloud.points.iter().map(numbers))?,
+            self.colors(py)?,
+            self.slits(py)?,
+            self.triangles(py)?,
+            self.frame().into_pyobject(py)?.into_any(),
+            self.camera_centre(py)?,
+            self.report(py)?.into_pyobject(py)?,
+        ];
+        Ok((py.get_type::<Self>().getattr("_restored")?, PyTuple::new(py, state)?))
+    }
+
+    #[staticmethod]
+    fn _restored(
+        numbers: PyReadonlyArray2<'_, f64>,
+        colors: &Bound<'_, PyAny>,
+        slits: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+        frame: &Bound<'_, PyAny>,
+        camera_centre: [f64; 3],
+        report: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let py = colors.py();
+        let numbers = numbers.as_array();
+        let n = numbers.nrows();
+        as_many(py, "columns of a pickle", numbers.ncols(), NUMBERS)?;
+        let (colors, slits) = (colors_of(colors, n)?, slits_of(slits, n)?);
+        let point = |((row, color), slit): ((ArrayView1<'_, f64>, [u8; 3]), u16)| CloudPoint {
+            position: Point3::new(row[0], row[1], row[2]),
+            pixel: Point2::new(row[3], row[4]),
+            color,
+            sigma_mm: row[5],
+            noise_mm: row[6],
+            slit,
+            confidence: row[7],
+        };
+        let points = numbers.rows().into_iter().zip(colors).zip(slits).map(point).collect();
+        let cloud = slcal_core::PointCloud {
+            points,
+            triangles: triangles_of(triangles, n)?,
+            frame: option::frame(Some(frame))?,
+            camera_centre: Point3::from(camera_centre),
+        };
+        Ok(Self { cloud, report: Reported::restored(py, report) })
+    }
+
+    fn _repr_html_(&self) -> String {
+        let rows: String = self
+            .in_words()
+            .iter()
+            .map(|(name, value)| {
+                format!("<tr><th style=\"text-align:left\">{name}</th><td>{value}</td></tr>")
+            })
+            .collect();
+        format!("<table><caption>PointCloud</caption>{rows}</table>")
+    }
+
+    fn __repr__(&self) -> String {
+        let n = self.cloud.points.len();
+        let points = format!("{n} point{}", if n == 1 { "" } else { "s" });
+        let triangles = match self.cloud.triangles.len() {
+            0 => String::new(),
+            m => format!(", {m} triangle{}", if m == 1 { "" } else { "s" }),
+        };
+        let distances = self
+            .distances()
+            .map_or_else(String::new, |[near, far]| format!(", {near:.1} to {far:.1} mm from the camera"));
+        let sigma = self.median_sigma().map_or_else(String::new, |s| format!(", median σ {s:.3} mm"));
+        format!("PointCloud({points}{triangles}{distances}{sigma})")
+    }
+}
+
+impl PointCloud {
+    /// Least and greatest distance from the camera, mm.
+    fn distances(&self) -> Option<[f64; 2]> {
+        let centre = &self.cloud.camera_centre;
+        let all = || self.cloud.points.iter().map(|p| (p.position - centre).norm()).filter(|d| d.is_finite());
+        Some([all().reduce(f64::min)?, all().reduce(f64::max)?])
+    }
+
+    /// Median of σ, mm; `None` where none is known.
+    fn median_sigma(&self) -> Option<f64> {
+        let known = |p: &CloudPoint| p.sigma_mm.is_finite() && p.sigma_mm > 0.0;
+        let mut sigma: Vec<f64> = self.cloud.points.iter().filter(|p| known(p)).map(|p| p.sigma_mm).collect();
+        median(&mut sigma)
+    }
+
+    /// What a notebook shows.
+    fn in_words(&self) -> Vec<(&'static str, String)> {
+        let mut words = vec![("points", self.cloud.points.len().to_string())];
+        if !self.cloud.triangles.is_empty() {
+            words.push(("triangles", self.cloud.triangles.len().to_string()));
+        }
+        if let Some([near, far]) = self.distances() {
+            words.push(("distance from the camera", format!("{near:.1} to {far:.1} mm")));
+        }
+        if let Some(sigma) = self.median_sigma() {
+            words.push(("median σ along the ray", format!("{sigma:.3} mm")));
+        }
+        words.push(("frame", self.frame().to_owned()));
+        words
+    }
+}

@@ -1,0 +1,146 @@
+//! Photograph of stripes → matches.
+
+use pyo3::prelude::*;
+use slcal_core::decode::{DecodeConfig, DecodeInput, decode_frames};
+use slcal_core::{Error, Result};
+
+use crate::convert::image::Photo;
+use crate::convert::option;
+use crate::convert::report::Reported;
+use crate::errors::{Looking, raised};
+use crate::matches::Matches;
+use crate::pattern::StripePattern;
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(decode, module)?)
+}
+
+/// The photographs of one scene.
+pub(crate) struct Frames<'py> {
+    image: Photo<'py>,
+    black: Option<Photo<'py>>,
+    white: Option<Photo<'py>>,
+}
+
+impl<'py> Frames<'py> {
+    pub(crate) fn of(
+        image: &Bound<'py, PyAny>,
+        black: Option<&Bound<'py, PyAny>>,
+        white: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        Ok(Self {
+            image: Photo::of(image, "image")?,
+            black: black.map(|b| Photo::of(b, "black")).transpose()?,
+            white: white.map(|w| Photo::of(w, "white")).transpose()?,
+        })
+    }
+
+    /// What `work` makes of the photographs, without the interpreter's lock. When it does not find what it looks for, it
+    /// is tried once more with red for blue, so that the message can name the usual reason.
+    pub(crate) fn read<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl Fn(&DecodeInput<'_>) -> Result<T> + Send + Sync,
+    ) -> PyResult<T> {
+        let image = self.image.pixels();
+        let [black, white] = [&self.black, &self.white].map(|p| p.as_ref().map(Photo::pixels));
+        let given = DecodeInput {
+            photo: image.view(py)?,
+            black: black.as_ref().map(|p| p.view(py)).transpose()?,
+            white: white.as_ref().map(|p| p.view(py)).transpose()?,
+        };
+        let swapped = DecodeInput {
+            photo: image.swapped(py)?,
+            black: black.as_ref().map(|p| p.swapped(py)).transpose()?,
+            white: white.as_ref().map(|p| p.swapped(py)).transpose()?,
+        };
+        let done = py.detach(|| {
+            work(&given).map_err(|error| {
+                let missing = matches!(error, Error::NotFound { .. });
+                if missing && work(&swapped).is_ok() { blue_first(error) } else { error }
+            })
+        });
+        done.map_err(|error| raised(py, &error, Looking::ForStripes))
+    }
+}
+
+/// The error of a photograph in which the stripes are found once red and blue change places.
+fn blue_first(error: Error) -> Error {
+    match error {
+        Error::NotFound { what, seen, .. } => Error::NotFound {
+            what,
+            seen: format!("{seen}; but they are there when red and blue are swapped"),
+            advice: "the image seems to be in OpenCV's BGR order: give image[..., ::-1] or \
+                     cv2.cvtColor(image, cv2.COLOR_BGR2RGB)"
+                .into(),
+        },
+        other => other,
+    }
+}
+
+/// How photographs are read.
+pub(crate) fn config(gamma: Option<&Bound<'_, PyAny>>, min_confidence: f64) -> PyResult<DecodeConfig> {
+    Ok(DecodeConfig { encoding: option::gamma(gamma)?, min_confidence, ..DecodeConfig::default() })
+}
+
+/// Finds the stripes of a photograph and says which slit each is.
+///
+/// Parameters
+/// ----------
+/// image : ndarray
+///     (H, W, 3), uint8 or uint16, RGB order: what stands before the rig, with the stripes projected.
+/// pattern : StripePattern
+///     The stripes.
+/// black, white : ndarray, optional
+///     The same view with a dark projector (the room's light is taken off) and with plain white (the surface's own colours
+///     are divided out).
+/// gamma : {"srgb", "linear"} or float, default "srgb"
+///     How the image's values follow the light.
+/// min_confidence : float, default 0.4
+///     Matches below it are left out and counted, 0 to 1.
+///
+/// Returns
+/// -------
+/// Matches
+///     One per slit and image row (column, where the stripes lie across); its `report` says what was seen and why some
+///     of it was left out.
+///
+/// Raises
+/// ------
+/// TypeError
+///     When the image is no array of uint8 or uint16.
+/// Error
+///     When its shape is another one, it is grey, frames differ in size, or an option is out of range.
+/// DecodeError
+///     When there are no stripes in it, or not those of the pattern. The message says so when they are found as soon as red
+///     and blue change places.
+///
+/// Examples
+/// --------
+/// >>> stripes = slcal.StripePattern(projector=(1024, 768))
+/// >>> matches = slcal.decode(stripes.image(), stripes)  # The projector's own picture: what it lights is itself.
+/// >>> bool(np.abs(matches.pixels[:, 0] - matches.columns).max() < 0.05)
+/// True
+/// >>> matches.report.slits
+/// 64
+#[pyfunction]
+#[pyo3(
+    signature = (image, pattern, *, black=None, white=None, gamma=None, min_confidence=0.4),
+    text_signature = "(image, pattern, *, black=None, white=None, gamma='srgb', min_confidence=0.4)"
+)]
+fn decode(
+    image: &Bound<'_, PyAny>,
+    pattern: &Bound<'_, StripePattern>,
+    black: Option<&Bound<'_, PyAny>>,
+    white: Option<&Bound<'_, PyAny>>,
+    gamma: Option<&Bound<'_, PyAny>>,
+    min_confidence: f64,
+) -> PyResult<Matches> {
+    let py = image.py();
+    let frames = Frames::of(image, black, white)?;
+    let config = config(gamma, min_confidence)?;
+    let pattern = &pattern.get().0;
+    let decoding = frames.read(py, |input| decode_frames(input, pattern, &config))?;
+    let report = Reported::of("DecodeReport", &decoding.report);
+    Ok(Matches { matches: decoding.matches, report })
+}

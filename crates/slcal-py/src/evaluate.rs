@@ -1,0 +1,95 @@
+//! How far the points of a cloud lie from a plane or a sphere.
+
+use nalgebra::Point3;
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+use slcal_core::evaluate::{FitConfig, fit_plane, fit_sphere};
+use slcal_core::format::report_json::{plane_evaluation, sphere_evaluation};
+use slcal_core::{CloudPoint, Result};
+
+use crate::cloud::PointCloud;
+use crate::convert::array::rows_of;
+use crate::convert::option::one_of;
+use crate::convert::report::record;
+use crate::errors::{Looking, Raise as _};
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(evaluate, module)?)
+}
+
+/// A function that fits one shape and gives its record.
+type Fit = for<'py> fn(Python<'py>, &slcal_core::PointCloud) -> PyResult<Bound<'py, PyAny>>;
+
+/// Fits a plane or a sphere to a cloud and says how far its points lie from it, as ``slcal evaluate`` does.
+///
+/// The fit is robust: the cloud may hold other things as well. Points count as inliers within four times their robust σ,
+/// and the figures are those of the inliers.
+///
+/// Parameters
+/// ----------
+/// cloud : PointCloud or array_like
+///     The points; of an array (N, 3), mm, in the camera's frame.
+/// shape : {"plane", "sphere"}
+///     What to fit.
+///
+/// Returns
+/// -------
+/// PlaneFit or SphereFit
+///
+/// Raises
+/// ------
+/// Error
+///     When there are too few points, they are not finite, or no such shape has points on it.
+///
+/// Examples
+/// --------
+/// >>> x, y = np.meshgrid(np.arange(20.0), np.arange(20.0))
+/// >>> fit = slcal.evaluate(np.stack([x, y, 1000 + 0.5 * x], axis=-1).reshape(-1, 3), "plane")
+/// >>> fit.report.inliers, bool(fit.report.rms_mm < 1e-9)
+/// (400, True)
+#[pyfunction]
+fn evaluate<'py>(cloud: &Bound<'py, PyAny>, shape: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let py = cloud.py();
+    let fit = one_of(shape, "shape", &[("plane", plane as Fit), ("sphere", sphere as Fit)])?;
+    if let Ok(cloud) = cloud.cast::<PointCloud>() {
+        return fit(py, &cloud.get().cloud);
+    }
+    let point = |p: [f64; 3]| CloudPoint {
+        position: Point3::from(p),
+        pixel: Point3::from([f64::NAN; 3]).xy(),
+        color: [0; 3],
+        sigma_mm: 0.0,
+        noise_mm: 0.0,
+        slit: 0,
+        confidence: 1.0,
+    };
+    let points = rows_of::<3>(cloud, "cloud")?.into_iter().map(point).collect();
+    fit(py, &slcal_core::PointCloud { points, ..slcal_core::PointCloud::default() })
+}
+
+/// The plane of a cloud.
+pub(crate) fn plane<'py>(py: Python<'py>, cloud: &slcal_core::PointCloud) -> PyResult<Bound<'py, PyAny>> {
+    fitted(py, "PlaneFit", "plane", |config| {
+        fit_plane(cloud, config).map(|fit| json!(plane_evaluation(&fit, config)))
+    })
+}
+
+/// The sphere of a cloud.
+pub(crate) fn sphere<'py>(py: Python<'py>, cloud: &slcal_core::PointCloud) -> PyResult<Bound<'py, PyAny>> {
+    fitted(py, "SphereFit", "sphere", |config| {
+        fit_sphere(cloud, config).map(|fit| json!(sphere_evaluation(&fit, config)))
+    })
+}
+
+/// The record of a fit, from what the command says of it: {shape: {parameters}, figures}.
+fn fitted<'py>(
+    py: Python<'py>,
+    class: &str,
+    shape: &str,
+    fit: impl FnOnce(&FitConfig) -> Result<Value> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let mut said = py.detach(|| fit(&FitConfig::default())).raise(py, Looking::ForSheet)?;
+    let mut fields = said.get_mut(shape).map(Value::take).unwrap_or_default();
+    fields["report"] = said;
+    record(py, class, &fields)
+}

@@ -1,0 +1,341 @@
+//! Camera pixel ↔ projector coordinate: what decoders give and triangulation takes.
+
+use nalgebra::Point2;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use slcal_core::Match;
+use slcal_core::format::{read_matches, write_matches};
+
+use crate::convert::array::{bytes_of, column, column_of, integers_of, rows, rows_of};
+use crate::convert::report::Reported;
+use crate::errors::{self, Looking, Raise as _, raised_from};
+use crate::files;
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Matches>()
+}
+
+/// 1σ of a match when nobody says, px: that of a matches file without the column.
+const DEFAULT_SIGMA_PX: f64 = 0.1;
+/// Slits have numbers below this.
+const SLITS: i64 = u16::MAX as i64;
+
+/// Which projector column or row lights which camera pixel.
+///
+/// `slcal.decode` makes them; those of another decoder are made from its arrays. Two of them are equal when their numbers
+/// are; the report is not compared.
+///
+/// Parameters
+/// ----------
+/// pixels : array_like
+///     (N, 2), camera px: x right, y down, the middle of the first pixel at (0, 0).
+/// columns, rows : array_like, optional
+///     (N,), projector px; NaN where one is not known. At least one of the two.
+/// slits : array_like, optional
+///     (N,), numbers of the slits from 0 on, -1 where there is none (the default).
+/// confidence : array_like, optional
+///     (N,) or one for all, 0 to 1; 1 unless given.
+/// sigma_px : array_like, optional
+///     (N,) or one for all: 1σ of the camera position across the stripe, px; 0.1 unless given.
+/// colors : array_like, optional
+///     (N, 3), sRGB from 0 to 255; white unless given.
+///
+/// Raises
+/// ------
+/// Error
+///     When the shapes do not fit each other, pixels are not finite, or a number is out of its range.
+/// TypeError
+///     When something is no array of numbers.
+///
+/// Examples
+/// --------
+/// >>> matches = slcal.Matches([[320.5, 240], [330.25, 240]], columns=[400, 416], sigma_px=0.05)
+/// >>> matches
+/// Matches(2 with columns)
+/// >>> matches.pixels[1]
+/// array([330.25, 240.  ])
+/// >>> matches.rows is None
+/// True
+#[pyclass(frozen, module = "slcal", eq)]
+pub(crate) struct Matches {
+    pub(crate) matches: slcal_core::Matches,
+    pub(crate) report: Reported,
+}
+
+impl PartialEq for Matches {
+    fn eq(&self, other: &Self) -> bool {
+        self.matches == other.matches
+    }
+}
+
+impl From<slcal_core::Matches> for Matches {
+    fn from(matches: slcal_core::Matches) -> Self {
+        Self { matches, report: Reported::default() }
+    }
+}
+
+/// What the constructor and [`crate::reconstruct::triangulate`] take beside the pixels.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Given<'a, 'py> {
+    pub(crate) columns: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) rows: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) slits: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) confidence: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) sigma_px: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) colors: Option<&'a Bound<'py, PyAny>>,
+}
+
+/// Matches from arrays.
+pub(crate) fn matches_of(pixels: &Bound<'_, PyAny>, given: Given<'_, '_>) -> PyResult<slcal_core::Matches> {
+    let py = pixels.py();
+    let pixels = rows_of::<2>(pixels, "pixels")?;
+    let n = pixels.len();
+    if given.columns.is_none() && given.rows.is_none() {
+        let wanted = "the projector column or row (or both) of each pixel";
+        return Err(errors::invalid(py, "columns", wanted, "neither columns nor rows"));
+    }
+    let columns = given.columns.map(|v| coordinates_of(v, n, "columns")).transpose()?;
+    let rows = given.rows.map(|v| coordinates_of(v, n, "rows")).transpose()?;
+    let slits = given.slits.map(|v| slits_of(v, n)).transpose()?;
+    let confidence = given.confidence.map(|v| within(v, n, "confidence", 1.0)).transpose()?;
+    let sigma = given.sigma_px.map(|v| sigma_of(v, n)).transpose()?;
+    let colors = given.colors.map(|v| colors_of(v, n)).transpose()?;
+    let item = |(i, p): (usize, [f64; 2])| Match {
+        camera: Point2::from(p),
+        projector_column: columns.as_ref().and_then(|c| c[i]),
+        projector_row: rows.as_ref().and_then(|r| r[i]),
+        slit: slits.as_ref().and_then(|s| s[i]),
+        confidence: confidence.as_ref().map_or(1.0, |c| c[i]),
+        sigma_px: sigma.as_ref().map_or(DEFAULT_SIGMA_PX, |s| s[i]),
+        color: colors.as_ref().map_or([255; 3], |c| c[i]),
+    };
+    Ok(slcal_core::Matches { items: pixels.into_iter().enumerate().map(item).collect() })
+}
+
+/// (N,) coordinates; NaN is one that is not known.
+fn coordinates_of(values: &Bound<'_, PyAny>, n: usize, what: &str) -> PyResult<Vec<Option<f64>>> {
+    let numbers = column_of(values, n, what, false)?;
+    if let Some(row) = numbers.iter().position(|x| x.is_infinite()) {
+        let found = format!("{} in row {row}", numbers[row]);
+        return Err(errors::invalid(values.py(), what, "finite numbers, NaN where one is not known", &found));
+    }
+    Ok(numbers.into_iter().map(|x| Some(x).filter(|x| !x.is_nan())).collect())
+}
+
+fn slits_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<Option<u16>>> {
+    let numbers = integers_of(values, "slits", [-1, SLITS - 1])?;
+    as_many(values.py(), "slits", numbers.len(), n)?;
+    Ok(numbers.into_iter().map(|s| u16::try_from(s).ok()).collect())
+}
+
+/// 1σ of matches, px.
+pub(crate) fn sigma_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<f64>> {
+    within(values, n, "sigma_px", f64::MAX)
+}
+
+/// (N,) numbers from 0 to `most`, or one for all.
+pub(crate) fn within(values: &Bound<'_, PyAny>, n: usize, what: &str, most: f64) -> PyResult<Vec<f64>> {
+    let numbers = column_of(values, n, what, true)?;
+    if let Some(row) = numbers.iter().position(|x| !(0.0..=most).contains(x)) {
+        let wanted =
+            if most < f64::MAX { format!("numbers from 0 to {most}") } else { "no negative numbers".into() };
+        return Err(errors::invalid(values.py(), what, &wanted, &format!("{} in row {row}", numbers[row])));
+    }
+    Ok(numbers)
+}
+
+/// (N, 3) colours.
+pub(crate) fn colors_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<[u8; 3]>> {
+    let colors = bytes_of::<3>(values, "colors")?;
+    as_many(values.py(), "colors", colors.len(), n)?;
+    Ok(colors)
+}
+
+/// Refuses an array that has not a row for each of `n` items.
+pub(crate) fn as_many(py: Python<'_>, what: &str, found: usize, n: usize) -> PyResult<()> {
+    if found == n {
+        return Ok(());
+    }
+    Err(errors::invalid(py, what, &format!("{n} rows, one for each of the others"), &found.to_string()))
+}
+
+#[pymethods]
+impl Matches {
+    #[new]
+    #[pyo3(signature = (pixels, columns=None, rows=None, *, slits=None, confidence=None, sigma_px=None, colors=None))]
+    fn new(
+        pixels: &Bound<'_, PyAny>,
+        columns: Option<&Bound<'_, PyAny>>,
+        rows: Option<&Bound<'_, PyAny>>,
+        slits: Option<&Bound<'_, PyAny>>,
+        confidence: Option<&Bound<'_, PyAny>>,
+        sigma_px: Option<&Bound<'_, PyAny>>,
+        colors: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let given = Given { columns, rows, slits, confidence, sigma_px, colors };
+        matches_of(pixels, given).map(Self::from)
+    }
+
+    /// Camera pixels (x, y): (N, 2) float64. Of stripes, sub-pixel across them and integer along them.
+    #[getter]
+    fn pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(py, self.matches.items.iter().map(|m| [m.camera.x, m.camera.y]))
+    }
+
+    /// Projector columns: (N,) float64, px, NaN where one is not known; None when the matches have rows alone.
+    #[getter]
+    fn columns<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let items = &self.matches.items;
+        let rows_alone = items.iter().all(|m| m.projector_column.is_none())
+            && items.iter().any(|m| m.projector_row.is_some());
+        if rows_alone {
+            return Ok(None);
+        }
+        column(py, items.iter().map(|m| m.projector_column.unwrap_or(f64::NAN))).map(Some)
+    }
+
+    /// Projector rows: (N,) float64, px, NaN where one is not known; None when the matches have columns alone.
+    #[getter]
+    fn rows<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let items = &self.matches.items;
+        if items.iter().all(|m| m.projector_row.is_none()) {
+            return Ok(None);
+        }
+        column(py, items.iter().map(|m| m.projector_row.unwrap_or(f64::NAN))).map(Some)
+    }
+
+    /// Numbers of the slits: (N,) int32, -1 where there is none.
+    #[getter]
+    fn slits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        column(py, self.matches.items.iter().map(|m| m.slit.map_or(-1, i32::from)))
+    }
+
+    /// How sure the matches are: (N,) float64, 0 to 1.
+    #[getter]
+    fn confidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        column(py, self.matches.items.iter().map(|m| m.confidence))
+    }
+
+    /// 1σ of the camera positions across the stripe: (N,) float64, px.
+    #[getter]
+    fn sigma_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        column(py, self.matches.items.iter().map(|m| m.sigma_px))
+    }
+
+    /// Colours of the photograph there: (N, 3) uint8, sRGB.
+    #[getter]
+    fn colors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(py, self.matches.items.iter().map(|m| m.color))
+    }
+
+    /// What decoding saw; None for matches that were constructed or loaded.
+    #[getter]
+    fn report(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
+        self.report.get(py)
+    }
+
+    /// Writes the matches as CSV: u, v, projector_column and/or projector_row, slit, confidence, sigma_px.
+    ///
+    /// Positions, confidences and σ are rounded to 1e-5; colours are not part of the file.
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     A path, where the file appears when it is complete and replaces an older one, or an object with write().
+    fn save(&self, file: &Bound<'_, PyAny>) -> PyResult<()> {
+        let py = file.py();
+        let write = || {
+            let mut bytes = Vec::new();
+            write_matches(&self.matches, &mut bytes).map(|()| bytes)
+        };
+        files::write(file, &py.detach(write).raise(py, Looking::ForStripes)?, true)
+    }
+
+    /// Reads matches that `save`, ``slcal decode`` or any other decoder wrote.
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     CSV with a header. The columns u, v and at least one of projector_column and projector_row are needed; slit,
+    ///     confidence and sigma_px are taken when they are there.
+    ///
+    /// Returns
+    /// -------
+    /// Matches
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     When the file cannot be read.
+    /// FormatError
+    ///     When it is not what is described above; the message names the line.
+    #[staticmethod]
+    fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let py = file.py();
+        let contents = files::read(file)?;
+        let name = contents.name.as_deref();
+        let read = py.detach(|| read_matches(contents.bytes.as_slice()));
+        read.map(Self::from).map_err(|e| raised_from(py, &e, Looking::ForStripes, name))
+    }
+
+    fn __len__(&self) -> usize {
+        self.matches.items.len()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let state = [
+            Some(self.pixels(py)?),
+            // Also where there is not a single one: which of the two a match lacks is part of it.
+            Some(column(py, self.matches.items.iter().map(|m| m.projector_column.unwrap_or(f64::NAN)))?),
+            self.rows(py)?,
+            Some(self.slits(py)?),
+            Some(self.confidence(py)?),
+            Some(self.sigma_px(py)?),
+            Some(self.colors(py)?),
+            self.report(py)?.map(|r| r.into_bound(py)),
+        ];
+        Ok((py.get_type::<Self>().getattr("_restored")?, PyTuple::new(py, state)?))
+    }
+
+    #[staticmethod]
+    #[allow(clippy::too_many_arguments, reason = "a pickle's state")]
+    fn _restored(
+        pixels: &Bound<'_, PyAny>,
+        columns: &Bound<'_, PyAny>,
+        rows: Option<&Bound<'_, PyAny>>,
+        slits: &Bound<'_, PyAny>,
+        confidence: &Bound<'_, PyAny>,
+        sigma_px: &Bound<'_, PyAny>,
+        colors: &Bound<'_, PyAny>,
+        report: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let given = Given {
+            columns: Some(columns),
+            rows,
+            slits: Some(slits),
+            confidence: Some(confidence),
+            sigma_px: Some(sigma_px),
+            colors: Some(colors),
+        };
+        let report = Reported::restored(pixels.py(), report);
+        Ok(Self { matches: matches_of(pixels, given)?, report })
+    }
+
+    fn __repr__(&self) -> String {
+        let items = &self.matches.items;
+        let n = items.len();
+        let known = [
+            ("columns", items.iter().any(|m| m.projector_column.is_some())),
+            ("rows", items.iter().any(|m| m.projector_row.is_some())),
+        ];
+        let known: Vec<&str> = known.iter().filter(|k| k.1).map(|k| k.0).collect();
+        if known.is_empty() {
+            return format!("Matches({n})");
+        }
+        let mut slits: Vec<u16> = items.iter().filter_map(|m| m.slit).collect();
+        slits.sort_unstable();
+        slits.dedup();
+        let slits = if slits.is_empty() { String::new() } else { format!(" of {} slits", slits.len()) };
+        format!("Matches({n} with {}{slits})", known.join(" and "))
+    }
+}

@@ -1,0 +1,220 @@
+//! Matches and photographs of stripes → clouds.
+
+use std::sync::{Mutex, PoisonError};
+
+use pyo3::prelude::*;
+use slcal_core::Rig as CoreRig;
+use slcal_core::decode::DecodeConfig;
+use slcal_core::format::report_json;
+use slcal_core::reconstruct::{
+    self, CullRule, ReconstructConfig, Reconstruction, cloud_from_matches, reconstruct as reconstruct_one,
+};
+
+use crate::cloud::PointCloud;
+use crate::convert::option;
+use crate::convert::report::Reported;
+use crate::decode::{self, Frames};
+use crate::errors::{self, Looking, Raise as _};
+use crate::matches::{Given, Matches, matches_of, sigma_of};
+use crate::pattern::StripePattern;
+use crate::rig::Rig;
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Reconstructor>()
+}
+
+impl From<Reconstruction> for PointCloud {
+    fn from(made: Reconstruction) -> Self {
+        let report = Reported::of("CloudReport", &report_json::cloud(&made));
+        Self { cloud: made.cloud, report }
+    }
+}
+
+/// What clouds are to be, as given from Python.
+#[derive(Clone, Copy)]
+pub(crate) struct Shape<'a, 'py> {
+    pub(crate) frame: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) mesh: bool,
+    pub(crate) cull: Option<&'a Bound<'py, PyAny>>,
+}
+
+impl Shape<'_, '_> {
+    fn config(&self, decode: DecodeConfig, cull: CullRule) -> PyResult<ReconstructConfig> {
+        Ok(ReconstructConfig {
+            decode,
+            frame: option::frame(self.frame)?,
+            mesh: self.mesh,
+            cull: option::cull(self.cull, cull)?,
+            ..ReconstructConfig::default()
+        })
+    }
+}
+
+/// The cloud of one photograph.
+pub(crate) fn reconstruct(
+    py: Python<'_>,
+    rig: &CoreRig,
+    frames: &Frames<'_>,
+    pattern: &StripePattern,
+    decode: DecodeConfig,
+    shape: Shape<'_, '_>,
+) -> PyResult<PointCloud> {
+    let config = shape.config(decode, CullRule::Auto)?;
+    let made = frames.read(py, |input| reconstruct_one(rig, &pattern.0, input, &config))?;
+    Ok(made.into())
+}
+
+/// The cloud of matches, or of pixels and what lights them.
+pub(crate) fn triangulate(
+    rig: &CoreRig,
+    pixels: &Bound<'_, PyAny>,
+    given: Given<'_, '_>,
+    shape: Shape<'_, '_>,
+) -> PyResult<PointCloud> {
+    let py = pixels.py();
+    let config = shape.config(DecodeConfig::default(), CullRule::Off)?;
+    let work = |matches: &slcal_core::Matches| cloud_from_matches(rig, matches, &config);
+    let made = if let Ok(matches) = pixels.cast::<Matches>() {
+        if given.columns.is_some() || given.rows.is_some() {
+            let wanted = "pixels, or Matches alone";
+            return Err(errors::invalid(
+                py,
+                "columns",
+                wanted,
+                "Matches, which hold columns and rows already",
+            ));
+        }
+        let matches = &matches.get().matches;
+        match given.sigma_px {
+            None => py.detach(|| work(matches)),
+            Some(sigma) => {
+                let mut matches = matches.clone();
+                let sigma = sigma_of(sigma, matches.items.len())?;
+                matches.items.iter_mut().zip(sigma).for_each(|(m, s)| m.sigma_px = s);
+                py.detach(|| work(&matches))
+            }
+        }
+    } else {
+        let matches = matches_of(pixels, given)?;
+        py.detach(|| work(&matches))
+    };
+    Ok(made.raise(py, Looking::ForStripes)?.into())
+}
+
+/// One photograph after another with the same rig and pattern, as of a video: what `Rig.reconstruct` does, with buffers that
+/// are kept from frame to frame.
+///
+/// Several threads may use one, but they wait for each other; for two at a time take two.
+///
+/// Parameters
+/// ----------
+/// rig : Rig
+///     With a projector.
+/// pattern : StripePattern
+///     The stripes, drawn for that projector.
+/// gamma : {"srgb", "linear"} or float, default "srgb"
+///     How the values of the images follow the light.
+/// frame : {"camera", "plane"}, default "camera"
+///     Whose coordinates the clouds have: the camera's, or those of the sheet of the rig's first view.
+/// mesh : bool, default False
+///     Whether the clouds keep the triangles between their points.
+/// cull : {"auto", "off"} or float, default "auto"
+///     Largest area of a triangle that is surface, mm², or how it is chosen; points without such triangles are left out.
+/// min_confidence : float, default 0.4
+///     Matches below it are left out, 0 to 1.
+///
+/// Raises
+/// ------
+/// Error
+///     When the rig has no projector (or, for "plane", no view), the pattern is for another panel, or an option is out of
+///     range.
+///
+/// Examples
+/// --------
+/// >>> from slcal import simulate
+/// >>> scene = simulate.scene("plane")
+/// >>> scanner = slcal.Reconstructor(scene.rig, scene.pattern)
+/// >>> cloud = scanner.reconstruct(scene.photo)
+/// >>> bool(cloud.fit_plane().report.rms_mm < 1)
+/// True
+#[pyclass(frozen, module = "slcal")]
+pub(crate) struct Reconstructor {
+    scanner: Mutex<reconstruct::Reconstructor>,
+    what: String,
+}
+
+#[pymethods]
+impl Reconstructor {
+    #[new]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments")]
+    #[pyo3(
+        signature = (rig, pattern, *, gamma=None, frame=None, mesh=false, cull=None, min_confidence=0.4),
+        text_signature = "(rig, pattern, *, gamma='srgb', frame='camera', mesh=False, cull='auto', min_confidence=0.4)"
+    )]
+    fn new(
+        py: Python<'_>,
+        rig: &Bound<'_, Rig>,
+        pattern: &Bound<'_, StripePattern>,
+        gamma: Option<&Bound<'_, PyAny>>,
+        frame: Option<&Bound<'_, PyAny>>,
+        mesh: bool,
+        cull: Option<&Bound<'_, PyAny>>,
+        min_confidence: f64,
+    ) -> PyResult<Self> {
+        let decode = decode::config(gamma, min_confidence)?;
+        let config = Shape { frame, mesh, cull }.config(decode, CullRule::Auto)?;
+        let (rig, pattern) = (&rig.get().rig, &pattern.get().0);
+        let scanner = py.detach(|| reconstruct::Reconstructor::new(rig, pattern, config));
+        let camera = &rig.camera.model;
+        let [w, h] = pattern.projector;
+        let what = format!(
+            "Reconstructor(camera {}x{}, projector {w}x{h}, {} slits)",
+            camera.width,
+            camera.height,
+            pattern.centres_px.len()
+        );
+        Ok(Self { scanner: Mutex::new(scanner.raise(py, Looking::ForStripes)?), what })
+    }
+
+    /// The cloud of one photograph.
+    ///
+    /// Parameters
+    /// ----------
+    /// image : ndarray
+    ///     (H, W, 3), uint8 or uint16, RGB order, of the size of the rig's camera: the scene with the stripes projected.
+    /// black, white : ndarray, optional
+    ///     The same scene with a dark projector and with plain white.
+    ///
+    /// Returns
+    /// -------
+    /// PointCloud
+    ///     Its own, whatever comes next.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     When the image is no array of uint8 or uint16.
+    /// Error
+    ///     When its shape or size is another one.
+    /// DecodeError
+    ///     When the stripes are not in it, or cannot be those of this rig.
+    #[pyo3(signature = (image, *, black=None, white=None))]
+    fn reconstruct(
+        &self,
+        image: &Bound<'_, PyAny>,
+        black: Option<&Bound<'_, PyAny>>,
+        white: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<PointCloud> {
+        let frames = Frames::of(image, black, white)?;
+        let made = frames.read(image.py(), |input| {
+            // What an earlier photograph left behind is replaced: a panic within one does not spoil the next.
+            let mut scanner = self.scanner.lock().unwrap_or_else(PoisonError::into_inner);
+            scanner.reconstruct_frames(input).cloned()
+        })?;
+        Ok(made.into())
+    }
+
+    fn __repr__(&self) -> &str {
+        &self.what
+    }
+}
