@@ -366,11 +366,11 @@ pub(crate) fn pose_of(
 ///
 /// Examples
 /// --------
-/// >>> pose = slcal.Pose(R=np.eye(3), t=[200, 0, 0])
+/// >>> pose = slcal.Pose(R=np.eye(3), t=[200, 10, -5])
 /// >>> pose.inverse().t
-/// array([-200.,    0.,    0.])
+/// array([-200.,  -10.,    5.])
 /// >>> (pose @ pose).t
-/// array([400.,   0.,   0.])
+/// array([400.,  20., -10.])
 #[pyclass(frozen, module = "slcal", eq)]
 #[derive(PartialEq, Clone)]
 pub(crate) struct Pose {
@@ -382,6 +382,13 @@ pub(crate) struct Pose {
 impl From<geometry::Pose> for Pose {
     fn from(pose: geometry::Pose) -> Self {
         Self { pose, sigma_t_mm: None, sigma_r_rad: None }
+    }
+}
+
+impl Pose {
+    /// As axis times angle; not NaN for the smallest of angles either.
+    fn turn(&self) -> Vector3<f64> {
+        self.pose.turn_from(&geometry::Pose::identity())
     }
 }
 
@@ -409,13 +416,14 @@ impl Pose {
     /// The rotation as axis times angle: (3,) float64, rad, as of ``cv2.Rodrigues``.
     #[getter]
     fn rvec<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        vector(py, self.pose.rotation.scaled_axis().as_slice())
+        vector(py, self.turn().as_slice())
     }
 
     /// Both as one homogeneous matrix: (4, 4) float64.
     #[getter]
     fn matrix<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let m = self.pose.to_isometry().to_homogeneous();
+        let mut m = self.pose.rotation.to_homogeneous();
+        m.fixed_view_mut::<3, 1>(0, 3).copy_from(&self.pose.translation);
         rows(py, m.row_iter().map(|r| [r[0], r[1], r[2], r[3]]))
     }
 
@@ -467,7 +475,7 @@ impl Pose {
     }
 
     fn __repr__(&self) -> String {
-        let (angle, t) = (self.pose.rotation.angle().to_degrees(), self.pose.translation);
+        let (angle, t) = (self.turn().norm().to_degrees(), self.pose.translation);
         format!("Pose(turned by {angle:.2}°, t = [{:.1}, {:.1}, {:.1}] mm)", t.x, t.y, t.z)
     }
 }
