@@ -12,6 +12,8 @@ pub(crate) enum Looking {
     ForSheet,
     /// For stripes.
     ForStripes,
+    /// For a surface in a cloud.
+    ForSurface,
 }
 
 impl Looking {
@@ -19,6 +21,7 @@ impl Looking {
         match self {
             Self::ForSheet => "DetectionError",
             Self::ForStripes => "DecodeError",
+            Self::ForSurface => "Error",
         }
     }
 }

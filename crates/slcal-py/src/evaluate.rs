@@ -88,7 +88,7 @@ fn fitted<'py>(
     shape: &str,
     fit: impl FnOnce(&FitConfig) -> Result<Value> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let mut said = py.detach(|| fit(&FitConfig::default())).raise(py, Looking::ForSheet)?;
+    let mut said = py.detach(|| fit(&FitConfig::default())).raise(py, Looking::ForSurface)?;
     let mut fields = said.get_mut(shape).map(Value::take).unwrap_or_default();
     fields["report"] = said;
     record(py, class, &fields)

@@ -126,7 +126,8 @@ def test_reconstruction(scene: Path, tmp_path: Path) -> None:
         assert cloud.to_bytes("ply") == to.read_bytes()
         assert cloud.report is not None
         assert cloud.report.to_dict() == plain(said["clouds"][0], "image", "output")
-        for shape in ("plane", "sphere"):
+        shape = "sphere" if "sphere" in photo.stem else "plane"
+        if not {"head", "blob"} & set(photo.stem.split("_")):
             fit = slcal.evaluate(slcal.PointCloud.load(to), shape).to_dict()
             said = plain(command_json("evaluate", shape, to))
             assert fit.pop("report") == {k: said.pop(k) for k in fit_fields()}
@@ -166,9 +167,10 @@ def test_decoding_and_triangulation(scene: Path, tmp_path: Path) -> None:
         assert matches.report.to_dict() == plain(said)
         matches.save(tmp_path / "again.csv")
         assert (tmp_path / "again.csv").read_bytes() == table.read_bytes()
-        command("triangulate", "--rig", scene / "truth_rig.json", table, "-o", to)
-        cloud = rig.triangulate(slcal.Matches.load(table), cull="auto")
-        assert cloud.to_bytes("ply") == to.read_bytes()
+        for cull in ("off", "auto", "2.5"):
+            command("triangulate", "--rig", scene / "truth_rig.json", table, "--cull", cull, "--force", "-o", to)
+            cloud = rig.triangulate(slcal.Matches.load(table), cull=float(cull) if cull[0] == "2" else cull)
+            assert cloud.to_bytes("ply") == to.read_bytes()
         # Without rounding on the way.
         direct = rig.triangulate(matches, cull="auto")
         assert np.allclose(direct.points, rig.reconstruct(read(photo), slcal.StripePattern.load(file)).points)
