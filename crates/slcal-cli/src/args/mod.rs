@@ -27,7 +27,7 @@ pub(crate) use reconstruct::ReconstructArgs;
 pub(crate) use rectify::RectifyArgs;
 pub(crate) use simulate::{
     Crosstalk, LightArgs, MeshFrameArg, NoiseArgs, PlaceArgs, PrincipalPointsArg, RigArgs, SceneArgs,
-    SimulateVerb, ViewsArgs,
+    SimulateVerb, ViewsArgs, WallArg,
 };
 pub(crate) use triangulate::TriangulateArgs;
 pub(crate) use verify::VerifyArgs;

@@ -1,24 +1,17 @@
 //! `slcal advise`: which photograph to take next.
 
-use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-use nalgebra::Point2;
 use slcal_core::calibrate::{Advice, CameraPlan, Predicted, TiltForecast, advise_first, advise_next};
 use slcal_core::format::report_json;
-use slcal_core::geometry::{Camera, Distortion, Intrinsics};
-use slcal_core::{CalibrateConfig, PrincipalPointRule};
+use slcal_core::geometry::Camera;
+use slcal_core::{CalibrateConfig, Error, PrincipalPointRule};
 
 use super::calibrate::{distortion, rule};
 use crate::args::AdviseArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{check_panel, load_camera, load_checker, load_rig};
 use crate::output::{print_json, print_result};
-
-/// Diagonal of a frame of 35 mm film, 36 × 24 mm.
-const FILM_DIAGONAL_MM: f64 = 43.266_615_305_567_87;
-/// Angles of view that a lens can have, degrees.
-const FOV_RANGE_DEG: std::ops::Range<f64> = 0.1..179.0;
 
 pub(super) fn run(args: &AdviseArgs) -> Outcome {
     let advice = match &args.rig {
@@ -50,16 +43,14 @@ fn plan(args: &AdviseArgs) -> Outcome<CameraPlan> {
     Ok(CameraPlan { camera, projector, size, distance_mm, noise_px, config })
 }
 
-fn positive(option: &str, value: f64) -> Outcome<f64> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(value);
-    }
-    Err(Failure::usage(format!("{option}: expected a number above zero, found {value}")))
-}
-
-fn pinhole([width, height]: [u32; 2], focal_px: f64, principal_point: Point2<f64>) -> Camera {
-    let intrinsics = Intrinsics::square(focal_px, principal_point);
-    Camera { width, height, intrinsics, distortion: Distortion::NONE }
+/// Names the option that states a value.
+fn stated_by(option: &str, device: slcal_core::Result<Camera>) -> Outcome<Camera> {
+    device.map_err(|error| match error {
+        Error::Invalid { expected, found, .. } => {
+            Failure::usage(format!("{option}: expected {expected}, found {found}"))
+        }
+        other => other.into(),
+    })
 }
 
 fn camera(args: &AdviseArgs, pp: PrincipalPointRule) -> Outcome<Camera> {
@@ -72,37 +63,23 @@ fn camera(args: &AdviseArgs, pp: PrincipalPointRule) -> Outcome<Camera> {
         return Ok(Camera { width, height, intrinsics: known.intrinsics, distortion: known.distortion });
     }
     let image = args.image.ok_or_else(|| Failure::usage("expected --rig, --camera or --image"))?;
-    let [w, h] = image.map(f64::from);
-    let focal_px = match (args.focal, args.fov, args.focal_35mm) {
-        (Some(focal), ..) => positive("--focal", focal)?,
-        (_, Some(fov), _) if FOV_RANGE_DEG.contains(&fov) => w / 2.0 / (fov * PI / 360.0).tan(),
-        (_, Some(fov), _) => {
-            return Err(Failure::usage(format!("--fov: expected 0.1 to 179 degrees, found {fov}")));
-        }
-        (_, _, Some(mm)) => positive("--focal-35mm", mm)? * w.hypot(h) / FILM_DIAGONAL_MM,
+    let camera = match (args.focal, args.fov, args.focal_35mm) {
+        (Some(focal), ..) => stated_by("--focal", Camera::pinhole(image, focal))?,
+        (_, Some(fov), _) => stated_by("--fov", Camera::from_fov(image, fov))?,
+        (_, _, Some(mm)) => stated_by("--focal-35mm", Camera::from_35mm(image, mm))?,
         _ => return Err(Failure::usage("expected --focal, --fov or --focal-35mm with --image")),
     };
-    let principal_point = match pp {
-        PrincipalPointRule::Exact(x, y) => Point2::new(x, y),
-        _ => Camera::image_centre(image[0], image[1]),
-    };
-    Ok(pinhole(image, focal_px, principal_point))
+    Ok(camera.with_principal_point(pp.expected(image)))
 }
 
 /// A projector as it usually is: with lens shift its axis leaves through the panel's lower edge.
 fn projector(args: &AdviseArgs, panel: [u32; 2], pp: PrincipalPointRule) -> Outcome<Camera> {
-    let focal_px = match (args.throw, args.projector_focal) {
-        (Some(ratio), _) => positive("--throw", ratio)? * f64::from(panel[0]),
-        (_, Some(focal)) => positive("--projector-focal", focal)?,
+    let projector = match (args.throw, args.projector_focal) {
+        (Some(ratio), _) => stated_by("--throw", Camera::from_throw(panel, ratio))?,
+        (_, Some(focal)) => stated_by("--projector-focal", Camera::pinhole(panel, focal))?,
         _ => return Err(Failure::usage("expected --throw or --projector-focal with --projector")),
     };
-    let centre = Camera::image_centre(panel[0], panel[1]);
-    let principal_point = match pp {
-        PrincipalPointRule::Exact(x, y) => Point2::new(x, y),
-        PrincipalPointRule::Shift => Point2::new(centre.x, f64::from(panel[1]) - 0.5),
-        _ => centre,
-    };
-    Ok(pinhole(panel, focal_px, principal_point))
+    Ok(projector.with_principal_point(pp.expected(panel)))
 }
 
 /// Per cent with two significant digits.

@@ -40,6 +40,7 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     check_size(args, &rig)?;
     let verifier = PhotoVerifier::new(&rig, &pattern, &config).in_file(&args.rig)?;
     let photo = load_photo(&args.photo, printer)?;
+    check_camera(args, &photo, &rig)?;
     let view = PhotoView::try_from(&photo).in_file(&args.photo)?;
     let VerifiedPhoto { detection: found, verification: result } =
         verifier.verify(view).in_file(&args.photo)?;
@@ -73,6 +74,27 @@ fn check_size(args: &VerifyArgs, rig: &Rig) -> Outcome {
         "--size: expected the sheet's size, since {} holds no view of a sheet",
         args.rig.display()
     )))
+}
+
+/// As the core does, with the names of both files.
+fn check_camera(args: &VerifyArgs, photo: &DynamicImage, rig: &Rig) -> Outcome {
+    let (camera, found) = (rig.camera.model, [photo.width(), photo.height()]);
+    if [camera.width, camera.height] == found {
+        return Ok(());
+    }
+    Err(Failure::new(
+        Exit::Input,
+        format!(
+            "{}: expected a photograph of {}x{} pixels, by the camera of {}, found {}x{}; a rig holds for one camera at one \
+             resolution, uncropped",
+            input_name(&args.photo),
+            camera.width,
+            camera.height,
+            args.rig.display(),
+            found[0],
+            found[1]
+        ),
+    ))
 }
 
 fn draw(photo: &DynamicImage, found: &Detection, rig: &Rig, result: &Verification) -> DynamicImage {

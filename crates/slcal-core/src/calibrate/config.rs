@@ -1,9 +1,10 @@
 //! What the user may ask of a calibration.
 
+use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::geometry::Camera;
+use crate::geometry::{Camera, FILM_DIAGONAL_MM};
 
 /// Fewest views in which the projector's distortion can be told from its principal point and from the camera's lens.
 pub(crate) const VIEWS_FOR_PROJECTOR_DISTORTION: usize = 3;
@@ -25,6 +26,20 @@ pub enum PrincipalPointRule {
     Shift,
 }
 
+impl PrincipalPointRule {
+    /// Where the principal point of a device of width and height `size` is expected before anything was photographed, px:
+    /// the stated one, the lower edge's middle where lens shift is expected, else the centre.
+    #[must_use]
+    pub fn expected(self, [width, height]: [u32; 2]) -> Point2<f64> {
+        let centre = Camera::image_centre(width, height);
+        match self {
+            Self::Exact(x, y) => Point2::new(x, y),
+            Self::Shift => Point2::new(centre.x, f64::from(height) - 0.5),
+            Self::Prior | Self::Centre | Self::Free => centre,
+        }
+    }
+}
+
 /// What is known about the camera's focal length beforehand, as from a photograph's EXIF tags.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -43,7 +58,6 @@ impl FocalPrior {
     /// image of 4:3), lenses focused at arm's length reach a few per cent further than their name, and makers round.
     #[must_use]
     pub fn from_35mm_equivalent(equivalent_mm: f64, [width, height]: [u32; 2]) -> Self {
-        const FILM_DIAGONAL_MM: f64 = 43.266_615_305_567_87;
         const MEANING: f64 = 0.05;
         let rounding = 1.0 / (12_f64.sqrt() * equivalent_mm);
         Self {
@@ -237,6 +251,14 @@ mod tests {
         assert!((prior.focal_px - 5000.0).abs() < 1e-9);
         assert!((0.05..0.051).contains(&prior.sigma_share));
         assert!(FocalPrior::from_35mm_equivalent(4.0, [3600, 2400]).sigma_share > 0.08);
+    }
+
+    #[test]
+    fn principal_points_are_expected_where_the_rule_says() {
+        let expected = |rule: PrincipalPointRule| rule.expected([1024, 768]);
+        assert_eq!(expected(PrincipalPointRule::Prior), Point2::new(511.5, 383.5));
+        assert_eq!(expected(PrincipalPointRule::Shift), Point2::new(511.5, 767.5));
+        assert_eq!(expected(PrincipalPointRule::Exact(7.0, -9.0)), Point2::new(7.0, -9.0));
     }
 
     #[test]

@@ -4,7 +4,8 @@
 //! [`Observations`](crate::Observations) with seeded noise; [`NoiseExperiment`] is the synthetic experiment of
 //! R. Orghidan, J. Salvi, M. Gordan, C. Florea, J. Batlle, "Structured light self-calibration with vanishing points",
 //! Machine Vision and Applications 25:489-500 (2014), Fig. 7–11, with the Cramér–Rao bound beside.
-//! [`Photographer`] takes photographs of a rig before surfaces, with the truth of every pixel. Compiled with the feature
+//! [`Photographer`] takes photographs of a rig before surfaces, with the truth of every pixel; [`SceneSetup`] sets
+//! all of that up by a few numbers. Compiled with the feature
 //! `simulate`.
 
 mod bound;
@@ -27,7 +28,8 @@ pub use experiment::{
     TrueValues,
 };
 pub use photograph::{
-    Photographer, Placing, RenderConfig, Seen, Shape, Shown, Subject, Surface, TriangleMesh, Truth,
+    PatternKind, Photographer, Placing, RenderConfig, SceneSetup, SceneStage, Seen, Shape, Shown,
+    SimulatedScene, Subject, Surface, SurfaceKind, TriangleMesh, Truth, WallKind,
 };
 pub use poses::{PoseConfig, SpreadConfig, spread_poses};
 pub use rig_config::RigConfig;

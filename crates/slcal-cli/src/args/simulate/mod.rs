@@ -8,7 +8,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use nalgebra::Point2;
 use slcal_core::geometry::RectangleSize;
 
-pub(crate) use scene::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs};
+pub(crate) use scene::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs, WallArg};
 
 use crate::size::{parse_pair, parse_point, parse_size};
 

@@ -3,17 +3,15 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use image::{DynamicImage, GrayImage, Luma, RgbImage};
+use image::{DynamicImage, GrayImage};
 use serde::Serialize;
-use slcal_core::format::report_json::SceneReport;
+use slcal_core::format::report_json::{self, SceneReport};
 use slcal_core::format::{write_matches, write_pfm};
-use slcal_core::pattern::Pattern;
-use slcal_core::simulate::{Photographer, Seen};
-use slcal_core::{CloudPoint, Matches, PointCloud, Rig};
+use slcal_core::simulate::SimulatedScene;
 
 use super::super::calibrate::rig_bytes;
 use super::super::pattern::pattern_bytes;
-use crate::exit::Outcome;
+use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{CloudFormat, png_bytes};
 
 /// The files, in the order of [`contents`].
@@ -31,62 +29,33 @@ pub(super) const NAMES: [&str; 12] = [
     "truth_depth.pfm",
     "truth_surface.png",
 ];
+
 /// The files' contents.
-pub(super) fn contents(
-    photos: &[DynamicImage; 3],
-    picture: RgbImage,
-    pattern: &Pattern,
-    rig: &Rig,
-    matches: &Matches,
-    photographer: &Photographer,
-) -> Outcome<Vec<Vec<u8>>> {
-    let truth = photographer.truth();
-    let map = |value: &dyn Fn(Seen) -> Option<f64>| -> Outcome<Vec<u8>> {
-        let values: Vec<f32> =
-            truth.pixels().map(|s| s.and_then(value).map_or(f32::NAN, |v| v as f32)).collect();
+pub(super) fn contents(scene: &SimulatedScene) -> Outcome<Vec<Vec<u8>>> {
+    let truth = scene.photographer.truth();
+    let map = |values: Vec<f32>| -> Outcome<Vec<u8>> {
         let mut bytes = Vec::new();
         write_pfm(truth.width(), &values, &mut bytes)?;
         Ok(bytes)
     };
-    let surfaces = GrayImage::from_fn(truth.width() as u32, truth.height() as u32, |x, y| {
-        Luma([truth.at(x as usize, y as usize).map_or(0, |s| (s.surface + 1).min(255) as u8)])
-    });
+    let surfaces = GrayImage::from_raw(truth.width() as u32, truth.height() as u32, scene.surfaces())
+        .ok_or_else(|| Failure::new(Exit::Other, "a map of another size than the photograph"))?;
     let mut table = Vec::new();
-    write_matches(matches, &mut table)?;
-    let cloud = CloudFormat::Ply.bytes(&cloud(matches, &photos[1], photographer))?;
-    let mut files = photos.iter().map(png_bytes).collect::<Outcome<Vec<_>>>()?;
-    files.extend([
-        png_bytes(&DynamicImage::ImageRgb8(picture))?,
-        pattern_bytes(pattern)?,
-        rig_bytes(rig)?,
+    write_matches(&scene.matches, &mut table)?;
+    Ok(vec![
+        png_bytes(&scene.photo)?,
+        png_bytes(&scene.white)?,
+        png_bytes(&scene.black)?,
+        png_bytes(&DynamicImage::ImageRgb8(scene.picture.clone()))?,
+        pattern_bytes(&scene.pattern)?,
+        rig_bytes(&scene.rig)?,
         table,
-        cloud,
-        map(&|s| s.panel.map(|q| q.x))?,
-        map(&|s| s.panel.map(|q| q.y))?,
-        map(&|s| Some(s.point.z))?,
+        CloudFormat::Ply.bytes(&scene.cloud())?,
+        map(scene.columns())?,
+        map(scene.rows())?,
+        map(scene.depths())?,
         png_bytes(&DynamicImage::ImageLuma8(surfaces))?,
-    ]);
-    Ok(files)
-}
-
-/// The points that the matches see, in the colours of the white photograph.
-fn cloud(matches: &Matches, white: &DynamicImage, photographer: &Photographer) -> PointCloud {
-    let white = white.to_rgb8();
-    let points = matches.items.iter().filter_map(|m| {
-        let seen = photographer.look(m.camera)?;
-        let [x, y] = [(m.camera.x, white.width()), (m.camera.y, white.height())]
-            .map(|(v, n)| v.round().clamp(0.0, f64::from(n - 1)) as u32);
-        Some(CloudPoint {
-            position: seen.point,
-            pixel: m.camera,
-            color: white.get_pixel(x, y).0,
-            sigma_mm: 0.0,
-            noise_mm: 0.0,
-            slit: m.slit.unwrap_or(0),
-            confidence: 1.0,
-        })
-    });
-    PointCloud { points: points.collect(), ..PointCloud::default() }
+    ])
 }
 
 /// What was made, as JSON.
@@ -98,8 +67,8 @@ pub(super) struct Made {
 }
 
 impl Made {
-    pub(super) fn of(scene: SceneReport) -> Self {
-        Self { scene, files: NAMES }
+    pub(super) fn of(scene: &SimulatedScene) -> Self {
+        Self { scene: report_json::simulated_scene(&scene.photographer, &scene.matches), files: NAMES }
     }
 
     pub(super) fn in_words(&self, folder: &Path) -> String {

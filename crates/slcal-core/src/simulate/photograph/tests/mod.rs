@@ -3,6 +3,7 @@
 mod geometry;
 mod light;
 mod meshes;
+mod setups;
 mod subjects;
 
 use nalgebra::{Point3, Rotation3, Vector3};

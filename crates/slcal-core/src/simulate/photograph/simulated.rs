@@ -1,0 +1,83 @@
+//! A simulated scene with its truth.
+
+use image::{DynamicImage, RgbImage};
+
+use super::photographer::Photographer;
+use super::truth::Seen;
+use crate::cloud::{CloudPoint, PointCloud};
+use crate::matches::Matches;
+use crate::pattern::Pattern;
+use crate::rig::Rig;
+
+/// Photographs of a scene, and what is true of every pixel.
+pub struct SimulatedScene {
+    /// The true rig.
+    pub rig: Rig,
+    /// What was projected.
+    pub pattern: Pattern,
+    /// The same as a picture of the panel's size.
+    pub picture: RgbImage,
+    /// The photograph under the pattern, 8 or 16 bit RGB.
+    pub photo: DynamicImage,
+    /// That under a white projector.
+    pub white: DynamicImage,
+    /// That under a dark one.
+    pub black: DynamicImage,
+    /// Where slits or corners of the pattern are seen, without error.
+    pub matches: Matches,
+    /// Who took the photographs, and can look at any pixel.
+    pub photographer: Photographer,
+}
+
+impl SimulatedScene {
+    /// The points that the matches see, in the camera's frame and in the colours of the white photograph.
+    #[must_use]
+    pub fn cloud(&self) -> PointCloud {
+        let white = self.white.to_rgb8();
+        let points = self.matches.items.iter().filter_map(|m| {
+            let seen = self.photographer.look(m.camera)?;
+            let [x, y] = [(m.camera.x, white.width()), (m.camera.y, white.height())]
+                .map(|(v, n)| v.round().clamp(0.0, f64::from(n - 1)) as u32);
+            Some(CloudPoint {
+                position: seen.point,
+                pixel: m.camera,
+                color: white.get_pixel(x, y).0,
+                sigma_mm: 0.0,
+                noise_mm: 0.0,
+                slit: m.slit.unwrap_or(0),
+                confidence: 1.0,
+            })
+        });
+        PointCloud { points: points.collect(), ..PointCloud::default() }
+    }
+
+    /// The panel column whose light falls where each pixel looks, row by row; NaN in shadow and beside the light.
+    #[must_use]
+    pub fn columns(&self) -> Vec<f32> {
+        self.map(|s| s.panel.map(|q| q.x))
+    }
+
+    /// The panel row, as [`columns`](Self::columns).
+    #[must_use]
+    pub fn rows(&self) -> Vec<f32> {
+        self.map(|s| s.panel.map(|q| q.y))
+    }
+
+    /// Depth of what each pixel sees along the camera's axis, mm, row by row; NaN where it sees nothing.
+    #[must_use]
+    pub fn depths(&self) -> Vec<f32> {
+        self.map(|s| Some(s.point.z))
+    }
+
+    /// Which surface each pixel sees, row by row: counted from one, 0 for none, 255 for that and all after it.
+    #[must_use]
+    pub fn surfaces(&self) -> Vec<u8> {
+        let number = |s: Option<Seen>| s.map_or(0, |s| (s.surface + 1).min(255) as u8);
+        self.photographer.truth().pixels().map(number).collect()
+    }
+
+    fn map(&self, value: impl Fn(Seen) -> Option<f64>) -> Vec<f32> {
+        let pixels = self.photographer.truth().pixels();
+        pixels.map(|s| s.and_then(&value).map_or(f32::NAN, |v| v as f32)).collect()
+    }
+}
