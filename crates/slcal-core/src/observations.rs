@@ -74,6 +74,17 @@ pub struct ViewObservation {
     pub pairs: Vec<CornerPair>,
 }
 
+impl ViewObservation {
+    /// Coordinates beyond this are no pixels; their products would overflow.
+    pub const MAX_COORDINATE_PX: f64 = 1e9;
+    /// σ outside of this range are mistakes; their squares would overflow.
+    pub const SIGMA_RANGE_PX: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
+    /// Sides of a sheet, mm: outside of it a unit was mistaken.
+    pub const SIDE_RANGE_MM: std::ops::RangeInclusive<f64> = 1.0..=100_000.0;
+    /// Stands for a σ that is unstated.
+    pub const UNSTATED_SIGMA_PX: f64 = 1.0;
+}
+
 /// Everything that a calibration is computed from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observations {

@@ -271,7 +271,9 @@ impl<'a> PhotoView<'a> {
         let channels = self.layout.channels();
         let blocks = row.chunks(factor * channels);
         if channels == 3 || channels == 1 {
-            // Three running sums keep the additions apart; which channel is which does not matter.
+            // Three running sums keep the additions apart; they are added up as red, green, blue, so that the order in which
+            // the channels lie in memory does not change a bit.
+            let [first, second, third] = if self.layout == Layout::Bgr { [2, 1, 0] } else { [0, 1, 2] };
             for (sum, block) in sums.iter_mut().zip(blocks) {
                 let mut part = [0.0_f32; 3];
                 let (triples, rest) = block.as_chunks::<3>();
@@ -281,7 +283,7 @@ impl<'a> PhotoView<'a> {
                     part[2] += light(t[2]);
                 }
                 let rest: f32 = rest.iter().map(|c| light(*c)).sum();
-                *sum += (part[0] + part[1] + part[2] + rest) / channels as f32;
+                *sum += (part[first] + part[second] + part[third] + rest) / channels as f32;
             }
         } else {
             let used = if channels == 4 { 3 } else { 1 };

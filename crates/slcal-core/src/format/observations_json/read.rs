@@ -10,14 +10,10 @@ use crate::observations::{
     CornerPair, EdgePoint, ExternalObservations, Observations, SheetObservation, Unstated, ViewObservation,
 };
 
-/// Coordinates beyond this are no pixels; their products would overflow.
-const MAX_COORDINATE_PX: f64 = 1e9;
-/// σ outside of this range are mistakes; their squares would overflow.
-const SIGMA_RANGE_PX: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
-/// Sides of a sheet, mm: outside of it a unit was mistaken.
-const SIDE_RANGE_MM: std::ops::RangeInclusive<f64> = 1.0..=100_000.0;
-/// Stands for a σ that is unstated.
-const PLACEHOLDER_PX: f64 = 1.0;
+const MAX_COORDINATE_PX: f64 = ViewObservation::MAX_COORDINATE_PX;
+const SIGMA_RANGE_PX: std::ops::RangeInclusive<f64> = ViewObservation::SIGMA_RANGE_PX;
+const SIDE_RANGE_MM: std::ops::RangeInclusive<f64> = ViewObservation::SIDE_RANGE_MM;
+const PLACEHOLDER_PX: f64 = ViewObservation::UNSTATED_SIGMA_PX;
 
 /// How a value is called in messages: its text, shortened.
 fn shown(value: &Value) -> String {
