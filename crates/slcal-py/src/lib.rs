@@ -7,11 +7,13 @@
 mod cloud;
 mod convert;
 mod decode;
+mod detect;
 mod errors;
 mod evaluate;
 mod files;
 mod geometry;
 mod matches;
+mod observations;
 mod pattern;
 mod reconstruct;
 mod rig;
@@ -33,6 +35,8 @@ fn _slcal(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     pattern::register(module)?;
     geometry::register(module)?;
+    detect::register(module)?;
+    observations::register(module)?;
     rig::register(module)?;
     matches::register(module)?;
     decode::register(module)?;

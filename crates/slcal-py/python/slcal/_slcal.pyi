@@ -129,6 +129,8 @@ class SheetDetection:
     @property
     def edge_sigma_px(self) -> dict[str, NDArray[np.float64]]: ...
     @property
+    def corner_sigma_px(self) -> float | None: ...
+    @property
     def notes(self) -> list[str]: ...
     def __eq__(self, other: object, /) -> bool: ...
 
@@ -193,7 +195,11 @@ class ViewObservation:
     @property
     def sheet_edges(self) -> dict[str, NDArray[np.float64]] | None: ...
     @property
+    def sheet_sigma_px(self) -> float | dict[str, NDArray[np.float64]] | None: ...
+    @property
     def pairs(self) -> NDArray[np.float64]: ...
+    @property
+    def pair_sigma_px(self) -> NDArray[np.float64] | None: ...
     @property
     def photo(self) -> str | None: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -227,7 +233,7 @@ def observe(
     pattern: CheckerPattern | None = None,
     *,
     screen: Sequence[_Image] | None = None,
-    corners: Sequence[ArrayLike] | ArrayLike | None = None,
+    corners: Sequence[ArrayLike | None] | ArrayLike | None = None,
     gamma: _Gamma = "srgb",
     names: Sequence[str] | None = None,
 ) -> Observations: ...
@@ -240,7 +246,7 @@ def calibrate(
     pattern: CheckerPattern | None = None,
     *,
     screen: Sequence[_Image] | None = None,
-    corners: Sequence[ArrayLike] | ArrayLike | None = None,
+    corners: Sequence[ArrayLike | None] | ArrayLike | None = None,
     camera: Camera | None = None,
     camera_pp: _PrincipalPoint = "prior",
     projector_pp: _PrincipalPoint = "shift",

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use slcal_core::geometry::RectangleSize;
 use slcal_core::photo::Encoding;
 use slcal_core::reconstruct::CullRule;
-use slcal_core::{DistortionModel, Frame, Method, PrincipalPointRule};
+use slcal_core::{DistortionModel, Frame, Method, PrincipalPointRule, ViewObservation};
 
 use crate::errors::{self, Looking, Raise as _};
 
@@ -45,16 +45,18 @@ pub(crate) fn whole_pair(value: &Bound<'_, PyAny>, what: &str) -> PyResult<[u32;
 
 /// Width and height of a sheet, mm.
 pub(crate) fn sheet_size(value: &Bound<'_, PyAny>) -> PyResult<RectangleSize> {
-    let py = value.py();
-    let Ok((width, height)) = value.extract::<(f64, f64)>() else {
-        return Err(errors::invalid(
-            py,
-            "size_mm",
-            "width and height of the sheet in millimetres, such as (594, 420)",
-            &shown(value),
-        ));
+    let refused = || {
+        let wanted =
+            "width and height of the sheet, each from 1 mm to 100 m, in millimetres, such as (594, 420)";
+        errors::invalid(value.py(), "size_mm", wanted, &shown(value))
     };
-    RectangleSize::new(width, height).raise(py, Looking::ForSheet)
+    let items =
+        value.try_iter().and_then(|items| items.map(|i| i?.extract::<f64>()).collect::<PyResult<Vec<_>>>());
+    let sides: [f64; 2] = items.ok().and_then(|sides| sides.try_into().ok()).ok_or_else(refused)?;
+    if !sides.iter().all(|side| ViewObservation::SIDE_RANGE_MM.contains(side)) {
+        return Err(refused());
+    }
+    RectangleSize::new(sides[0], sides[1]).raise(value.py(), Looking::ForSheet)
 }
 
 /// "srgb", "linear" or a number.

@@ -1,0 +1,198 @@
+//! What was found in a photograph.
+
+use nalgebra::Point2;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use slcal_core::{CornerPair, SheetObservation, Unstated, detect};
+
+use crate::convert::array::{column, rows, rows_of};
+use crate::observations::{ViewObservation, edge_sigma, edges, sizeless};
+
+/// The sheet as found in a photograph: points on its sides, and the corners in which these meet.
+#[pyclass(frozen, module = "slcal", eq)]
+#[derive(PartialEq)]
+pub(crate) struct SheetDetection(pub(crate) detect::SheetDetection);
+
+#[pymethods]
+impl SheetDetection {
+    /// Corners TL, TR, BR, BL: (4, 2) float64, px; lines through the sides meet there, in a distorted photograph to within the
+    /// sides' bend. None where neighbouring sides are parallel.
+    #[getter]
+    fn corners<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.0.observation.corners().map(|four| rows(py, four.iter().map(|c| [c.x, c.y]))).transpose()
+    }
+
+    /// Points on "top", "right", "bottom" and "left": (N, 2) float64, px; empty where corners given by hand are used as they
+    /// are.
+    #[getter]
+    fn edges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        edges(py, &self.0.observation)
+    }
+
+    /// 1σ of these points across their sides, (N,) float64, px, such that they may be treated as independent.
+    #[getter]
+    fn edge_sigma_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        edge_sigma(py, &self.0.observation)
+    }
+
+    /// 1σ of corners given by hand that are used as they are, px; None where the sides were measured.
+    #[getter]
+    fn corner_sigma_px(&self) -> Option<f64> {
+        match self.0.observation {
+            SheetObservation::Corners { sigma_px, .. } => Some(sigma_px),
+            SheetObservation::Edges(_) => None,
+        }
+    }
+
+    /// Things worth telling: corners taken from the user.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.0.notes.clone()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, Vec<String>))> {
+        let view = sizeless(self.0.observation.clone());
+        Ok((py.get_type::<Self>().getattr("_restored")?, (view.text(py)?, self.notes())))
+    }
+
+    #[staticmethod]
+    fn _restored(py: Python<'_>, view: &str, notes: Vec<String>) -> PyResult<Self> {
+        let observation = ViewObservation::of_text(py, view)?.seen.sheet;
+        Ok(Self(detect::SheetDetection { observation, notes }))
+    }
+
+    fn __repr__(&self) -> String {
+        let corners = self.0.observation.corners().map_or("no corners".to_owned(), |four| {
+            four.map(|c| format!("({:.1}, {:.1})", c.x, c.y)).join(", ")
+        });
+        let points = match &self.0.observation {
+            SheetObservation::Edges(sides) => sides.iter().map(Vec::len).sum::<usize>(),
+            SheetObservation::Corners { .. } => 0,
+        };
+        format!("SheetDetection({corners}; {points} points on its sides)")
+    }
+}
+
+/// The corners of the pattern that were seen.
+#[pyclass(frozen, module = "slcal", eq)]
+#[derive(PartialEq)]
+pub(crate) struct CornerDetection(pub(crate) detect::CornerDetection);
+
+#[pymethods]
+impl CornerDetection {
+    /// Where the camera sees them: (N, 2) float64, px, row by row of the pattern.
+    #[getter]
+    fn camera_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(py, self.0.pairs.iter().map(|p| [p.camera.x, p.camera.y]))
+    }
+
+    /// Where the projector shows them: (N, 2) float64, px, exact.
+    #[getter]
+    fn projector_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(py, self.0.pairs.iter().map(|p| [p.projector.x, p.projector.y]))
+    }
+
+    /// 1σ of each camera coordinate: (N,) float64, px.
+    #[getter]
+    fn sigma_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        column(py, self.0.pairs.iter().map(|p| p.sigma_px))
+    }
+
+    /// Corners of the whole pattern.
+    #[getter]
+    fn expected(&self) -> usize {
+        self.0.expected
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.pairs.len()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyAny>, usize))> {
+        let state =
+            self.0.pairs.iter().map(|p| [p.camera.x, p.camera.y, p.projector.x, p.projector.y, p.sigma_px]);
+        Ok((py.get_type::<Self>().getattr("_restored")?, (rows(py, state)?, self.0.expected)))
+    }
+
+    #[staticmethod]
+    fn _restored(pairs: &Bound<'_, PyAny>, expected: usize) -> PyResult<Self> {
+        let pair = |[cx, cy, px, py, sigma_px]: [f64; 5]| CornerPair {
+            camera: Point2::new(cx, cy),
+            projector: Point2::new(px, py),
+            sigma_px,
+        };
+        let pairs = rows_of::<5>(pairs, "pickled corners")?.into_iter().map(pair).collect();
+        Ok(Self(detect::CornerDetection { pairs, expected }))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("CornerDetection({} of {} corners)", self.0.pairs.len(), self.0.expected)
+    }
+}
+
+/// Sheet and corners of one photograph.
+#[pyclass(frozen, module = "slcal", eq)]
+#[derive(PartialEq)]
+pub(crate) struct Detection(pub(crate) detect::Detection);
+
+impl Detection {
+    /// As calibration takes it.
+    pub(crate) fn as_view(&self) -> ViewObservation {
+        ViewObservation { seen: self.0.observation.clone(), unstated: Unstated::default(), photo: None }
+    }
+}
+
+#[pymethods]
+impl Detection {
+    /// The sheet.
+    #[getter]
+    fn sheet(&self) -> SheetDetection {
+        let observation = self.0.observation.sheet.clone();
+        SheetDetection(detect::SheetDetection { observation, notes: self.0.notes.clone() })
+    }
+
+    /// The corners of the pattern that were seen on the sheet; none without a pattern.
+    #[getter]
+    fn corners(&self) -> CornerDetection {
+        let pairs = self.0.observation.pairs.clone();
+        CornerDetection(detect::CornerDetection { pairs, expected: self.0.pattern_corners })
+    }
+
+    /// Both as calibration takes them.
+    #[getter]
+    fn view(&self) -> ViewObservation {
+        self.as_view()
+    }
+
+    /// Things worth telling: corners that were not seen or lie beside the sheet, corners taken from the user.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.0.notes.clone()
+    }
+
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, (String, usize, Vec<String>))> {
+        let state = (self.as_view().text(py)?, self.0.pattern_corners, self.notes());
+        Ok((py.get_type::<Self>().getattr("_restored")?, state))
+    }
+
+    #[staticmethod]
+    fn _restored(py: Python<'_>, view: &str, pattern_corners: usize, notes: Vec<String>) -> PyResult<Self> {
+        let observation = ViewObservation::of_text(py, view)?.seen;
+        Ok(Self(detect::Detection { observation, pattern_corners, notes }))
+    }
+
+    fn __repr__(&self) -> String {
+        let sheet = match self.0.observation.sheet {
+            SheetObservation::Edges(_) => "sheet found",
+            SheetObservation::Corners { .. } => "sheet by the given corners",
+        };
+        let corners = match (self.0.pattern_corners, self.0.observation.pairs.len()) {
+            (0, _) => "no pattern".to_owned(),
+            (expected, seen) => format!("{seen} of {expected} corners"),
+        };
+        format!("Detection({sheet}, {corners})")
+    }
+}

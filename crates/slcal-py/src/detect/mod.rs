@@ -1,0 +1,199 @@
+//! Photograph → sheet and projected corners, as results of their own.
+
+mod found;
+
+use pyo3::prelude::*;
+use slcal_core::detect::{self, DetectConfig};
+
+pub(crate) use found::{CornerDetection, Detection, SheetDetection};
+
+use crate::convert::image::Photo;
+use crate::convert::option;
+use crate::errors::{Looking, Raise as _};
+use crate::observations::four_corners;
+use crate::pattern::CheckerPattern;
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<SheetDetection>()?;
+    module.add_class::<CornerDetection>()?;
+    module.add_class::<Detection>()?;
+    module.add_function(wrap_pyfunction!(detect_both, module)?)?;
+    module.add_function(wrap_pyfunction!(detect_sheet, module)?)?;
+    module.add_function(wrap_pyfunction!(detect_corners, module)?)
+}
+
+fn config(corners: Option<&Bound<'_, PyAny>>, gamma: Option<&Bound<'_, PyAny>>) -> PyResult<DetectConfig> {
+    let corners = corners.map(|c| four_corners(c, "corners")).transpose()?;
+    Ok(DetectConfig { encoding: option::gamma(gamma)?, corners, ..DetectConfig::default() })
+}
+
+/// Finds the sheet, and the pattern when there is one, in a photograph.
+///
+/// Parameters
+/// ----------
+/// photo : ndarray
+///     (H, W, 3) RGB or (H, W), uint8 or uint16: the sheet with the pattern projected on it.
+/// size_mm : (float, float)
+///     Width and height of the sheet, mm; the width belongs to the sides that run most nearly along the image's x axis.
+/// pattern : CheckerPattern, optional
+///     What is projected; without it the sheet is the brightest large quadrilateral with straight sides.
+/// screen : ndarray, optional
+///     The same pose with a dark or plain projector, in the same size; the sheet's sides are then measured there.
+/// corners : array_like, optional
+///     (4, 2), px: the sheet's corners TL, TR, BR, BL by hand, when it is not found. They may lie outside the frame; the sides
+///     are still measured in the photograph where they are seen.
+/// gamma : {"srgb", "linear"} or float, default "srgb"
+///     The transfer curve of the photograph.
+///
+/// Returns
+/// -------
+/// Detection
+///     `sheet`, `corners`, and both as the `view` that calibration takes.
+///
+/// Raises
+/// ------
+/// DetectionError
+///     When sheet or pattern is not found; `seen` says what was seen instead and `advice` what to do.
+/// Error
+///     For photographs of different sizes and corners that are no convex quadrilateral in this order.
+/// TypeError
+///     When a photograph is no such array.
+///
+/// See Also
+/// --------
+/// observe : the same for photographs of several poses.
+///
+/// Examples
+/// --------
+/// A drawing of a sheet before a dark wall:
+///
+/// >>> photo = np.full((480, 640), 30, np.uint8)
+/// >>> photo[100:380, 120:520] = 220
+/// >>> found = slcal.detect(photo, size_mm=(400, 280))
+/// >>> found
+/// Detection(sheet found, no pattern)
+/// >>> found.sheet.corners.round(1)
+/// array([[119.5,  99.5],
+///        [519.5,  99.5],
+///        [519.5, 379.5],
+///        [119.5, 379.5]])
+#[pyfunction]
+#[pyo3(
+    name = "detect",
+    signature = (photo, size_mm, pattern=None, *, screen=None, corners=None, gamma=None),
+    text_signature = "(photo, size_mm, pattern=None, *, screen=None, corners=None, gamma='srgb')"
+)]
+fn detect_both(
+    photo: &Bound<'_, PyAny>,
+    size_mm: &Bound<'_, PyAny>,
+    pattern: Option<&CheckerPattern>,
+    screen: Option<&Bound<'_, PyAny>>,
+    corners: Option<&Bound<'_, PyAny>>,
+    gamma: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Detection> {
+    let py = photo.py();
+    let photo = Photo::of(photo, "photo")?;
+    let screen = screen.map(|s| Photo::of(s, "screen")).transpose()?;
+    let (size, config) = (option::sheet_size(size_mm)?, config(corners, gamma)?);
+    let (photo, screen) = (photo.pixels(), screen.as_ref().map(Photo::pixels));
+    let (photo, screen) = (photo.view(py)?, screen.as_ref().map(|s| s.view(py)).transpose()?);
+    let pattern = pattern.map(|p| &p.0);
+    py.detach(|| detect::observe(photo, screen, size, pattern, &config))
+        .map(Detection)
+        .raise(py, Looking::ForSheet)
+}
+
+/// Finds the sheet alone, of whatever size: the brightest large quadrilateral with straight sides.
+///
+/// Parameters
+/// ----------
+/// photo : ndarray
+///     (H, W, 3) RGB or (H, W), uint8 or uint16: the sheet, with a dark or plain projector; `detect` knows the pattern's edges
+///     from the sheet's.
+/// corners : array_like, optional
+///     (4, 2), px: its corners TL, TR, BR, BL by hand, when it is not found. They may lie outside the frame; the sides are
+///     still measured in the photograph where they are seen.
+/// gamma : {"srgb", "linear"} or float, default "srgb"
+///     The transfer curve of the photograph.
+///
+/// Returns
+/// -------
+/// SheetDetection
+///
+/// Raises
+/// ------
+/// DetectionError
+///     When no sheet is found; `seen` says what was seen instead and `advice` what to do.
+/// Error
+///     For corners that are no convex quadrilateral in this order.
+/// TypeError
+///     When the photograph is no such array.
+///
+/// Examples
+/// --------
+/// >>> photo = np.full((480, 640), 30, np.uint8)
+/// >>> photo[100:380, 120:520] = 220
+/// >>> sheet = slcal.detect_sheet(photo)
+/// >>> sheet.edges["top"].mean(axis=0).round(1)
+/// array([319.5,  99.5])
+#[pyfunction]
+#[pyo3(signature = (photo, *, corners=None, gamma=None), text_signature = "(photo, *, corners=None, gamma='srgb')")]
+fn detect_sheet(
+    photo: &Bound<'_, PyAny>,
+    corners: Option<&Bound<'_, PyAny>>,
+    gamma: Option<&Bound<'_, PyAny>>,
+) -> PyResult<SheetDetection> {
+    let py = photo.py();
+    let photo = Photo::of(photo, "photo")?;
+    let (pixels, config) = (photo.pixels(), config(corners, gamma)?);
+    let view = pixels.view(py)?;
+    py.detach(|| detect::find_sheet(view, &config)).map(SheetDetection).raise(py, Looking::ForSheet)
+}
+
+/// Finds the corners of the projected checkerboard alone, on the sheet or beside it.
+///
+/// Parameters
+/// ----------
+/// photo : ndarray
+///     (H, W, 3) RGB or (H, W), uint8 or uint16.
+/// pattern : CheckerPattern
+///     What is projected.
+/// gamma : {"srgb", "linear"} or float, default "srgb"
+///     The transfer curve of the photograph.
+///
+/// Returns
+/// -------
+/// CornerDetection
+///
+/// Raises
+/// ------
+/// DetectionError
+///     When the checkerboard is not found; `seen` says what was seen instead and `advice` what to do.
+/// TypeError
+///     When the photograph is no such array.
+///
+/// Examples
+/// --------
+/// What the projector is to show, seen by a camera that is the projector:
+///
+/// >>> checker = slcal.CheckerPattern(projector=(1024, 768))
+/// >>> corners = slcal.detect_corners(checker.image(), checker)
+/// >>> len(corners), corners.expected
+/// (70, 70)
+/// >>> bool(np.abs(corners.camera_px - corners.projector_px).max() < 0.01)
+/// True
+#[pyfunction]
+#[pyo3(signature = (photo, pattern, *, gamma=None), text_signature = "(photo, pattern, *, gamma='srgb')")]
+fn detect_corners(
+    photo: &Bound<'_, PyAny>,
+    pattern: &CheckerPattern,
+    gamma: Option<&Bound<'_, PyAny>>,
+) -> PyResult<CornerDetection> {
+    let py = photo.py();
+    let photo = Photo::of(photo, "photo")?;
+    let (pixels, config) = (photo.pixels(), config(None, gamma)?);
+    let view = pixels.view(py)?;
+    py.detach(|| detect::find_corners(view, &pattern.0, &config))
+        .map(CornerDetection)
+        .raise(py, Looking::ForSheet)
+}

@@ -1,0 +1,208 @@
+//! What photographs show, as calibration takes it: from the detector here or from any other.
+
+mod mapping;
+mod observe;
+mod view;
+
+use pyo3::prelude::*;
+use pyo3::types::PyMapping;
+use serde_json::Value;
+use slcal_core::ExternalObservations;
+use slcal_core::format::{read_observations, write_observations};
+
+#[allow(unused_imports, reason = "for the calibration of photographs")]
+pub(crate) use observe::{Request, observe_all};
+pub(crate) use view::{ViewObservation, edge_sigma, edges, four_corners, sizeless};
+
+use crate::convert::option::whole_pair;
+use crate::detect::Detection;
+use crate::errors::{self, Looking, Raise as _, raised_from};
+use crate::files;
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<ViewObservation>()?;
+    module.add_class::<Observations>()?;
+    module.add_function(wrap_pyfunction!(observe::observe, module)?)
+}
+
+/// Everything that a calibration is computed from.
+///
+/// Parameters
+/// ----------
+/// camera : (int, int)
+///     Width and height of the camera's image, px.
+/// projector : (int, int) or None
+///     Width and height of the projector's panel, px; None to calibrate the camera alone.
+/// views : iterable of ViewObservation or Detection
+///     One for each pose of the sheet.
+///
+/// Raises
+/// ------
+/// Error
+///     When a size is not two whole numbers above zero.
+/// TypeError
+///     When a view is neither of these.
+///
+/// Examples
+/// --------
+/// >>> corners = [[100, 90], [1100, 110], [1050, 800], [80, 780]]
+/// >>> view = slcal.ViewObservation((594, 420), sheet_corners=corners)
+/// >>> seen = slcal.Observations((1280, 960), None, [view])
+/// >>> seen
+/// Observations(camera=(1280, 960), projector=None, views=1, pairs=0)
+/// >>> slcal.Observations.from_json(seen.to_json()) == seen
+/// True
+#[pyclass(frozen, module = "slcal")]
+pub(crate) struct Observations(pub(crate) ExternalObservations);
+
+#[pymethods]
+impl Observations {
+    #[new]
+    fn new(
+        camera: &Bound<'_, PyAny>,
+        projector: Option<&Bound<'_, PyAny>>,
+        views: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        const WANTED: &str = "ViewObservation or Detection objects in a list, one for each pose";
+        let observations = slcal_core::Observations {
+            camera: whole_pair(camera, "camera")?,
+            projector: projector.map(|p| whole_pair(p, "projector")).transpose()?,
+            views: Vec::new(),
+        };
+        let mut external = ExternalObservations::from(observations);
+        let name = |value: &Bound<'_, PyAny>| value.get_type().name().map(|n| n.to_string());
+        let Ok(items) = views.try_iter() else {
+            return Err(errors::wrong_type("views", WANTED, &name(views)?));
+        };
+        for (i, item) in items.enumerate() {
+            let item = item?;
+            let view = if let Ok(view) = item.cast::<ViewObservation>() {
+                view.get().clone()
+            } else if let Ok(detection) = item.cast::<Detection>() {
+                detection.get().as_view()
+            } else {
+                return Err(errors::wrong_type(&format!("views[{i}]"), WANTED, &name(&item)?));
+            };
+            external.observations.views.push(view.seen);
+            external.unstated.push(view.unstated);
+            external.photos.push(view.photo);
+        }
+        Ok(Self(external))
+    }
+
+    /// Width and height of the camera's image, px.
+    #[getter]
+    fn camera(&self) -> (u32, u32) {
+        self.0.observations.camera.into()
+    }
+
+    /// Width and height of the projector's panel, px; None for the camera alone.
+    #[getter]
+    fn projector(&self) -> Option<(u32, u32)> {
+        self.0.observations.projector.map(Into::into)
+    }
+
+    /// One for each pose of the sheet.
+    #[getter]
+    fn views(&self) -> Vec<ViewObservation> {
+        view::views_of(self.0.clone())
+    }
+
+    /// Writes the file (schema slcal-observations/1), which ``slcal calibrate --observations`` reads.
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     A path, where the file appears when it is complete and replaces an older one, or an object with write().
+    fn save(&self, file: &Bound<'_, PyAny>) -> PyResult<()> {
+        files::write(file, &self.json(file.py())?, true)
+    }
+
+    /// Reads a file of observations.
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     The JSON file (schema slcal-observations/1).
+    ///
+    /// Returns
+    /// -------
+    /// Observations
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     When the file cannot be read.
+    /// FormatError
+    ///     When it does not follow its schema; the message names the view, the field and the point.
+    #[staticmethod]
+    fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let contents = files::read(file)?;
+        let name = contents.name.as_deref();
+        read_observations(contents.bytes.as_slice())
+            .map(Self)
+            .map_err(|e| raised_from(file.py(), &e, Looking::ForSheet, name))
+    }
+
+    /// The content of the file.
+    fn to_json(&self, py: Python<'_>) -> PyResult<String> {
+        files::text_of(self.json(py)?)
+    }
+
+    /// The observations that `to_json` wrote.
+    #[staticmethod]
+    fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
+        read_observations(text.as_bytes()).map(Self).raise(py, Looking::ForSheet)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((py.get_type::<Self>().getattr("from_json")?, (self.to_json(py)?,)))
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.observations.views.len()
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        let Ok(other) = other.cast::<Self>() else { return false };
+        let (a, b) = (&self.0, &other.get().0);
+        // What is left out at the end of these lists is nothing.
+        let photo = |o: &ExternalObservations, i: usize| o.photos.get(i).cloned().flatten();
+        let same = |i: usize| a.unstated(i) == b.unstated(i) && photo(a, i) == photo(b, i);
+        a.observations == b.observations && (0..a.observations.views.len()).all(same)
+    }
+
+    fn __repr__(&self) -> String {
+        let o = &self.0.observations;
+        let pairs: usize = o.views.iter().map(|v| v.pairs.len()).sum();
+        let projector = o.projector.map_or("None".to_owned(), |[w, h]| format!("({w}, {h})"));
+        let ([w, h], n) = (o.camera, o.views.len());
+        format!("Observations(camera=({w}, {h}), projector={projector}, views={n}, pairs={pairs})")
+    }
+}
+
+impl Observations {
+    fn json(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
+        let mut bytes = Vec::new();
+        write_observations(&self.0, &mut bytes).raise(py, Looking::ForSheet)?;
+        Ok(bytes)
+    }
+}
+
+/// Observations, or a mapping in the shape of their file whose leaves may be arrays; it may leave out its schema.
+#[allow(dead_code, reason = "for calibrate_observations")]
+pub(crate) fn observations_of(value: &Bound<'_, PyAny>) -> PyResult<ExternalObservations> {
+    let py = value.py();
+    if let Ok(observations) = value.cast::<Observations>() {
+        return Ok(observations.get().0.clone());
+    }
+    if value.cast::<PyMapping>().is_err() {
+        let wanted = "slcal.Observations, or a mapping like their JSON file";
+        return Err(errors::wrong_type("observations", wanted, &value.get_type().name()?.to_string()));
+    }
+    let mut json = mapping::json_of(value)?;
+    if let Value::Object(fields) = &mut json {
+        fields.entry("schema").or_insert_with(|| "slcal-observations/1".into());
+    }
+    read_observations(json.to_string().as_bytes()).raise(py, Looking::ForSheet)
+}

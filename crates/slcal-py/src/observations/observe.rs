@@ -1,0 +1,183 @@
+//! Photographs → observations.
+
+use pyo3::prelude::*;
+use pyo3::types::PyString;
+use slcal_core::detect::{DetectConfig, observe as observe_one};
+use slcal_core::photo::PhotoView;
+use slcal_core::{ExternalObservations, Unstated};
+
+use super::{Observations, four_corners};
+use crate::convert::array::Numbers;
+use crate::convert::image::{Photo, Pixels, photos_of};
+use crate::convert::option;
+use crate::errors::{self, Looking, raised_from};
+use crate::pattern::CheckerPattern;
+
+/// Finds sheet and pattern in photographs of several poses: what `calibrate` does first.
+///
+/// Parameters
+/// ----------
+/// photos : sequence of ndarray, or ndarray
+///     (H, W, 3) RGB or (H, W), uint8 or uint16, all of one size: the sheet with the pattern projected on it, one for each
+///     pose.
+/// size_mm : (float, float)
+///     Width and height of the sheet, mm; the width belongs to the sides that run most nearly along the image's x axis.
+/// pattern : CheckerPattern, optional
+///     What is projected; without it the camera alone is calibrated.
+/// screen : sequence of ndarray, optional
+///     The same poses with a dark or plain projector, in the same order; the sheet's sides are then measured there.
+/// corners : array_like or sequence of array_like, optional
+///     (4, 2), px, for one photograph, or one such array or None for each: the sheet's corners TL, TR, BR, BL by hand, where
+///     it is not found. They may lie outside the frame.
+/// gamma : {"srgb", "linear"} or float, default "srgb"
+///     The transfer curve of the photographs.
+/// names : sequence of str, optional
+///     Names of the photographs.
+///
+/// Returns
+/// -------
+/// Observations
+///
+/// Raises
+/// ------
+/// DetectionError
+///     When sheet or pattern is not found; the message says in which photograph, what was seen instead and what to do.
+/// Error
+///     When photographs differ in size, or lists in length.
+/// TypeError
+///     When a photograph is no such array.
+#[pyfunction]
+#[pyo3(
+    signature = (photos, size_mm, pattern=None, *, screen=None, corners=None, gamma=None, names=None),
+    text_signature = "(photos, size_mm, pattern=None, *, screen=None, corners=None, gamma='srgb', names=None)"
+)]
+pub(super) fn observe(
+    photos: &Bound<'_, PyAny>,
+    size_mm: &Bound<'_, PyAny>,
+    pattern: Option<&CheckerPattern>,
+    screen: Option<&Bound<'_, PyAny>>,
+    corners: Option<&Bound<'_, PyAny>>,
+    gamma: Option<&Bound<'_, PyAny>>,
+    names: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Observations> {
+    observe_all(&Request { photos, size_mm, pattern, screen, corners, gamma, names }).map(Observations)
+}
+
+/// The arguments of [`observe`].
+pub(crate) struct Request<'a, 'py> {
+    pub(crate) photos: &'a Bound<'py, PyAny>,
+    pub(crate) size_mm: &'a Bound<'py, PyAny>,
+    pub(crate) pattern: Option<&'a CheckerPattern>,
+    pub(crate) screen: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) corners: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) gamma: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) names: Option<&'a Bound<'py, PyAny>>,
+}
+
+/// Finds sheet and pattern in every photograph; every σ is stated.
+pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservations> {
+    let py = asked.photos.py();
+    let photos = photos_of(asked.photos, "photos")?;
+    let size = option::sheet_size(asked.size_mm)?;
+    let screens = asked.screen.map_or(Ok(Vec::new()), |s| photos_of(s, "screen"))?;
+    let encoding = option::gamma(asked.gamma)?;
+    let n = photos.len();
+    if n == 0 {
+        return Err(errors::invalid(py, "photos", "at least one", "none"));
+    }
+    let one_each = |what: &str, found: usize| match found {
+        0 => Ok(()),
+        found if found == n => Ok(()),
+        found => {
+            let expected = format!("one for each of the {n} photographs, in their order");
+            Err(errors::invalid(py, what, &expected, &found.to_string()))
+        }
+    };
+    one_each("screen", screens.len())?;
+    let corners = asked.corners.map_or(Ok(Vec::new()), |c| corners_of(c, n))?;
+    one_each("corners", corners.len())?;
+    let names = asked.names.map_or(Ok(Vec::new()), names_of)?;
+    one_each("names", names.len())?;
+    let configs: Vec<DetectConfig> = (0..n)
+        .map(|i| DetectConfig {
+            encoding,
+            corners: corners.get(i).copied().flatten(),
+            ..DetectConfig::default()
+        })
+        .collect();
+
+    let pixels: Vec<Pixels<'_>> = photos.iter().map(Photo::pixels).collect();
+    let screen_pixels: Vec<Pixels<'_>> = screens.iter().map(Photo::pixels).collect();
+    let views = pixels.iter().map(|p| p.view(py)).collect::<PyResult<Vec<_>>>()?;
+    let screens = screen_pixels.iter().map(|p| p.view(py)).collect::<PyResult<Vec<_>>>()?;
+    let camera = one_size(py, &views, &screens)?;
+
+    let pattern = asked.pattern.map(|p| &p.0);
+    let mut seen = Vec::with_capacity(n);
+    for (i, (view, config)) in views.iter().zip(&configs).enumerate() {
+        let found = py.detach(|| observe_one(*view, screens.get(i).copied(), size, pattern, config));
+        let place = (n > 1).then(|| {
+            names.get(i).map_or_else(|| format!("photos[{i}]"), |name| format!("photos[{i}] ({name})"))
+        });
+        let found = found.map_err(|e| raised_from(py, &e, Looking::ForSheet, place.as_deref()))?;
+        seen.push(found.observation);
+    }
+    let observations =
+        slcal_core::Observations { camera, projector: pattern.map(|p| p.projector), views: seen };
+    let photos = (0..n).map(|i| names.get(i).cloned()).collect();
+    Ok(ExternalObservations { observations, unstated: vec![Unstated::default(); n], photos })
+}
+
+fn one_size(py: Python<'_>, photos: &[PhotoView<'_>], screens: &[PhotoView<'_>]) -> PyResult<[u32; 2]> {
+    let size = |p: &PhotoView<'_>| [p.width() as u32, p.height() as u32];
+    let first = photos.first().map(size).unwrap_or_default();
+    for (what, list) in [("photos", photos), ("screen", screens)] {
+        if let Some(i) = list.iter().position(|p| size(p) != first) {
+            let ([w, h], [fw, fh]) = (size(&list[i]), first);
+            return Err(errors::invalid(
+                py,
+                &format!("{what}[{i}]"),
+                &format!(
+                    "{fw}x{fh} pixels like photos[0], as all photographs come from one camera at one setting, uncropped"
+                ),
+                &format!("{w}x{h}"),
+            ));
+        }
+    }
+    Ok(first)
+}
+
+fn names_of(names: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+    let list = if names.cast::<PyString>().is_ok() { None } else { names.extract().ok() };
+    list.ok_or_else(|| errors::wrong_type("names", "a sequence of str", &names.to_string()))
+}
+
+/// (4, 2) for the only photograph, or one such array, or None, for each.
+fn corners_of(corners: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<Option<[nalgebra::Point2<f64>; 4]>>> {
+    let Ok(items) = corners.try_iter() else {
+        let found = corners.get_type().name()?.to_string();
+        return Err(errors::wrong_type(
+            "corners",
+            "an array of shape (4, 2), or one for each photograph",
+            &found,
+        ));
+    };
+    let items = items.collect::<PyResult<Vec<_>>>()?;
+    let given = items.iter().find(|i| !i.is_none());
+    let single = match given {
+        Some(first) => Numbers::of(first, "corners")?.view().ndim() < 2,
+        None => false,
+    };
+    if single {
+        let four = four_corners(corners, "corners")?;
+        if n == 1 {
+            return Ok(vec![Some(four)]);
+        }
+        let expected = format!("one array of shape (4, 2), or None, for each of the {n} photographs");
+        return Err(errors::invalid(corners.py(), "corners", &expected, "one array"));
+    }
+    let each = |(i, c): (usize, &Bound<'_, PyAny>)| {
+        if c.is_none() { Ok(None) } else { four_corners(c, &format!("corners[{i}]")).map(Some) }
+    };
+    items.iter().enumerate().map(each).collect()
+}
