@@ -4,6 +4,7 @@
 //! of the work in their order, each with the classes that it takes and gives. Every call of the core runs without the
 //! interpreter's lock.
 
+mod calibrate;
 mod cloud;
 mod convert;
 mod decode;
@@ -38,6 +39,7 @@ fn _slcal(module: &Bound<'_, PyModule>) -> PyResult<()> {
     detect::register(module)?;
     observations::register(module)?;
     rig::register(module)?;
+    calibrate::register(module)?;
     matches::register(module)?;
     decode::register(module)?;
     cloud::register(module)?;

@@ -1,0 +1,229 @@
+//! Photographs, or the observations of any detector, in; rig out.
+
+use pyo3::prelude::*;
+use slcal_core::{CalibrateConfig, ExternalObservations, FocalPrior, PrincipalPointRule, calibrate_external};
+
+use crate::convert::option;
+use crate::errors::{self, Looking, Raise as _};
+use crate::geometry::Camera;
+use crate::observations::{Request, observations_of, observe_all};
+use crate::pattern::CheckerPattern;
+use crate::rig::Rig;
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(calibrate_observations, module)?)
+}
+
+/// What the keyword arguments of both functions say.
+struct Options<'a, 'py> {
+    camera: Option<&'a Camera>,
+    camera_pp: Option<&'a Bound<'py, PyAny>>,
+    projector_pp: Option<&'a Bound<'py, PyAny>>,
+    distortion: Option<&'a Bound<'py, PyAny>>,
+    projector_distortion: Option<&'a Bound<'py, PyAny>>,
+    method: Option<&'a Bound<'py, PyAny>>,
+    focal_35mm: Option<f64>,
+    allow_degenerate: bool,
+}
+
+impl Options<'_, '_> {
+    /// All of it but what depends on the image's size.
+    fn config(&self) -> PyResult<CalibrateConfig> {
+        let default = CalibrateConfig::default();
+        Ok(CalibrateConfig {
+            camera_pp: option::principal_point(self.camera_pp, "camera_pp", PrincipalPointRule::Prior)?,
+            projector_pp: option::principal_point(
+                self.projector_pp,
+                "projector_pp",
+                PrincipalPointRule::Shift,
+            )?,
+            method: option::method(self.method)?,
+            distortion: option::distortion(self.distortion, "distortion")?,
+            projector_distortion: option::distortion(self.projector_distortion, "projector_distortion")?,
+            allow_degenerate: self.allow_degenerate,
+            ..default
+        })
+    }
+
+    fn rig(&self, py: Python<'_>, mut config: CalibrateConfig, seen: &ExternalObservations) -> PyResult<Rig> {
+        let size = seen.observations.camera;
+        config.known_camera = self.camera.map(|c| of_size(py, c, size)).transpose()?;
+        config.focal_prior = self.focal_35mm.map(|mm| FocalPrior::from_35mm_equivalent(mm, size));
+        config.validate().raise(py, Looking::ForSheet)?;
+        let done = py.detach(|| calibrate_external(seen, &config)).raise(py, Looking::ForSheet)?;
+        let mut calibration = done.calibration;
+        for (view, photo) in calibration.rig.views.iter_mut().zip(&seen.photos) {
+            view.photo.clone_from(photo);
+        }
+        Ok(Rig { rig: calibration.rig, report: Some(calibration.report) })
+    }
+}
+
+/// The known camera, if its images are as large as the photographs.
+fn of_size(py: Python<'_>, camera: &Camera, size: [u32; 2]) -> PyResult<slcal_core::geometry::Camera> {
+    let model = camera.0.model;
+    if [model.width, model.height] == size {
+        return Ok(model);
+    }
+    let expected = format!("the camera of photographs of {}x{} pixels", size[0], size[1]);
+    let found = format!("one of {}x{}; intrinsics hold for one resolution", model.width, model.height);
+    Err(errors::invalid(py, "camera", &expected, &found))
+}
+
+/// Calibrates a camera and a projector from photographs of one white sheet with a checkerboard projected on it.
+///
+/// Parameters
+/// ----------
+/// photos : sequence of ndarray, or ndarray
+///     One photograph per pose of the sheet: (H, W, 3) in RGB order or (H, W), uint8 or uint16, all of one size. One
+///     photograph of a tilted sheet is enough; two with opposite tilts are far better.
+/// size_mm : (float, float)
+///     Width and height of the sheet, mm. Width is the side that runs most nearly along the image's x axis.
+/// pattern : CheckerPattern, optional
+///     What was projected; without it the camera alone is calibrated.
+/// screen : sequence of ndarray, optional
+///     The same poses with a dark or plain projector, in the same order; the sheet's sides are then measured there.
+/// corners : array_like, optional
+///     The sheet's corners TL, TR, BR, BL by hand where it is not found: (4, 2), px, for one photograph, or one of these for
+///     each. They may lie outside the frame.
+/// camera : Camera, optional
+///     Known intrinsics, held fixed; the rest is solved for.
+/// camera_pp, projector_pp : {"prior", "shift", "centre", "free"} or (float, float)
+///     What is known of the principal points: the centre as a prior; its column as a prior and its row free (lens shift);
+///     exactly the centre; nothing; exactly this pixel.
+/// distortion, projector_distortion : {"auto", "none", "k1", "k1k2", "full"}
+///     Which coefficients are estimated. "auto" estimates k1 and k2 when the photographs show them. Those of the projector
+///     need three photographs.
+/// method : {"ml", "two-vp"}
+///     Maximum likelihood, or the two vanishing points of R. Orghidan et al., "Structured light self-calibration with
+///     vanishing points", Machine Vision and Applications 25:489-500 (2014).
+/// focal_35mm : float, optional
+///     The camera's focal length as its 35 mm equivalent, as EXIF tags state it: expected, with a σ of some 5 %.
+/// gamma : {"srgb", "linear"} or float
+///     The transfer curve of the photographs.
+/// allow_degenerate : bool
+///     Give a rig with the verdict "degenerate" rather than an error.
+/// names : sequence of str, optional
+///     Names of the photographs, for the rig's views and for messages.
+///
+/// Returns
+/// -------
+/// Rig
+///     With σ, covariance and verdict; `rig.report` says how the calibration went.
+///
+/// Raises
+/// ------
+/// DetectionError
+///     When the checkerboard or the sheet is not found in a photograph.
+/// CalibrationError
+///     When the photographs do not determine the focal lengths, as with a sheet seen face-on.
+/// Error
+///     When values or shapes are not what they should be.
+/// TypeError
+///     When a photograph is no array of uint8 or uint16.
+///
+/// Examples
+/// --------
+/// >>> checker = slcal.CheckerPattern(projector=(1024, 768))
+/// >>> scene = slcal.simulate.scene("sheet", pattern=checker)
+/// >>> rig = slcal.calibrate([scene.photo], size_mm=(594, 420), pattern=checker)
+/// >>> rig.quality.verdict
+/// 'good'
+#[pyfunction]
+#[pyo3(
+    signature = (photos, size_mm, pattern=None, *, screen=None, corners=None, camera=None, camera_pp=None, projector_pp=None,
+        distortion=None, projector_distortion=None, method=None, focal_35mm=None, gamma=None, allow_degenerate=false,
+        names=None),
+    text_signature = "(photos, size_mm, pattern=None, *, screen=None, corners=None, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', method='ml', focal_35mm=None, gamma='srgb', allow_degenerate=False, names=None)"
+)]
+#[allow(clippy::too_many_arguments, reason = "keyword arguments are what a Python user expects")]
+fn calibrate(
+    photos: &Bound<'_, PyAny>,
+    size_mm: &Bound<'_, PyAny>,
+    pattern: Option<&CheckerPattern>,
+    screen: Option<&Bound<'_, PyAny>>,
+    corners: Option<&Bound<'_, PyAny>>,
+    camera: Option<&Camera>,
+    camera_pp: Option<&Bound<'_, PyAny>>,
+    projector_pp: Option<&Bound<'_, PyAny>>,
+    distortion: Option<&Bound<'_, PyAny>>,
+    projector_distortion: Option<&Bound<'_, PyAny>>,
+    method: Option<&Bound<'_, PyAny>>,
+    focal_35mm: Option<f64>,
+    gamma: Option<&Bound<'_, PyAny>>,
+    allow_degenerate: bool,
+    names: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Rig> {
+    let py = photos.py();
+    let options = Options {
+        camera,
+        camera_pp,
+        projector_pp,
+        distortion,
+        projector_distortion,
+        method,
+        focal_35mm,
+        allow_degenerate,
+    };
+    // Before the work on the photographs begins.
+    let config = options.config()?;
+    let seen = observe_all(&Request { photos, size_mm, pattern, screen, corners, gamma, names })?;
+    config.validate_for(seen.observations.views.len(), pattern.is_some()).raise(py, Looking::ForSheet)?;
+    options.rig(py, config, &seen)
+}
+
+/// Calibrates from the observations of any detector: `slcal.observe`, or one's own.
+///
+/// Parameters
+/// ----------
+/// observations : Observations or mapping
+///     What was seen; a mapping has the fields of the file (schema slcal-observations/1), with arrays or lists in it. A σ that
+///     is not stated is measured by the residuals, or assumed where there are too few.
+/// camera, camera_pp, projector_pp, distortion, projector_distortion, method, focal_35mm, allow_degenerate
+///     As for `calibrate`.
+///
+/// Returns
+/// -------
+/// Rig
+///
+/// Raises
+/// ------
+/// CalibrationError
+///     When the observations do not determine the focal lengths.
+/// FormatError
+///     When a mapping does not follow the schema; the message names the field.
+/// Error
+///     When numbers are not finite, corners are collinear, or anything else contradicts itself.
+#[pyfunction]
+#[pyo3(
+    signature = (observations, *, camera=None, camera_pp=None, projector_pp=None, distortion=None,
+        projector_distortion=None, method=None, focal_35mm=None, allow_degenerate=false),
+    text_signature = "(observations, *, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', method='ml', focal_35mm=None, allow_degenerate=False)"
+)]
+#[allow(clippy::too_many_arguments, reason = "keyword arguments are what a Python user expects")]
+fn calibrate_observations(
+    observations: &Bound<'_, PyAny>,
+    camera: Option<&Camera>,
+    camera_pp: Option<&Bound<'_, PyAny>>,
+    projector_pp: Option<&Bound<'_, PyAny>>,
+    distortion: Option<&Bound<'_, PyAny>>,
+    projector_distortion: Option<&Bound<'_, PyAny>>,
+    method: Option<&Bound<'_, PyAny>>,
+    focal_35mm: Option<f64>,
+    allow_degenerate: bool,
+) -> PyResult<Rig> {
+    let options = Options {
+        camera,
+        camera_pp,
+        projector_pp,
+        distortion,
+        projector_distortion,
+        method,
+        focal_35mm,
+        allow_degenerate,
+    };
+    let config = options.config()?;
+    let seen = observations_of(observations)?;
+    options.rig(observations.py(), config, &seen)
+}
