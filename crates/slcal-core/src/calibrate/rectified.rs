@@ -1,4 +1,4 @@
-//! Pictures drawn so that they appear upright on the sheet: [`rectify`](super::rectify) and the drawing in one call.
+//! Pictures drawn so that they appear upright on the sheet: [`rectify`](super::rectify()) and the drawing in one call.
 
 use image::RgbImage;
 use nalgebra::Point2;
