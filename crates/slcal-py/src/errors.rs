@@ -7,6 +7,7 @@ use slcal_core::Error;
 
 /// What it means that something is not found.
 #[derive(Debug, Clone, Copy)]
+#[allow(clippy::enum_variant_names, reason = "read as a sentence where they are used: Looking::ForSheet")]
 pub(crate) enum Looking {
     /// For a sheet or a checkerboard.
     ForSheet,

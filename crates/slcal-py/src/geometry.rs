@@ -373,6 +373,7 @@ pub(crate) fn pose_of(
 /// array([400.,  20., -10.])
 #[pyclass(frozen, module = "slcal", eq)]
 #[derive(PartialEq, Clone)]
+#[allow(clippy::struct_field_names, reason = "it is the core's pose, with its σ beside")]
 pub(crate) struct Pose {
     pub(crate) pose: geometry::Pose,
     pub(crate) sigma_t_mm: Option<[f64; 3]>,

@@ -88,9 +88,8 @@ pub(crate) fn rows_of<const K: usize>(values: &Bound<'_, PyAny>, what: &str) -> 
     let view = numbers.view();
     let fits = match *view.shape() {
         [n] => n == K || n == 0,
-        [_, k] => k == K,
-        // OpenCV gives points as (N, 1, K).
-        [_, 1, k] => k == K,
+        // The second form is that of OpenCV's points.
+        [_, k] | [_, 1, k] => k == K,
         _ => false,
     };
     if !fits {
