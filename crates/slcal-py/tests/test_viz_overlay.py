@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import slcal
 import viz_scene as scene
+from common import DEMO
 
 matplotlib = pytest.importorskip("matplotlib", reason="matplotlib is not installed: pip install slcal[viz]")
 matplotlib.use("Agg")
@@ -100,9 +101,28 @@ def test_residuals_are_seen_less_expected():
     assert np.abs(np.column_stack([pattern.U, pattern.V]) - offset).max() < 1e-6
     # A pixel of residual is drawn as 100 pixels of the photograph.
     assert pattern.scale == pytest.approx(0.01) and pattern.scale_units == "xy" and pattern.angles == "xy"
+    # The outline is that of the rig, with its distortion.
+    outline = line(ax, "sheet")
     for side in SIDES:
+        first, last = (scene.CORNERS_MM[i] for i in SIDES[side])
+        bent = scene.camera_px(first + np.arange(9)[:, None] / 8 * (last - first))
+        assert np.hypot(*(outline[:, None] - bent).T).min(axis=1).max() < 1e-6
         edge = part(ax, f"residuals-{side}")
         assert np.abs(np.hypot(edge.U, edge.V) - 0.25).max() < 1e-4
+
+
+def test_residuals_are_those_of_the_calibration():
+    photo, checker = slcal.read_image(DEMO / "sheet.jpg"), slcal.CheckerPattern((1024, 768))
+    rig = slcal.calibrate([photo], scene.SIZE_MM, checker)
+    ax = slcal.viz.overlay(photo, slcal.detect(photo, scene.SIZE_MM, checker), rig=rig)
+    pattern = part(ax, "residuals-pattern")
+    rms = np.sqrt((np.asarray(pattern.U) ** 2 + np.asarray(pattern.V) ** 2).mean())
+    assert rms == pytest.approx(rig.views[0].rms_px.corners, rel=1e-6)
+    edges = [part(ax, f"residuals-{side}") for side in SIDES]
+    length = np.concatenate([np.hypot(e.U, e.V) for e in edges])
+    # Only some of the edge points have arrows.
+    assert np.sqrt((length**2).mean()) == pytest.approx(rig.views[0].rms_px.edges, rel=0.2)
+    assert len(ax.texts) == 4 and "70 of 70" in ax.get_legend().get_texts()[2].get_text()
 
 
 def test_arrows_point_the_way_they_say():

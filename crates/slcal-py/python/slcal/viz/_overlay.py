@@ -38,7 +38,7 @@ def overlay(
 
     With `rig`, arrows show the residuals as well: from where the rig expects the pattern's corners and the
     edge points to where they were seen, drawn many times as long; an arrow of known length stands above the
-    picture.
+    picture. The outline is then the one that the rig expects, bent as its lens bends it.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def overlay(
     shown = _picture.displayed(picture, gamma)
     ax = _picture.axes(ax, width, height)
     _picture.show(ax, shown, seen.corners)
-    _draw_sheet(ax, seen)
+    _draw_sheet(ax, seen, None if residuals is None else residuals.outline)
     _draw_pattern(ax, seen, 7.0 if rig is None else 4.0)
     if residuals is not None:
         _residuals.draw(ax, residuals)
@@ -136,13 +136,14 @@ def _rim(width: float) -> list[Any]:
     return [effects.withStroke(linewidth=width, foreground=_colors.RIM)]
 
 
-def _draw_sheet(ax: Axes, seen: _seen.Seen) -> None:
-    corners = seen.corners
-    if corners is not None:
-        ring = np.concatenate([corners, corners[:1]])
-        ax.plot(
-            *ring.T, color=_colors.SHEET, linewidth=1.2, path_effects=_rim(2.2), label="sheet", gid="sheet"
-        )
+def _draw_sheet(ax: Axes, seen: _seen.Seen, expected: NDArray[np.float64] | None) -> None:
+    """The outline, expected or straight between corners, the points of its edges, its corners' names."""
+    corners, outline, label = seen.corners, expected, "sheet, as the rig expects it"
+    if outline is None and corners is not None:
+        outline, label = np.concatenate([corners, corners[:1]]), "sheet"
+    if outline is not None:
+        look: dict[str, Any] = {"color": _colors.SHEET, "linewidth": 1.2, "path_effects": _rim(2.2)}
+        ax.plot(*outline.T, label=label, gid="sheet", **look)
     sides = [points for points in seen.edges.values() if len(points)]
     if sides:
         points = np.concatenate(sides)

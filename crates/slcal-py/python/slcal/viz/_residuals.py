@@ -47,11 +47,15 @@ def expected_pairs(rig: Rig, view: View, projector_px: NDArray[np.float64]) -> N
     return rig.camera.project(view.camera_from_sheet.transform(on_sheet))
 
 
-def expected_side(rig: Rig, view: View, side: str, edge_px: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The points (N, 2) of a side's image that lie nearest to the edge points (N, 2)."""
+def side_px(rig: Rig, view: View, side: str) -> NDArray[np.float64]:
+    """A side's image as the rig expects it, a curve of points (P + 1, 2)."""
     first, last = (outline_mm(view.size_mm)[i] for i in _SIDES[side])
     share = np.linspace(0.0, 1.0, _PARTS + 1)[:, None]
-    curve = rig.camera.project(view.camera_from_sheet.transform(first + share * (last - first)))
+    return rig.camera.project(view.camera_from_sheet.transform(first + share * (last - first)))
+
+
+def expected_side(curve: NDArray[np.float64], edge_px: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The points (N, 2) of a side's image (P + 1, 2) that lie nearest to the edge points (N, 2)."""
     start, part = curve[:-1], np.diff(curve, axis=0)
     # Every edge point against every part, (N, P).
     along = ((edge_px[:, None] - start) * part).sum(axis=2) / (part**2).sum(axis=1)
@@ -77,6 +81,8 @@ class Residuals:
     arrows: list[Arrows]
     scale: float
     diagonal_px: float
+    #: The sheet's outline as the rig expects it, bent as the lens bends it, (N, 2) px.
+    outline: NDArray[np.float64]
 
 
 def measure(rig: Rig, view: View, seen: Seen, diagonal_px: float, magnify: float | None) -> Residuals:
@@ -88,7 +94,7 @@ def measure(rig: Rig, view: View, seen: Seen, diagonal_px: float, magnify: float
     for side, points in seen.edges.items():
         few = points[:: max(1, -(-len(points) // _ARROWS_PER_SIDE))]
         if len(few):
-            expected = expected_side(rig, view, side, few)
+            expected = expected_side(side_px(rig, view, side), few)
             arrows.append(Arrows(side, expected, few - expected, _colors.EDGE_POINT))
     measured = any(len(points) for points in seen.edges.values())
     if not measured and seen.corners is not None:  # Corners given by hand: there are no points in between.
@@ -100,7 +106,10 @@ def measure(rig: Rig, view: View, seen: Seen, diagonal_px: float, magnify: float
         raise Error(f"magnify: expected a positive number, found {magnify}")
     long = float(np.percentile(np.concatenate([np.hypot(*a.residual.T) for a in arrows]), 90))
     fitting = _ARROW_SHARE * diagonal_px / max(long, _LEAST_PX)
-    return Residuals(arrows, _round(fitting) if magnify is None else float(magnify), diagonal_px)
+    scale = _round(fitting) if magnify is None else float(magnify)
+    return Residuals(
+        arrows, scale, diagonal_px, np.concatenate([side_px(rig, view, side) for side in _SIDES])
+    )
 
 
 def draw(ax: Axes, residuals: Residuals) -> None:

@@ -196,7 +196,7 @@ def _scatter(ax: Axes3D, points: NDArray[np.float64], colors: NDArray[Any]) -> N
 
 def _title(rig: Rig) -> str:
     quality, baseline, sigma = rig.quality, rig.baseline_mm, rig.baseline_sigma_mm
-    parts: list[str] = [] if quality is None else [quality.verdict]
+    parts: list[str] = [] if quality is None else [f"verdict {quality.verdict}"]
     if baseline is not None:
         parts.append(f"baseline {baseline:.1f}" + ("" if sigma is None else f" \u00b1 {sigma:.1f}") + " mm")
     return ", ".join(parts)
