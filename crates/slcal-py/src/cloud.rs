@@ -154,12 +154,12 @@ impl From<slcal_core::PointCloud> for PointCloud {
 /// (M, 3) indices of `n` points.
 fn triangles_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<[u32; 3]>> {
     let index = |x: f64| (x.fract() == 0.0 && x >= 0.0 && x < n as f64).then_some(x as u32);
-    let triangle = |(i, t): (usize, [f64; 3])| match t.map(index) {
-        [Some(a), Some(b), Some(c)] => Ok([a, b, c]),
-        _ => {
-            let found = format!("{t:?} in row {i}");
-            Err(errors::invalid(values.py(), "triangles", &format!("indices of the {n} points"), &found))
+    let triangle = |(i, t): (usize, [f64; 3])| {
+        if let [Some(a), Some(b), Some(c)] = t.map(index) {
+            return Ok([a, b, c]);
         }
+        let found = format!("{t:?} in row {i}");
+        Err(errors::invalid(values.py(), "triangles", &format!("indices of the {n} points"), &found))
     };
     rows_of::<3>(values, "triangles")?.into_iter().enumerate().map(triangle).collect()
 }
@@ -472,13 +472,9 @@ impl PointCloud {
     }
 
     fn _repr_html_(&self) -> String {
-        let rows: String = self
-            .in_words()
-            .iter()
-            .map(|(name, value)| {
-                format!("<tr><th style=\"text-align:left\">{name}</th><td>{value}</td></tr>")
-            })
-            .collect();
+        let row =
+            |(name, value)| format!("<tr><th style=\"text-align:left\">{name}</th><td>{value}</td></tr>");
+        let rows = self.in_words().into_iter().map(row).collect::<Vec<_>>().concat();
         format!("<table><caption>PointCloud</caption>{rows}</table>")
     }
 

@@ -18,6 +18,7 @@ mod observations;
 mod pattern;
 mod reconstruct;
 mod rig;
+mod simulate;
 
 use std::ffi::OsString;
 
@@ -45,5 +46,6 @@ fn _slcal(module: &Bound<'_, PyModule>) -> PyResult<()> {
     cloud::register(module)?;
     reconstruct::register(module)?;
     evaluate::register(module)?;
+    simulate::register(module)?;
     module.add_function(wrap_pyfunction!(run_command, module)?)
 }

@@ -9,7 +9,7 @@ use slcal_core::{DistortionModel, Frame, Method, PrincipalPointRule, ViewObserva
 use crate::errors::{self, Looking, Raise as _};
 
 /// How a value that is not accepted is shown.
-fn shown(value: &Bound<'_, PyAny>) -> String {
+pub(crate) fn shown(value: &Bound<'_, PyAny>) -> String {
     value.repr().map_or_else(|_| "another object".to_owned(), |r| r.to_string())
 }
 

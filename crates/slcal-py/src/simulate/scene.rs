@@ -1,0 +1,125 @@
+//! A simulated scene.
+
+use pyo3::prelude::*;
+use slcal_core::pattern::Pattern;
+use slcal_core::simulate::SimulatedScene;
+
+use crate::cloud::PointCloud;
+use crate::convert::array::shaped;
+use crate::convert::image::array_of;
+use crate::convert::report::Reported;
+use crate::matches::Matches;
+use crate::pattern::{CheckerPattern, StripePattern};
+use crate::rig::Rig;
+
+/// Photographs of a simulated scene, and what is true of every pixel. `slcal.simulate.scene` makes them.
+///
+/// Examples
+/// --------
+/// >>> from slcal import simulate
+/// >>> scene = simulate.scene("sphere", camera=(320, 240), focal=375)
+/// >>> scene
+/// Scene(320x240, 2 surfaces, 10134 matches)
+/// >>> scene.photo.shape, scene.depth.shape
+/// ((240, 320, 3), (240, 320))
+#[pyclass(frozen, module = "slcal")]
+pub(crate) struct Scene {
+    pub(super) scene: SimulatedScene,
+    pub(super) report: Reported,
+}
+
+impl Scene {
+    fn map<'py, T: numpy::Element>(&self, py: Python<'py>, values: Vec<T>) -> PyResult<Bound<'py, PyAny>> {
+        let truth = self.scene.photographer.truth();
+        shaped(py, values, &[truth.height(), truth.width()])
+    }
+}
+
+#[pymethods]
+impl Scene {
+    /// The true rig; one that was simulated and looks at a sheet has it as its view.
+    #[getter]
+    fn rig(&self) -> Rig {
+        self.scene.rig.clone().into()
+    }
+
+    /// What was projected.
+    #[getter]
+    fn pattern<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(match self.scene.pattern.clone() {
+            Pattern::Checker(p) => Bound::new(py, CheckerPattern(p))?.into_any(),
+            Pattern::Stripes(p) => Bound::new(py, StripePattern(p))?.into_any(),
+        })
+    }
+
+    /// The photograph under the pattern: (H, W, 3) uint8, or uint16 with 16 bits.
+    #[getter]
+    fn photo<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array_of(py, self.scene.photo.clone())
+    }
+
+    /// The photograph under a white projector.
+    #[getter]
+    fn white<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array_of(py, self.scene.white.clone())
+    }
+
+    /// The photograph under a dark projector.
+    #[getter]
+    fn black<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array_of(py, self.scene.black.clone())
+    }
+
+    /// Where slits or corners of the pattern are seen, without error.
+    #[getter]
+    fn matches(&self) -> Matches {
+        self.scene.matches.clone().into()
+    }
+
+    /// The points that the matches see, in the camera's frame.
+    #[getter]
+    fn cloud(&self) -> PointCloud {
+        self.scene.cloud().into()
+    }
+
+    /// The projector column that lights what each pixel sees: (H, W) float32, px; NaN in shadow and beside the light.
+    #[getter]
+    fn column<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.map(py, self.scene.columns())
+    }
+
+    /// The projector row that lights what each pixel sees: (H, W) float32, px; NaN in shadow and beside the light.
+    #[getter]
+    fn row<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.map(py, self.scene.rows())
+    }
+
+    /// Depth of what each pixel sees along the camera's axis: (H, W) float32, mm; NaN where it sees nothing.
+    #[getter]
+    fn depth<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.map(py, self.scene.depths())
+    }
+
+    /// Which surface each pixel sees: (H, W) uint8, counted from 1; 0 for none.
+    #[getter]
+    fn surface<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.map(py, self.scene.surfaces())
+    }
+
+    /// What the photograph shows, in numbers.
+    #[getter]
+    fn report(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
+        self.report.get(py)
+    }
+
+    fn __repr__(&self) -> String {
+        let (truth, surfaces) = (self.scene.photographer.truth(), self.scene.photographer.surfaces().len());
+        format!(
+            "Scene({}x{}, {surfaces} surface{}, {} matches)",
+            truth.width(),
+            truth.height(),
+            if surfaces == 1 { "" } else { "s" },
+            self.scene.matches.items.len()
+        )
+    }
+}
