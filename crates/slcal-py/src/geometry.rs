@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector3};
 use pyo3::prelude::*;
 use slcal_core::format::read_camera;
 use slcal_core::geometry::{self, Distortion, Intrinsics};
-use slcal_core::{Device, DeviceSigma, FocalPrior};
+use slcal_core::{Device, DeviceSigma};
 
 use crate::convert::array::{Numbers, matrix_of, rows, rows_of, shaped, vector_of};
 use crate::convert::option::whole_pair;
@@ -52,12 +52,6 @@ fn vector<'py>(py: Python<'py>, v: &[f64]) -> PyResult<Bound<'py, PyAny>> {
 pub(crate) struct Camera(pub(crate) Device);
 
 impl Camera {
-    fn pinhole(size: [u32; 2], focal_px: f64) -> Self {
-        let [width, height] = size;
-        let intrinsics = Intrinsics::square(focal_px, geometry::Camera::image_centre(width, height));
-        Self::of(geometry::Camera { width, height, intrinsics, distortion: Distortion::NONE })
-    }
-
     fn of(model: geometry::Camera) -> Self {
         Self(Device { model, sigma: None })
     }
@@ -127,31 +121,22 @@ impl Camera {
     #[staticmethod]
     fn from_fov(py: Python<'_>, size: &Bound<'_, PyAny>, fov_deg: f64) -> PyResult<Self> {
         let size = whole_pair(size, "size")?;
-        if !(0.1..179.0).contains(&fov_deg) {
-            return Err(errors::invalid(py, "fov_deg", "0.1 to 179 degrees", &fov_deg.to_string()));
-        }
-        let focal_px = f64::from(size[0]) / 2.0 / (fov_deg.to_radians() / 2.0).tan();
-        Ok(Self::pinhole(size, focal_px))
+        geometry::Camera::from_fov(size, fov_deg).map(Self::of).raise(py, Looking::ForSheet)
     }
 
     /// A camera without distortion by the 35 mm equivalent of its focal length, as EXIF tags state it.
     #[staticmethod]
     fn from_35mm(py: Python<'_>, size: &Bound<'_, PyAny>, focal_35mm: f64) -> PyResult<Self> {
         let size = whole_pair(size, "size")?;
-        positive(py, "focal_35mm", focal_35mm)?;
-        Ok(Self::pinhole(size, FocalPrior::from_35mm_equivalent(focal_35mm, size).focal_px))
+        geometry::Camera::from_35mm(size, focal_35mm).map(Self::of).raise(py, Looking::ForSheet)
     }
 
     /// A projector by its throw ratio (distance over width of the picture), its axis through the lower edge of the panel as
     /// with most lens shifts.
     #[staticmethod]
     fn from_throw(py: Python<'_>, size: &Bound<'_, PyAny>, throw: f64) -> PyResult<Self> {
-        let [width, height] = whole_pair(size, "size")?;
-        positive(py, "throw", throw)?;
-        let centre = geometry::Camera::image_centre(width, height);
-        let pp = Point2::new(centre.x, f64::from(height) - 0.5);
-        let intrinsics = Intrinsics::square(throw * f64::from(width), pp);
-        Ok(Self::of(geometry::Camera { width, height, intrinsics, distortion: Distortion::NONE }))
+        let size = whole_pair(size, "size")?;
+        geometry::Camera::from_throw(size, throw).map(Self::of).raise(py, Looking::ForSheet)
     }
 
     /// The camera matrix: (3, 3) float64, px.
@@ -308,13 +293,6 @@ fn each<const N: usize, const K: usize>(
 fn unreached(py: Python<'_>, i: usize, p: [f64; 2]) -> PyErr {
     let found = format!("[{}, {}] in row {i}, which its model does not reach", p[0], p[1]);
     errors::invalid(py, "pixels", "pixels that the lens's distortion has a direction for", &found)
-}
-
-fn positive(py: Python<'_>, what: &str, value: f64) -> PyResult<()> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(errors::invalid(py, what, "a number above zero", &value.to_string()))
 }
 
 /// k1, k2, p1, p2, k3, or as many of them as are not zero.
