@@ -4,6 +4,7 @@
 //! of the work in their order, each with the classes that it takes and gives. Every call of the core runs without the
 //! interpreter's lock.
 
+mod advise;
 mod calibrate;
 mod cloud;
 mod convert;
@@ -17,8 +18,10 @@ mod matches;
 mod observations;
 mod pattern;
 mod reconstruct;
+mod rectify;
 mod rig;
 mod simulate;
+mod verify;
 
 use std::ffi::OsString;
 
@@ -40,6 +43,8 @@ fn _slcal(module: &Bound<'_, PyModule>) -> PyResult<()> {
     detect::register(module)?;
     observations::register(module)?;
     rig::register(module)?;
+    rectify::register(module)?;
+    advise::register(module)?;
     calibrate::register(module)?;
     matches::register(module)?;
     decode::register(module)?;

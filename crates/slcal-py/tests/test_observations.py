@@ -264,3 +264,69 @@ def test_half_the_size_shows_the_same(checker):
     seen = slcal.observe(photo, SIZE, checker)
     assert seen.camera == (640, 480)
     assert len(seen.views[0].pairs) == 70
+
+
+def test_observing_and_calibrating_is_calibrating(photo, checker):
+    rig = slcal.calibrate([photo], SIZE, checker)
+    seen = slcal.Observations((1280, 960), checker.projector, [slcal.detect(photo, SIZE, checker)])
+    assert slcal.calibrate_observations(seen) == rig
+    assert slcal.calibrate_observations(pickle.loads(pickle.dumps(seen))) == rig
+    named = slcal.observe([photo], SIZE, checker, names=["a.jpg"])
+    assert slcal.calibrate_observations(named).views[0].photo == "a.jpg"
+    # A σ that is not stated is worked out, to something like what the detector says of itself.
+    view = seen.views[0]
+    unstated = slcal.ViewObservation(SIZE, sheet_edges=view.sheet_edges, pairs=view.pairs)
+    again = slcal.calibrate_observations(slcal.Observations((1280, 960), checker.projector, [unstated]))
+    assert again != rig
+    assert again.camera.K[0, 0] == pytest.approx(rig.camera.K[0, 0], rel=0.01)
+
+
+def as_mapping(view):
+    """What the file says of a view, its leaves arrays."""
+    sigma = view.sheet_sigma_px
+    edges = {side: np.column_stack([points, sigma[side]]) for side, points in view.sheet_edges.items()}
+    return {
+        "size_mm": np.array(view.size_mm, np.float32),
+        "sheet_edges_px": edges,
+        "pairs": np.column_stack([view.pairs, view.pair_sigma_px]),
+    }
+
+
+def test_mappings_with_arrays_in_them(photo, checker):
+    seen = slcal.observe([photo], SIZE, checker)
+    rig = slcal.calibrate_observations(seen)
+    mapping = {
+        "camera": {"width": np.int64(1280), "height": np.uint16(960)},
+        "projector": {"width": 1024, "height": 768},
+        "views": (as_mapping(seen.views[0]),),
+    }
+    assert slcal.calibrate_observations(mapping) == rig
+    assert slcal.calibrate_observations(json.loads(seen.to_json())) == rig
+
+    def refused(kind, words, **change):
+        view = {**as_mapping(seen.views[0]), **change}
+        with pytest.raises(kind, match=words):
+            slcal.calibrate_observations({**mapping, "views": [view]})
+
+    pairs = as_mapping(seen.views[0])["pairs"]
+    broken = pairs.copy()
+    broken[5, 1] = np.nan
+    refused(slcal.Error, r"views\[0\].pairs\[5\]\[1\].*finite", pairs=broken)
+    broken[5, 1] = -np.inf
+    refused(slcal.Error, r"views\[0\].pairs\[5\]\[1\].*-inf", pairs=broken)
+    refused(slcal.FormatError, r"views\[0\].pairs\[0\]", pairs=pairs[:, :3])
+    refused(slcal.FormatError, r"views\[0\].size_mm", size_mm=594)
+    refused(TypeError, r"views\[0\].pairs.*set", pairs={1, 2})
+    refused(TypeError, r"views\[0\].pairs\[0\]\[0\].*complex", pairs=pairs * 1j)
+    refused(TypeError, r"views\[0\].sheet_edges_px.*keys", sheet_edges_px={1: [[0, 1]]})
+    with pytest.raises(slcal.FormatError, match="camera"):
+        slcal.calibrate_observations({"views": []})
+    with pytest.raises(slcal.FormatError, match="slcal-observations/1"):
+        slcal.calibrate_observations({**mapping, "schema": "slcal-observations/2"})
+    endless = dict(mapping)
+    endless["views"] = [endless]
+    with pytest.raises(slcal.Error, match="hold itself"):
+        slcal.calibrate_observations(endless)
+    for wrong in [None, [seen], seen.to_json(), seen.views[0]]:
+        with pytest.raises(TypeError, match="observations.*mapping"):
+            slcal.calibrate_observations(wrong)

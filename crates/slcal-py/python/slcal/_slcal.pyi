@@ -355,10 +355,13 @@ class Covariance:
 
 @final
 class Rectification:
-    """`panel_from_source` (3, 3) maps pixels of the source onto the panel; `size_mm`, `origin_mm`: where the picture lies on the sheet."""
+    """`panel_from_source` (3, 3) maps pixels of the source onto a panel whose lens does not distort, `map` onto the panel; `size_mm`, `origin_mm`: where the picture lies on the sheet."""
 
     @property
     def panel_from_source(self) -> NDArray[np.float64]: ...
+    @property
+    def corners_px(self) -> NDArray[np.float64]: ...
+    def map(self, pixels: ArrayLike) -> NDArray[np.float64]: ...
     @property
     def size_mm(self) -> tuple[float, float]: ...
     @property
@@ -440,8 +443,8 @@ class Rig:
         mesh: bool = False,
         cull: _Cull = "off",
     ) -> PointCloud: ...
-    def rectify(self, source: CheckerPattern | NDArray[np.uint8], *, view: int = 0) -> NDArray[np.uint8]: ...
-    def rectification(self, source: CheckerPattern | NDArray[np.uint8], *, view: int = 0) -> Rectification: ...
+    def rectify(self, source: CheckerPattern | _Image, *, view: int = 0) -> NDArray[np.uint8]: ...
+    def rectification(self, source: CheckerPattern | _Image, *, view: int = 0) -> Rectification: ...
     def verify(
         self,
         photo: _Image,
@@ -463,7 +466,7 @@ def advise(
     *,
     projector: Camera | None = None,
     distance_mm: float | None = None,
-    noise_px: float = 0.1,
+    noise_px: float = 0.05,
     camera_pp: _PrincipalPoint = "prior",
     projector_pp: _PrincipalPoint = "shift",
     distortion: _Distortion = "auto",

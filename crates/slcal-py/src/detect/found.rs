@@ -8,6 +8,9 @@ use slcal_core::{CornerPair, SheetObservation, Unstated, detect};
 use crate::convert::array::{column, rows, rows_of};
 use crate::observations::{ViewObservation, edge_sigma, edges, sizeless};
 
+/// What restores an object from a pickle, and its arguments.
+type Pickled<'py, State> = (Bound<'py, PyAny>, State);
+
 /// The sheet as found in a photograph: points on its sides, and the corners in which these meet.
 #[pyclass(frozen, module = "slcal", eq)]
 #[derive(PartialEq)]
@@ -50,7 +53,7 @@ impl SheetDetection {
         self.0.notes.clone()
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, Vec<String>))> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (String, Vec<String>)>> {
         let view = sizeless(self.0.observation.clone());
         Ok((py.get_type::<Self>().getattr("_restored")?, (view.text(py)?, self.notes())))
     }
@@ -108,7 +111,7 @@ impl CornerDetection {
         self.0.pairs.len()
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyAny>, usize))> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (Bound<'py, PyAny>, usize)>> {
         let state =
             self.0.pairs.iter().map(|p| [p.camera.x, p.camera.y, p.projector.x, p.projector.y, p.sigma_px]);
         Ok((py.get_type::<Self>().getattr("_restored")?, (rows(py, state)?, self.0.expected)))
@@ -170,10 +173,7 @@ impl Detection {
         self.0.notes.clone()
     }
 
-    fn __reduce__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyAny>, (String, usize, Vec<String>))> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (String, usize, Vec<String>)>> {
         let state = (self.as_view().text(py)?, self.0.pattern_corners, self.notes());
         Ok((py.get_type::<Self>().getattr("_restored")?, state))
     }

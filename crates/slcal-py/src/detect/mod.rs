@@ -134,8 +134,8 @@ fn detect_both(
 /// >>> photo = np.full((480, 640), 30, np.uint8)
 /// >>> photo[100:380, 120:520] = 220
 /// >>> sheet = slcal.detect_sheet(photo)
-/// >>> sheet.edges["top"].mean(axis=0).round(1)
-/// array([319.5,  99.5])
+/// >>> float(sheet.edges["top"][:, 1].mean().round(1))
+/// 99.5
 #[pyfunction]
 #[pyo3(signature = (photo, *, corners=None, gamma=None), text_signature = "(photo, *, corners=None, gamma='srgb')")]
 fn detect_sheet(

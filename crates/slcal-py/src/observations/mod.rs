@@ -10,7 +10,6 @@ use serde_json::Value;
 use slcal_core::ExternalObservations;
 use slcal_core::format::{read_observations, write_observations};
 
-#[allow(unused_imports, reason = "for the calibration of photographs")]
 pub(crate) use observe::{Request, observe_all};
 pub(crate) use view::{ViewObservation, edge_sigma, edges, four_corners, sizeless};
 
@@ -190,7 +189,6 @@ impl Observations {
 }
 
 /// Observations, or a mapping in the shape of their file whose leaves may be arrays; it may leave out its schema.
-#[allow(dead_code, reason = "for calibrate_observations")]
 pub(crate) fn observations_of(value: &Bound<'_, PyAny>) -> PyResult<ExternalObservations> {
     let py = value.py();
     if let Ok(observations) = value.cast::<Observations>() {

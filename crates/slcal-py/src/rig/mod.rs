@@ -10,6 +10,7 @@ use slcal_core::{CalibrationReport, StereoPose};
 
 pub(crate) use view::{Covariance, View};
 
+use crate::advise;
 use crate::cloud::PointCloud;
 use crate::convert::report::record;
 use crate::decode::{self, Frames};
@@ -17,8 +18,10 @@ use crate::errors::{self, Looking, Raise as _, raised_from};
 use crate::files;
 use crate::geometry::{Camera, Pose};
 use crate::matches::Given;
-use crate::pattern::StripePattern;
+use crate::pattern::{CheckerPattern, StripePattern};
 use crate::reconstruct::{self, Shape};
+use crate::rectify::{self, Rectification};
+use crate::verify;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Rig>()?;
@@ -414,6 +417,126 @@ impl Rig {
     ) -> PyResult<PointCloud> {
         let given = Given { columns, rows, sigma_px, ..Given::default() };
         reconstruct::triangulate(&self.rig, pixels, given, Shape { frame, mesh, cull })
+    }
+
+    /// The picture to project so that a picture appears upright and as large as possible on the sheet.
+    ///
+    /// Parameters
+    /// ----------
+    /// source : CheckerPattern or ndarray
+    ///     A checkerboard, drawn with sharp edges and half a square of its background around it, or any picture: (H, W, 3)
+    ///     RGB or (H, W), uint8 (uint16 is brought to 8 bits).
+    /// view : int, default 0
+    ///     Which of the rig's views tells where the sheet is.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray
+    ///     (H, W, 3) uint8, as large as the projector's panel.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     For a rig without a projector or such a view, and for a pattern for another panel.
+    /// CalibrationError
+    ///     When the projector does not light the sheet.
+    /// TypeError
+    ///     When the source is neither of these.
+    #[pyo3(signature = (source, *, view=0))]
+    fn rectify<'py>(&self, source: &Bound<'py, PyAny>, view: i64) -> PyResult<Bound<'py, PyAny>> {
+        rectify::drawn(&self.rig, source, view)
+    }
+
+    /// Where `rectify` draws a picture: on the panel, and on the sheet in millimetres.
+    ///
+    /// Parameters
+    /// ----------
+    /// source : CheckerPattern or ndarray
+    ///     As for `rectify`.
+    /// view : int, default 0
+    ///     As for `rectify`.
+    ///
+    /// Returns
+    /// -------
+    /// Rectification
+    #[pyo3(signature = (source, *, view=0))]
+    fn rectification(&self, source: &Bound<'_, PyAny>, view: i64) -> PyResult<Rectification> {
+        rectify::place(&self.rig, source, view)
+    }
+
+    /// How square a projected checkerboard is on the sheet now, and whether projector, camera or sheet have moved.
+    ///
+    /// Parameters
+    /// ----------
+    /// photo : ndarray
+    ///     (H, W, 3) RGB or (H, W), uint8 or uint16, by the rig's camera: the sheet with the pattern projected on it.
+    /// pattern : CheckerPattern
+    ///     What is projected, by default as `rectify` draws it for the rig's first view.
+    /// size_mm : (float, float), optional
+    ///     Width and height of the sheet, mm, when it is not that of the rig's first view.
+    /// as_drawn : bool, default False
+    ///     The pattern is projected as it was drawn, not rectified; the sheet may then stand anywhere.
+    /// corners : array_like, optional
+    ///     (4, 2), px: the sheet's corners TL, TR, BR, BL by hand, when it is not found.
+    /// gamma : {"srgb", "linear"} or float, default "srgb"
+    ///     The transfer curve of the photograph.
+    /// significance : float, default 0.001
+    ///     How often a rig that has not moved may be said to have.
+    ///
+    /// Returns
+    /// -------
+    /// Verification
+    ///     `keystone` with its σ, `rig.moved` and what has changed, `sheet.moved`.
+    ///
+    /// Raises
+    /// ------
+    /// DetectionError
+    ///     When sheet or pattern is not found.
+    /// CalibrationError
+    ///     When photograph and rig do not go together at all.
+    /// Error
+    ///     For a photograph of another size, a pattern for another panel, a rig without a projector, a rig without views unless
+    ///     `as_drawn` and `size_mm` are given.
+    /// TypeError
+    ///     When the photograph is no such array.
+    #[pyo3(
+        signature = (photo, pattern, *, size_mm=None, as_drawn=false, corners=None, gamma=None, significance=0.001),
+        text_signature = "($self, photo, pattern, *, size_mm=None, as_drawn=False, corners=None, gamma='srgb', significance=0.001)"
+    )]
+    #[allow(clippy::too_many_arguments, reason = "they are named in Python")]
+    fn verify<'py>(
+        &self,
+        photo: &Bound<'py, PyAny>,
+        pattern: &CheckerPattern,
+        size_mm: Option<&Bound<'py, PyAny>>,
+        as_drawn: bool,
+        corners: Option<&Bound<'py, PyAny>>,
+        gamma: Option<&Bound<'py, PyAny>>,
+        significance: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let known = verify::Known { size_mm, as_drawn, corners, gamma, significance };
+        verify::verify(&self.rig, photo, pattern, &known)
+    }
+
+    /// What one more photograph would bring, and which to take.
+    ///
+    /// Parameters
+    /// ----------
+    /// pattern : CheckerPattern, optional
+    ///     What will be projected; the default checkerboard for the rig's panel unless given.
+    ///
+    /// Returns
+    /// -------
+    /// Advice
+    ///     σ now and after a photograph with each of several tilts, and the `next` photograph in numbers and in words.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     For a rig without views or covariance (see `slcal.advise` for these), or a pattern for another panel.
+    #[pyo3(signature = (pattern=None))]
+    fn advise<'py>(&self, py: Python<'py>, pattern: Option<&CheckerPattern>) -> PyResult<Bound<'py, PyAny>> {
+        advise::next(py, &self.rig, pattern)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, Option<String>))> {

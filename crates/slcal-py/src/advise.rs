@@ -1,0 +1,104 @@
+//! Which photograph to take next.
+
+use pyo3::prelude::*;
+use slcal_core::calibrate::{Advice, CameraPlan, advise_first, advise_next};
+use slcal_core::format::report_json;
+use slcal_core::{CalibrateConfig, PrincipalPointRule, Rig};
+
+use crate::convert::option;
+use crate::convert::report::record;
+use crate::errors::{Looking, Raise as _};
+use crate::geometry::Camera;
+use crate::pattern::CheckerPattern;
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(advise, module)?)
+}
+
+fn recorded<'py>(py: Python<'py>, advice: slcal_core::Result<Advice>) -> PyResult<Bound<'py, PyAny>> {
+    record(py, "Advice", &report_json::advice(&advice.raise(py, Looking::ForSheet)?))
+}
+
+/// See `Rig.advise`.
+pub(crate) fn next<'py>(
+    py: Python<'py>,
+    rig: &Rig,
+    pattern: Option<&CheckerPattern>,
+) -> PyResult<Bound<'py, PyAny>> {
+    recorded(py, py.detach(|| advise_next(rig, pattern.map(|p| &p.0))))
+}
+
+/// How to hold the sheet for the first photographs, and what they will bring: σ of the focal lengths against tilt.
+///
+/// Parameters
+/// ----------
+/// camera : Camera
+///     Roughly: see `Camera.from_fov` and `Camera.from_35mm`.
+/// size_mm : (float, float)
+///     Width and height of the sheet, mm.
+/// projector : Camera, optional
+///     Roughly: see `Camera.from_throw`; without it, the camera alone. It is taken to stand a quarter of the distance to the
+///     camera's right.
+/// distance_mm : float, optional
+///     From the camera to the sheet's middle; so that the sheet fills 60 % of the frame unless given.
+/// noise_px : float, default 0.05
+///     1σ of a corner of the sheet and of the pattern in the photograph, px.
+/// camera_pp : {"prior", "centre", "free", "shift"} or (float, float), default "prior"
+///     What will be known of the camera's principal point.
+/// projector_pp : {"shift", "prior", "centre", "free"} or (float, float), default "shift"
+///     What will be known of the projector's.
+/// distortion : {"auto", "none", "k1", "k1k2", "full"}, default "auto"
+///     Which distortion of the camera will be estimated; "auto" plans with none.
+///
+/// Returns
+/// -------
+/// Advice
+///     A `table` over tilts, and the `next` photograph in numbers and in words.
+///
+/// Raises
+/// ------
+/// Error
+///     For numbers that are not finite and positive.
+///
+/// Examples
+/// --------
+/// >>> camera = slcal.Camera.from_fov((1280, 960), 50)
+/// >>> advice = slcal.advise(camera, size_mm=(594, 420))
+/// >>> advice.next.then_reversed
+/// True
+/// >>> advice.next.in_words.startswith("hold the sheet with its")
+/// True
+#[pyfunction]
+#[pyo3(
+    signature = (camera, size_mm, *, projector=None, distance_mm=None, noise_px=0.05, camera_pp=None, projector_pp=None, distortion=None),
+    text_signature = "(camera, size_mm, *, projector=None, distance_mm=None, noise_px=0.05, camera_pp='prior', projector_pp='shift', distortion='auto')"
+)]
+#[allow(clippy::too_many_arguments, reason = "they are named in Python")]
+fn advise<'py>(
+    camera: &Camera,
+    size_mm: &Bound<'py, PyAny>,
+    projector: Option<&Camera>,
+    distance_mm: Option<f64>,
+    noise_px: f64,
+    camera_pp: Option<&Bound<'py, PyAny>>,
+    projector_pp: Option<&Bound<'py, PyAny>>,
+    distortion: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = size_mm.py();
+    let config = CalibrateConfig {
+        camera_pp: option::principal_point(camera_pp, "camera_pp", PrincipalPointRule::Prior)?,
+        projector_pp: option::principal_point(projector_pp, "projector_pp", PrincipalPointRule::Shift)?,
+        distortion: option::distortion(distortion, "distortion")?,
+        ..CalibrateConfig::default()
+    };
+    config.validate().raise(py, Looking::ForSheet)?;
+    let plan = CameraPlan {
+        camera: camera.0.model,
+        projector: projector.map(|p| p.0.model),
+        size: option::sheet_size(size_mm)?,
+        distance_mm,
+        noise_px: [noise_px; 2],
+        config,
+    };
+    recorded(py, py.detach(|| advise_first(&plan)))
+}

@@ -1,0 +1,211 @@
+//! Rig + picture → what to project so that it appears upright on the sheet.
+
+use image::{DynamicImage, ImageBuffer, RgbImage};
+use nalgebra::{Matrix3, Point2};
+use numpy::{PyUntypedArray, PyUntypedArrayMethods as _};
+use pyo3::prelude::*;
+use slcal_core::geometry::{Homography, RectangleSize, Warp};
+use slcal_core::{Device, Rig, rectify, rectify_checker, rectify_checker_picture, rectify_picture};
+
+use crate::convert::array::{rows, rows_of, shaped};
+use crate::convert::image::Photo;
+use crate::errors::{self, Looking, Raise as _};
+use crate::geometry::Camera;
+use crate::pattern::CheckerPattern;
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Rectification>()
+}
+
+/// What is to appear upright.
+enum Source {
+    Checker(slcal_core::pattern::CheckerPattern),
+    Picture(RgbImage),
+}
+
+impl Source {
+    fn of(source: &Bound<'_, PyAny>) -> PyResult<Self> {
+        if let Ok(checker) = source.cast::<CheckerPattern>() {
+            return Ok(Self::Checker(checker.get().0.clone()));
+        }
+        if source.cast::<PyUntypedArray>().is_err() {
+            let found = source.get_type().name()?.to_string();
+            let wanted = "a CheckerPattern, or an array of uint8 or uint16 with shape (H, W, 3) or (H, W)";
+            return Err(errors::wrong_type("source", wanted, &found));
+        }
+        picture(&Photo::of(source, "source")?).map(Self::Picture).ok_or_else(|| {
+            errors::invalid(source.py(), "source", "a picture that is not larger than memory", "a larger one")
+        })
+    }
+}
+
+/// A copy of it, as the core draws with.
+fn picture(photo: &Photo<'_>) -> Option<RgbImage> {
+    fn buffer<P: image::Pixel>(
+        shape: &[usize],
+        samples: Vec<P::Subpixel>,
+    ) -> Option<ImageBuffer<P, Vec<P::Subpixel>>> {
+        let [h, w] = [shape[0], shape[1]].map(|n| u32::try_from(n).ok());
+        ImageBuffer::from_raw(w?, h?, samples)
+    }
+    let dynamic = match photo {
+        Photo::Bytes(array) => {
+            let samples = array.as_array().iter().copied().collect();
+            match array.shape() {
+                shape @ [_, _] => DynamicImage::ImageLuma8(buffer(shape, samples)?),
+                shape => DynamicImage::ImageRgb8(buffer(shape, samples)?),
+            }
+        }
+        Photo::Words(array) => {
+            let samples = array.as_array().iter().copied().collect();
+            match array.shape() {
+                shape @ [_, _] => DynamicImage::ImageLuma16(buffer(shape, samples)?),
+                shape => DynamicImage::ImageRgb16(buffer(shape, samples)?),
+            }
+        }
+    };
+    Some(dynamic.into_rgb8())
+}
+
+fn view_index(py: Python<'_>, view: i64, rig: &Rig) -> PyResult<usize> {
+    let n = rig.views.len();
+    usize::try_from(view).ok().filter(|i| *i < n).ok_or_else(|| {
+        let found = if n == 0 { "a rig without views".to_owned() } else { format!("{view} of {n}") };
+        errors::invalid(py, "view", "the number of a view of the rig, from 0", &found)
+    })
+}
+
+/// See `Rig.rectify`.
+pub(crate) fn drawn<'py>(rig: &Rig, source: &Bound<'py, PyAny>, view: i64) -> PyResult<Bound<'py, PyAny>> {
+    let py = source.py();
+    let (source, view) = (Source::of(source)?, view_index(py, view, rig)?);
+    let draw = || match &source {
+        Source::Checker(pattern) => rectify_checker_picture(rig, view, pattern),
+        Source::Picture(picture) => rectify_picture(rig, view, picture),
+    };
+    let picture = py.detach(draw).raise(py, Looking::ForSheet)?.0;
+    let shape = [picture.height() as usize, picture.width() as usize, 3];
+    shaped(py, picture.into_raw(), &shape)
+}
+
+/// See `Rig.rectification`.
+pub(crate) fn place(rig: &Rig, source: &Bound<'_, PyAny>, view: i64) -> PyResult<Rectification> {
+    let py = source.py();
+    let (source, view) = (Source::of(source)?, view_index(py, view, rig)?);
+    let place = || match &source {
+        Source::Checker(pattern) => {
+            rig.projector_for("checkerboard", pattern.projector)?;
+            rectify_checker(rig, view, pattern)
+        }
+        Source::Picture(picture) => {
+            let [w, h] = [picture.width(), picture.height()].map(|n| f64::from(n) - 0.5);
+            rectify(rig, view, Point2::new(-0.5, -0.5), Point2::new(w, h))
+        }
+    };
+    py.detach(place).map(Rectification).raise(py, Looking::ForSheet)
+}
+
+/// Where a picture is drawn on the projector's panel so that it appears upright on the sheet.
+#[pyclass(frozen, module = "slcal", eq)]
+#[derive(PartialEq)]
+pub(crate) struct Rectification(slcal_core::Rectification);
+
+/// Matrix, lens, corners on the panel, origin and size on the sheet.
+type State = ([[f64; 3]; 3], Option<Camera>, [[f64; 2]; 4], [f64; 2], [f64; 2]);
+
+#[pymethods]
+impl Rectification {
+    /// (3, 3) float64: pixels of the source, homogeneous, onto those of a panel whose lens does not distort; `map` goes through
+    /// the lens as well.
+    #[getter]
+    fn panel_from_source<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let m = self.0.panel_from_source.homography.0;
+        rows(py, m.row_iter().map(|r| [r[0], r[1], r[2]]))
+    }
+
+    /// Corners TL, TR, BR, BL of the picture on the panel: (4, 2) float64, px.
+    #[getter]
+    fn corners_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(py, self.0.corners_px.iter().map(|c| [c.x, c.y]))
+    }
+
+    /// Width and height of the picture on the sheet, mm.
+    #[getter]
+    fn size_mm(&self) -> (f64, f64) {
+        (self.0.size_mm.width_mm, self.0.size_mm.height_mm)
+    }
+
+    /// Its top-left corner on the sheet, mm from the sheet's own.
+    #[getter]
+    fn origin_mm(&self) -> (f64, f64) {
+        (self.0.origin_mm.x, self.0.origin_mm.y)
+    }
+
+    /// Pixels of the panel that show pixels of the source.
+    ///
+    /// Parameters
+    /// ----------
+    /// pixels : array_like
+    ///     (N, 2), px of the source.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray
+    ///     (N, 2) float64, px of the panel.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     For a point that lies at infinity on the panel.
+    fn map<'py>(&self, pixels: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let py = pixels.py();
+        let mapped = rows_of::<2>(pixels, "pixels")?.into_iter().enumerate().map(|(i, p)| {
+            self.0.panel_from_source.map(Point2::from(p)).map(|q| [q.x, q.y]).ok_or_else(|| {
+                let found = format!("[{}, {}] in row {i}", p[0], p[1]);
+                errors::invalid(py, "pixels", "pixels that the panel can show", &found)
+            })
+        });
+        rows(py, mapped.collect::<PyResult<Vec<_>>>()?.into_iter())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, State)> {
+        let m = self.0.panel_from_source.homography.0;
+        let state = (
+            [0, 1, 2].map(|i| [m[(i, 0)], m[(i, 1)], m[(i, 2)]]),
+            self.0.panel_from_source.lens.map(|model| Camera(Device { model, sigma: None })),
+            self.0.corners_px.map(|c| [c.x, c.y]),
+            self.origin_mm().into(),
+            self.size_mm().into(),
+        );
+        Ok((py.get_type::<Self>().getattr("_restored")?, state))
+    }
+
+    #[staticmethod]
+    fn _restored(
+        m: [[f64; 3]; 3],
+        lens: Option<&Camera>,
+        corners: [[f64; 2]; 4],
+        origin: [f64; 2],
+        size: [f64; 2],
+    ) -> Self {
+        let homography = Homography(Matrix3::from_fn(|i, j| m[i][j]));
+        Self(slcal_core::Rectification {
+            panel_from_source: Warp { homography, lens: lens.map(|c| c.0.model) },
+            corners_px: corners.map(Point2::from),
+            origin_mm: origin.into(),
+            size_mm: RectangleSize { width_mm: size[0], height_mm: size[1] },
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        let (size, origin) = (self.0.size_mm, self.0.origin_mm);
+        format!(
+            "Rectification({:.1} x {:.1} mm, {:.1} mm from the sheet's left and {:.1} mm from its top)",
+            // Without the sign of a zero.
+            size.width_mm,
+            size.height_mm,
+            (10.0 * origin.x).round() / 10.0 + 0.0,
+            (10.0 * origin.y).round() / 10.0 + 0.0
+        )
+    }
+}
