@@ -20,6 +20,41 @@ from .reports import (
     ViewRms,
 )
 
+__all__ = [
+    "Camera",
+    "CheckerPattern",
+    "CornerDetection",
+    "Covariance",
+    "Detection",
+    "Matches",
+    "Observations",
+    "PointCloud",
+    "Pose",
+    "Reconstructor",
+    "Rectification",
+    "Rig",
+    "Scene",
+    "SheetDetection",
+    "StripePattern",
+    "View",
+    "ViewObservation",
+    "__version__",
+    "advise",
+    "calibrate",
+    "calibrate_observations",
+    "decode",
+    "detect",
+    "detect_corners",
+    "detect_sheet",
+    "evaluate",
+    "load_pattern",
+    "observe",
+    "read_image",
+    "run_command",
+    "simulate_noise",
+    "simulate_scene",
+    "simulate_views",
+]
 __version__: Final[str]
 
 _Image: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16]
@@ -321,6 +356,7 @@ class Pose:
     def inverse(self) -> Pose: ...
     def transform(self, points: ArrayLike) -> NDArray[np.float64]: ...
     def __matmul__(self, other: Pose, /) -> Pose: ...
+    def __rmatmul__(self, other: Pose, /) -> Pose: ...
     def __eq__(self, other: object, /) -> bool: ...
 
 @final
