@@ -47,7 +47,7 @@ def pose_of(pose: slcal.Pose | None) -> tuple[Any, Any]:
 
 
 def undistorted(pixels: Any, device: slcal.Camera) -> Any:
-    """``cv2.undistortPoints`` iterated to the end: the five rounds that it makes by default are not enough here."""
+    """``cv2.undistortPoints`` iterated to the end: its usual five rounds are not enough here."""
     until = (cv2.TERM_CRITERIA_COUNT, 500, 0.0)
     if hasattr(cv2, "undistortPointsIter"):  # OpenCV 4.
         args = (pixels[:, None], device.K, device.distortion, np.eye(3), np.eye(3), until)
@@ -132,8 +132,8 @@ def test_triangulation_on_pixels_without_distortion() -> None:
 
 @pytest.mark.parametrize("axis", [0, 1], ids=["columns", "rows"])
 def test_triangulation_by_one_coordinate(axis: int) -> None:
-    """A column alone is a plane of light (bent by the lens), which OpenCV has no function for: the point is where
-    the camera's ray meets it, so that OpenCV, told the row as well, must give the same."""
+    """A column alone is a plane of light (bent by the lens), which OpenCV has no function for: the point is
+    where the camera's ray meets it, so that OpenCV, told the row as well, must give the same."""
     points = points_before_both()
     pixels, lit = CAMERA.project(points), PROJECTOR.project(POSE.transform(points))
     ours = RIG.triangulate(pixels, **{("columns", "rows")[axis]: lit[:, axis]})

@@ -1,6 +1,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
-from typing import IO, Any, Final, Literal, TypeAlias, final
+from typing import IO, Any, Final, Literal, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -606,6 +606,11 @@ class PointCloud:
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]: ...
     def __eq__(self, other: object, /) -> bool: ...
 
+@overload
+def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["plane"]) -> PlaneFit: ...
+@overload
+def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["sphere"]) -> SphereFit: ...
+@overload
 def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["plane", "sphere"]) -> PlaneFit | SphereFit: ...
 
 @final
