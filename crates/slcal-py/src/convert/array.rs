@@ -3,6 +3,7 @@
 use numpy::ndarray::{ArrayD, ArrayViewD};
 use numpy::{AllowTypeChange, Element, IntoPyArray as _, PyArrayLikeDyn};
 use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyString};
 
 use crate::errors;
 
@@ -47,6 +48,10 @@ impl<'py> Numbers<'py> {
         // NumPy would take it for a number that is none.
         if values.is_none() {
             return Err(refused("None"));
+        }
+        // NumPy reads None as NaN and text as what it says.
+        if values.is_none() || values.is_instance_of::<PyString>() || values.is_instance_of::<PyBytes>() {
+            return Err(refused(values.get_type().name()?.to_str()?));
         }
         // Complex numbers and dates would lose a part of themselves on the way.
         if let Some(kind) = values.getattr_opt("dtype")?.and_then(|d| d.getattr("kind").ok()) {
