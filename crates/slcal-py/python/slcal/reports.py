@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import types
 import typing
 from collections.abc import Mapping
@@ -29,8 +30,14 @@ class Report:
     @classmethod
     def _of(cls: type[_R], fields: Mapping[str, Any]) -> _R:
         """From the dictionary that the extension makes; fields that it has beyond these are left out."""
-        kinds = typing.get_type_hints(cls)
-        return cls(**{f.name: _typed(kinds[f.name], fields.get(f.name)) for f in dataclasses.fields(cls)})
+        return cls(**{name: _typed(kind, fields.get(name)) for name, kind in _kinds(cls).items()})
+
+
+@functools.cache
+def _kinds(cls: type[Report]) -> dict[str, Any]:
+    """The annotations of a record's fields, in their order."""
+    kinds = typing.get_type_hints(cls)
+    return {f.name: kinds[f.name] for f in dataclasses.fields(cls)}
 
 
 def _plain(value: Any) -> Any:
