@@ -209,7 +209,8 @@ impl Reconstructor {
         let made = frames.read(image.py(), |input| {
             // What an earlier photograph left behind is replaced: a panic within one does not spoil the next.
             let mut scanner = self.scanner.lock().unwrap_or_else(PoisonError::into_inner);
-            scanner.reconstruct_frames(input).cloned()
+            scanner.reconstruct_frames(input)?;
+            Ok(scanner.take_last())
         })?;
         Ok(made.into())
     }

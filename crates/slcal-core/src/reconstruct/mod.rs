@@ -112,6 +112,13 @@ impl Reconstructor {
         self.decoder.swap_report(self.result.decode.get_or_insert_default());
         Ok(&self.result)
     }
+
+    /// What the last photograph gave, moved out of the buffers instead of copied; the next one makes new ones. Empty when
+    /// there was none, or it failed.
+    #[must_use]
+    pub fn take_last(&mut self) -> Reconstruction {
+        std::mem::take(&mut self.result)
+    }
 }
 
 /// The cloud of one photograph; see [`Reconstructor`] for many.
@@ -126,7 +133,7 @@ pub fn reconstruct(
 ) -> Result<Reconstruction> {
     let mut scanner = Reconstructor::new(rig, pattern, *config)?;
     scanner.reconstruct_frames(input)?;
-    Ok(scanner.result)
+    Ok(scanner.take_last())
 }
 
 /// The cloud of matches from any decoder: triangulated, culled, in the frame asked for.
