@@ -282,12 +282,13 @@ impl Camera {
 
 type CameraState = ((u32, u32), [f64; 5], [f64; 5], Option<([f64; 3], [f64; 5])>);
 
-/// All results, or the first item that has none.
+/// All results, or the first item that has no finite one.
 fn each<const N: usize, const K: usize>(
     items: &[[f64; N]],
     of: impl Fn(&[f64; N]) -> Option<[f64; K]>,
 ) -> Result<Vec<[f64; K]>, (usize, [f64; N])> {
-    items.iter().enumerate().map(|(i, p)| of(p).ok_or((i, *p))).collect()
+    let finite = |p| of(p).filter(|r| r.iter().all(|x| x.is_finite()));
+    items.iter().enumerate().map(|(i, p)| finite(p).ok_or((i, *p))).collect()
 }
 
 fn unreached(py: Python<'_>, i: usize, p: [f64; 2]) -> PyErr {

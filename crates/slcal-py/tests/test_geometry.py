@@ -64,6 +64,15 @@ def test_what_has_no_pixel_is_told(camera):
         camera.project(None)
 
 
+def test_no_result_is_infinite():
+    thin = slcal.Camera(np.diag([1e-300, 1e-300, 1]), (10, 10))
+    for way in (thin.undistort, thin.rays):
+        with pytest.raises(slcal.Error, match="row 1"):
+            way([[0, 0], [1e300, 1e300]])
+    with pytest.raises(slcal.Error, match="row 0"):
+        slcal.Camera(np.diag([1e300, 1e300, 1]), (10, 10)).project([[1e300, 0, 1e-5]])
+
+
 def test_cameras_by_other_names():
     wide = slcal.Camera.from_fov((1280, 960), 60)
     left, right = wide.rays([[-0.5, 479.5], [1279.5, 479.5]])

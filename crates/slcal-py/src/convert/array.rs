@@ -72,7 +72,15 @@ impl<'py> Numbers<'py> {
 }
 
 fn shape_of(view: &ArrayViewD<'_, f64>) -> String {
-    format!("{:?}", view.shape()).replace('[', "(").replace(']', ")")
+    shape_in_words(view.shape())
+}
+
+/// A shape as Python writes it.
+pub(crate) fn shape_in_words(shape: &[usize]) -> String {
+    match shape {
+        [n] => format!("({n},)"),
+        _ => format!("{shape:?}").replace('[', "(").replace(']', ")"),
+    }
 }
 
 fn all_finite(py: Python<'_>, view: &ArrayViewD<'_, f64>, what: &str) -> PyResult<()> {

@@ -62,7 +62,7 @@ impl<'py> Photo<'py> {
             [_, _, _, _] => "; give one photograph at a time",
             _ => "",
         };
-        let shown = format!("{shape:?}").replace('[', "(").replace(']', ")");
+        let shown = super::array::shape_in_words(shape);
         Err(errors::invalid(py, what, "shape (H, W, 3) or (H, W)", &format!("shape {shown}{advice}")))
     }
 

@@ -1,6 +1,7 @@
 //! Keyword arguments: names and numbers as the core's configurations.
 
 use pyo3::prelude::*;
+use pyo3::types::PyBool;
 use slcal_core::geometry::RectangleSize;
 use slcal_core::photo::Encoding;
 use slcal_core::reconstruct::CullRule;
@@ -62,10 +63,12 @@ pub(crate) fn sheet_size(value: &Bound<'_, PyAny>) -> PyResult<RectangleSize> {
 /// "srgb", "linear" or a number.
 pub(crate) fn gamma(value: Option<&Bound<'_, PyAny>>) -> PyResult<Encoding> {
     let Some(value) = value else { return Ok(Encoding::Srgb) };
-    let encoding = match (name(value).as_deref(), value.extract::<f64>()) {
+    // True is a number to Python, and no γ to anybody.
+    let number = value.extract::<f64>().ok().filter(|_| !value.is_instance_of::<PyBool>());
+    let encoding = match (name(value).as_deref(), number) {
         (Some("srgb"), _) => Encoding::Srgb,
         (Some("linear"), _) => Encoding::Linear,
-        (None, Ok(number)) => Encoding::Gamma(number),
+        (None, Some(number)) => Encoding::Gamma(number),
         _ => {
             let wanted = "\"srgb\", \"linear\" or a number from 0.1 to 10";
             return Err(errors::invalid(value.py(), "gamma", wanted, &shown(value)));
