@@ -35,7 +35,7 @@ print(checker, stripes, sep="\n")
 # by `slcal.read_image("sheet.jpg")`.
 
 # %%
-sheet = simulate.scene("sheet", pattern=checker, tilt=(25, 28), lens_shift=0.5, noise=1.0)
+sheet = simulate.scene("sheet", checker, tilt=(25, 28), lens_shift=0.5, projector_focal=1400)
 found = slcal.detect(sheet.photo, SIZE_MM, checker)
 print(found)
 viz.overlay(sheet.photo, found)
@@ -82,7 +82,7 @@ print(
 )
 
 # %%
-second = simulate.scene("sheet", pattern=checker, rig=truth, tilt=(-25, -28), noise=1.0, seed=2)
+second = simulate.scene("sheet", checker, rig=truth, tilt=(-25, -28), seed=2)
 rig = slcal.calibrate([sheet.photo, second.photo], SIZE_MM, checker)
 print(rig)
 viz.rig(rig)
@@ -93,7 +93,7 @@ rig.save("tour_rig.json")
 # ## One photograph of an object under the stripes
 
 # %%
-ball = simulate.scene("sphere", pattern=stripes, rig=truth, noise=1.0, radius=120)
+ball = simulate.scene("sphere", stripes, rig=truth, radius=120)
 cloud = rig.reconstruct(ball.photo, stripes, mesh=True)
 print(cloud)
 cloud.save("tour_ball.ply")

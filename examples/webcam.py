@@ -70,7 +70,10 @@ class Webcam:
         if exposure is not None:
             self.camera.set(cv2.CAP_PROP_AUTO_EXPOSURE, 1)  # By hand, with most drivers.
             self.camera.set(cv2.CAP_PROP_EXPOSURE, exposure)
-        cv2.namedWindow("projector", cv2.WINDOW_NORMAL)
+        try:
+            cv2.namedWindow("projector", cv2.WINDOW_NORMAL)
+        except cv2.error as error:
+            raise SystemExit("no windows: install opencv-python, not opencv-python-headless") from error
         cv2.moveWindow("projector", *screen_at)
         cv2.setWindowProperty("projector", cv2.WND_PROP_FULLSCREEN, cv2.WINDOW_FULLSCREEN)
 
