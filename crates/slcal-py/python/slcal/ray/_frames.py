@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 from urllib.parse import urlsplit
 
 import fsspec
+import fsspec.core
 
 from .._errors import Error
 
@@ -39,7 +40,7 @@ def open_location(url: str, options: StorageOptions) -> tuple[fsspec.AbstractFil
     """The file system that a path or URI is on, and its path there."""
     protocols = {bit.split("://")[0] if "://" in bit else bit for bit in url.split("::")}
     mine = {protocol: dict(options[protocol]) for protocol in protocols & options.keys()}
-    fs, path = fsspec.url_to_fs(url, **mine)
+    fs, path = fsspec.core.url_to_fs(url, **mine)
     return fs, path
 
 

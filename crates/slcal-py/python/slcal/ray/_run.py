@@ -22,9 +22,11 @@ from ._store import Store
 from ._table import RESULTS, SCHEMA, parquet
 from ._work import Task, work
 
-#: A list of paths is cut into at most so many pieces, one task of Ray each: few enough that the tasks cost little beside the
-#: frames, enough that thousands of workers end at the same time.
-_MAX_PIECES = 2_000
+#: A list of paths is cut into pieces, one task of Ray each, since a task costs about as much as a small frame (0.1 s): so many
+#: for each core that all cores end at about the same time, and ...
+_PIECES_PER_CORE = 16
+#: ... none so large that machines which join a growing cluster would find no work, or much is begun again after a death.
+_MAX_PIECE = 16
 
 
 def reconstruct(
@@ -170,7 +172,9 @@ def _checked(dataset: ray.data.Dataset) -> ray.data.Dataset:
 
 def _dataset(frames: list[Frame]) -> ray.data.Dataset:
     rows = [{"frame": frame.name, "path": frame.path} for frame in frames]
-    return ray.data.from_items(rows, override_num_blocks=min(len(rows), _MAX_PIECES))
+    cores = max(1, int(ray.cluster_resources().get("CPU", 1)))
+    pieces = max(_PIECES_PER_CORE * cores, -(-len(rows) // _MAX_PIECE))
+    return ray.data.from_items(rows, override_num_blocks=min(len(rows), pieces))
 
 
 def _run(dataset: ray.data.Dataset, task: Task, workers: int | None) -> pa.Table:
