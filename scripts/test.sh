@@ -16,7 +16,13 @@ rm -rf target/wheels
 .venv/bin/maturin build --release --locked --quiet --interpreter .venv/bin/python \
     --manifest-path crates/slcal-py/Cargo.toml --out target/wheels
 .venv/bin/python -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/slcal-*.whl
-(cd crates/slcal-py && ../../.venv/bin/python -m mypy.stubtest slcal._slcal && ../../.venv/bin/python -m pytest -q)
+.venv/bin/python scripts/fresh_wheel.py target/wheels/slcal-*.whl
+(
+    cd crates/slcal-py
+    ../../.venv/bin/python -m mypy --strict python/slcal
+    ../../.venv/bin/python -m mypy.stubtest slcal._slcal
+    ../../.venv/bin/python -m pytest -q
+)
 
 echo "== Figures on rendered photographs"
 cargo build --locked --release --quiet -p slcal-cli

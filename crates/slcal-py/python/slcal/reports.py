@@ -30,7 +30,8 @@ class Report:
     @classmethod
     def _of(cls: type[_R], fields: Mapping[str, Any]) -> _R:
         """From the dictionary that the extension makes; fields that it has beyond these are left out."""
-        return cls(**{name: _typed(kind, fields.get(name)) for name, kind in _kinds(cls).items()})
+        kinds = _kinds(cls)  # type: ignore[arg-type]  # Classes are hashable, whatever mypy makes of a type variable.
+        return cls(**{name: _typed(kind, fields.get(name)) for name, kind in kinds.items()})
 
 
 @functools.cache
