@@ -34,7 +34,12 @@ impl Source {
             return Err(errors::wrong_type("source", wanted, &found));
         }
         picture(&Photo::of(source, "source")?).map(Self::Picture).ok_or_else(|| {
-            errors::invalid(source.py(), "source", "a picture that is not larger than memory", "a larger one")
+            errors::invalid(
+                source.py(),
+                "source",
+                "a picture of at most 2³² pixels on a side",
+                "a larger one",
+            )
         })
     }
 }

@@ -6,6 +6,7 @@ import pytest
 from common import DEMO, REPOSITORY
 
 import slcal
+from slcal import simulate
 
 SIZE = (594, 420)
 
@@ -244,3 +245,48 @@ def test_the_interpreter_goes_on_meanwhile(photo, checker):
         ticks += 1
     thread.join()
     assert ticks > 5
+
+
+def truly_seen(rig, projector_px):
+    """Where the camera sees projector pixels on the first view's sheet, through both lenses."""
+    rays = rig.projector.rays(projector_px)
+    pose = rig.views[0].projector_from_sheet
+    # R·X + t = s·ray with X on the plane z = 0.
+    normal = pose.R[:, 2]
+    depth = (normal @ pose.t) / (rays @ normal)
+    return rig.camera.project(rig.projector_from_camera.inverse().transform(rays * depth[:, None]))
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"camera": (900, 700), "focal": 1000, "distance": 700, "tilt": (20, 25), "distortion": [0.06, -0.02]},
+        {"camera": (1500, 1100), "focal": 1700, "lens_shift": 0.4, "tilt": (-15, 30, 5), "bits": 16, "gamma": "linear"},
+        {"camera": (700, 900), "focal": 900, "size_mm": (297, 420), "distance": 800, "tilt": (5, -30), "noise": 2.0},
+    ],
+)
+def test_simulated_scenes_of_other_rigs(options):
+    checker = slcal.CheckerPattern((1280, 800), squares=(8, 7), square_px=60)
+    size = options.get("size_mm", (420, 297))
+    options = {"size_mm": size, "projector": (1280, 800), "projector_focal": 2400, "distance": 900, **options}
+    scene = simulate.scene("sheet", checker, **options)
+    gamma = options.get("gamma", "srgb")
+    found = slcal.detect(scene.photo, size, checker, gamma=gamma)
+    assert len(found.corners) == 42
+    off = found.corners.camera_px - truly_seen(scene.rig, found.corners.projector_px)
+    assert np.sqrt((off**2).mean()) < 0.04
+    assert np.abs(off / found.corners.sigma_px[:, None]).max() < 6
+    corners = scene.rig.views[0].corners_px
+    bend = 1.5 if "distortion" in options else 0.1
+    assert np.abs(found.sheet.corners - corners).max() < bend
+    for side, (i, j) in {"top": (0, 1), "left": (3, 0)}.items():
+        straight = scene.rig.camera.undistort(found.sheet.edges[side])
+        a, b = scene.rig.camera.undistort(corners[[i, j]])
+        across = (straight - a) @ np.array([-(b - a)[1], (b - a)[0]]) / np.linalg.norm(b - a)
+        assert np.abs(across).mean() * options["focal"] < 0.1
+    # Under plain light the sheet is found without the pattern, and its sides serve as those of the screen.
+    plain = slcal.detect_sheet(scene.white, gamma=gamma)
+    assert np.abs(plain.corners - corners).max() < bend
+    both = slcal.detect(scene.photo, size, checker, screen=scene.white, gamma=gamma)
+    assert both.corners == found.corners
+    assert np.abs(both.sheet.corners - corners).max() < bend

@@ -5,6 +5,7 @@ import pytest
 from common import DEMO
 
 import slcal
+from slcal import simulate
 
 SIZE = (594, 420)
 PANEL = (1024, 768)
@@ -63,6 +64,11 @@ def photographed(rig, panel, projector_from_camera):
     encoded = np.where(light < 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
     noise = np.random.default_rng(7).normal(0, 0.7, light.shape)
     return np.clip(255 * encoded + noise, 0, 255).round().astype(np.uint8)
+
+
+def scaled(device, factor):
+    """The same with its focal length changed."""
+    return slcal.Camera(device.K * np.array([[factor, 1, 1], [1, factor, 1], [1, 1, 1]]), device.size)
 
 
 def angles_on_sheet(corners):
@@ -237,3 +243,33 @@ def test_what_does_not_belong_together(rig, checker, truth):
         rig.verify(photo.astype(float), checker)
     with pytest.raises(TypeError, match="CheckerPattern"):
         rig.verify(photo, slcal.StripePattern(PANEL))
+
+
+def test_what_has_changed_is_told(checker):
+    scene = {"pattern": checker, "camera": (1000, 750), "focal": 1200, "lens_shift": 0.5}
+    tilts = [(25, 28), (-25, -28), (20, -25)]
+    made = [simulate.scene("sheet", tilt=tilt, **scene) for tilt in tilts]
+    rig = slcal.calibrate([m.photo for m in made], SIZE, checker)
+    truth = made[0].rig
+    said = rig.verify(made[1].photo, checker, as_drawn=True)
+    assert not said.rig.moved
+    assert said.sheet is not None
+    assert said.sheet.moved
+
+    changed = {
+        "projector-moved": {"projector_from_camera": turned(truth.projector_from_camera, 1.0)},
+        "projector-focal": {"projector": scaled(truth.projector, 1.03)},
+    }
+    for what, change in changed.items():
+        parts = {"projector": truth.projector, "projector_from_camera": truth.projector_from_camera, **change}
+        now = simulate.scene("sheet", checker, rig=slcal.Rig(truth.camera, **parts), tilt=tilts[0])
+        said = rig.verify(now.photo, checker, as_drawn=True)
+        assert said.rig.moved
+        assert said.rig.change is not None
+        assert said.rig.change.what == what
+        if what == "projector-moved":
+            turn = said.rig.change.turn_deg
+            assert turn.value == pytest.approx(1.0, abs=max(4 * turn.sigma, 0.05))
+        else:
+            percent = said.rig.change.focal_percent
+            assert percent.value == pytest.approx(3.0, abs=max(4 * percent.sigma, 0.1))

@@ -115,6 +115,7 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservati
     let pattern = asked.pattern.map(|p| &p.0);
     let mut seen = Vec::with_capacity(n);
     for (i, (view, config)) in views.iter().zip(&configs).enumerate() {
+        py.check_signals()?;
         let found = py.detach(|| observe_one(*view, screens.get(i).copied(), size, pattern, config));
         let place = (n > 1).then(|| {
             names.get(i).map_or_else(|| format!("photos[{i}]"), |name| format!("photos[{i}] ({name})"))

@@ -183,9 +183,11 @@ impl Photographer {
         self.returned(look.surface, self.stage.irradiance(&look), mean_over(panel, at, slope))
     }
 
-    /// The light that a surface returns.
+    /// The light that a surface returns; that of the background where there is none.
     fn returned(&self, surface: usize, irradiance: f64, shone: [f64; 3]) -> [f64; 3] {
-        let albedo = self.stage.surfaces.get(surface).map_or([0.0; 3], |s| s.albedo);
+        let Some(Surface { albedo, .. }) = self.stage.surfaces.get(surface) else {
+            return self.config.background;
+        };
         let share = irradiance * self.reference2;
         std::array::from_fn(|c| albedo[c] * (self.config.ambient[c] + share * shone[c]))
     }

@@ -134,6 +134,19 @@ fn stripes_lie_where_the_truth_says() {
 }
 
 #[test]
+fn the_background_is_the_same_beside_a_thing_and_far_from_it() {
+    let config = RenderConfig { background: [0.05; 3], ..linear() };
+    let thing = [Surface::object(block(40.0, 1000.0, 200.0))];
+    let seen = Photographer::new(&rig(96), &thing, &config).unwrap();
+    let photo = light(&seen.photograph(Shown::Black, 0).unwrap(), Encoding::Linear);
+    let [dark, bright] = [0.8 * 0.05, 0.8 * 0.1].map(|l| (l - 2e-5)..(l + 2e-5));
+    let count = |range: &std::ops::Range<f64>| photo.iter().filter(|l| range.contains(&l[0])).count();
+    assert!(count(&dark) > photo.len() / 2 && count(&bright) > 20);
+    // Between the two there is nothing but a border a pixel wide.
+    assert!(photo.iter().all(|l| l[0] > dark.start && l[0] < bright.end));
+}
+
+#[test]
 fn edges_of_things_are_antialiased() {
     let rig = rig(160);
     let surfaces = [wall(1400.0), Surface::object(block(20.0, 1000.0, 200.0))];
