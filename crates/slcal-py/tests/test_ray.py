@@ -27,7 +27,8 @@ import slcal.ray  # noqa: E402
 # Ray Data sets options of its own that it has deprecated.
 pytestmark = pytest.mark.filterwarnings(r"ignore:.*is deprecated:DeprecationWarning:ray\.data\.context")
 
-EXAMPLE = Path(__file__).parents[3] / "examples" / "ray_folder.py"
+ROOT = Path(__file__).parents[3]
+EXAMPLE = ROOT / "examples" / "ray_folder.py"
 
 
 def simulate(folder, *options):
@@ -233,6 +234,22 @@ def test_when_all_frames_fail_the_table_is_of_the_same_kind(cluster, rig, patter
     table = slcal.ray.reconstruct([photos / "b.png"], rig, pattern, tmp_path / "out")
     assert table["error_type"].to_pylist() == ["FileExistsError"]
     assert (tmp_path / "out" / "b.ply").read_bytes() == b"mine"
+
+
+def test_the_documentation_runs_as_printed(cluster, scene, tmp_path, monkeypatch):
+    """Its first piece of Python; the others want stores of their own."""
+    (tmp_path / "scan").mkdir()
+    for name in "12":
+        (tmp_path / "scan" / f"{name}.png").write_bytes((scene / "photo.png").read_bytes())
+    (tmp_path / "rig.json").write_bytes((scene / "rig.json").read_bytes())
+    (tmp_path / "stripes.json").write_bytes((scene / "pattern.json").read_bytes())
+    page = (ROOT / "docs" / "ray.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(page.split("```python\n")[1].split("```")[0], names)
+    assert names["bad"] == [] and visible(tmp_path / "clouds") == ["1.ply", "2.ply", "results.parquet"]
+    columns = [name.strip() for line in page.splitlines() if line.startswith("| `") for name in line.split("|")[1].split(",")]
+    assert [name.strip("`") for name in columns] == slcal.ray.SCHEMA.names
 
 
 def test_the_example(cluster, scene, photos, tmp_path):

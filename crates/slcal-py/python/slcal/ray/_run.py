@@ -172,7 +172,8 @@ def _checked(dataset: ray.data.Dataset) -> ray.data.Dataset:
 
 def _dataset(frames: list[Frame]) -> ray.data.Dataset:
     rows = [{"frame": frame.name, "path": frame.path} for frame in frames]
-    cores = max(1, int(ray.cluster_resources().get("CPU", 1)))
+    resources: Any = ray.cluster_resources  # Without types.
+    cores = max(1, int(resources().get("CPU", 1)))
     pieces = max(_PIECES_PER_CORE * cores, -(-len(rows) // _MAX_PIECE))
     return ray.data.from_items(rows, override_num_blocks=min(len(rows), pieces))
 
