@@ -1,10 +1,12 @@
-"""Every public name is documented: examples run, parameters are those of the signature."""
+"""Every public name is documented: examples run, parameters are those of the signature, editors show it."""
 
 from __future__ import annotations
 
 import doctest
 import inspect
 import re
+import subprocess
+import sys
 import types
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from common import REPOSITORY
 
 import slcal
 import slcal.reports
@@ -131,3 +134,12 @@ def test_there_are_examples() -> None:
         with_examples()
     )
     assert {"slcal.Camera", "slcal.Rig.from_opencv", "slcal.CheckerPattern"} <= set(with_parameters())
+
+
+def test_editors_show_the_docstrings() -> None:
+    """They read the stub, into which scripts/stub_docs.py copies them."""
+    script = REPOSITORY / "scripts/stub_docs.py"
+    if not script.exists():
+        pytest.skip("scripts/stub_docs.py is not at hand: these tests run outside the repository")
+    told = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True)
+    assert told.returncode == 0, told.stdout + told.stderr
