@@ -189,7 +189,7 @@ impl Rig {
     /// [`Error::Invalid`] for a rig that holds the camera alone, and for another panel.
     pub fn projector_for(&self, what: &str, panel: [u32; 2]) -> Result<&Device> {
         let projector = self.projector.as_ref().ok_or_else(|| {
-            let expected = "a calibrated projector (calibrate with --pattern)";
+            let expected = "a calibrated projector (calibrate with a pattern)";
             Error::invalid("rig", expected, "a rig that holds the camera alone")
         })?;
         let [w, h] = [projector.model.width, projector.model.height];

@@ -90,3 +90,20 @@ fn every_folder_is_listed() {
         assert!(!path.is_dir() || MAY_USE.iter().any(|(folder, _)| *folder == name), "{name} is not listed");
     }
 }
+
+/// Bindings and capture programs hand the library's advice to people who have no command line.
+#[test]
+fn messages_name_no_options_of_the_command() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let is_option = |after: &str| after.starts_with(|c: char| c.is_ascii_lowercase());
+    let mut wrong = Vec::new();
+    for file in sources(&root) {
+        let text = fs::read_to_string(&file).unwrap();
+        for (i, line) in text.lines().enumerate().filter(|(_, l)| !l.trim_start().starts_with("//")) {
+            if line.split("--").skip(1).any(is_option) {
+                wrong.push(format!("{}:{}: {}", file.display(), i + 1, line.trim()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}

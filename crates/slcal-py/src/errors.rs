@@ -34,8 +34,7 @@ pub(crate) fn raised(py: Python<'_>, error: &Error, looking: Looking) -> PyErr {
 
 /// The same for one that arose from a file, which the message then names.
 pub(crate) fn raised_from(py: Python<'_>, error: &Error, looking: Looking, file: Option<&str>) -> PyErr {
-    let message = in_python(&error.to_string());
-    let message = file.map_or_else(|| message.clone(), |name| format!("{name}: {message}"));
+    let message = file.map_or_else(|| error.to_string(), |name| format!("{name}: {error}"));
     let fields = PyDict::new(py);
     let class = match fill(&fields, error, looking) {
         Ok(class) => class,
@@ -47,52 +46,37 @@ pub(crate) fn raised_from(py: Python<'_>, error: &Error, looking: Looking, file:
     }
 }
 
-/// The core's advice names options of the command; here they are arguments.
-fn in_python(text: &str) -> String {
-    const OPTIONS: [(&str, &str); 8] = [
-        ("with --corners", "as `corners`"),
-        ("calibrate with --pattern", "calibrate with a pattern"),
-        ("--cull off", "cull=\"off\""),
-        ("--frame plane", "frame=\"plane\""),
-        ("--mesh", "mesh=True"),
-        ("--distortion none", "distortion=\"none\""),
-        ("give --camera", "ask slcal.advise"),
-        ("--allow-degenerate", "allow_degenerate=True"),
-    ];
-    OPTIONS.iter().fold(text.to_owned(), |text, (option, argument)| text.replace(option, argument))
-}
-
 /// Sets the error's fields and returns its class; `None` for one of the operating system.
 fn fill(fields: &Bound<'_, PyDict>, error: &Error, looking: Looking) -> PyResult<Option<&'static str>> {
     Ok(Some(match error {
         Error::Invalid { what, expected, found } => {
-            fields.set_item("what", in_python(what))?;
-            fields.set_item("expected", in_python(expected))?;
-            fields.set_item("found", in_python(found))?;
+            fields.set_item("what", what)?;
+            fields.set_item("expected", expected)?;
+            fields.set_item("found", found)?;
             "Error"
         }
         Error::NotFound { what, seen, advice } => {
-            fields.set_item("what", in_python(what))?;
-            fields.set_item("seen", in_python(seen))?;
-            fields.set_item("advice", in_python(advice))?;
+            fields.set_item("what", what)?;
+            fields.set_item("seen", seen)?;
+            fields.set_item("advice", advice)?;
             looking.class()
         }
         Error::Degenerate { what, measure, limit, advice } => {
-            fields.set_item("what", in_python(what))?;
+            fields.set_item("what", what)?;
             fields.set_item("measure", measure)?;
             fields.set_item("limit", limit)?;
-            fields.set_item("advice", in_python(advice))?;
+            fields.set_item("advice", advice)?;
             "CalibrationError"
         }
         Error::ImaginaryFocal { device, f_squared, advice } => {
             fields.set_item("device", device)?;
             fields.set_item("f_squared", f_squared)?;
-            fields.set_item("advice", in_python(advice))?;
+            fields.set_item("advice", advice)?;
             "CalibrationError"
         }
         Error::Malformed { what, detail } => {
-            fields.set_item("what", in_python(what))?;
-            fields.set_item("detail", in_python(detail))?;
+            fields.set_item("what", what)?;
+            fields.set_item("detail", detail)?;
             "FormatError"
         }
         Error::Io { .. } => return Ok(None),

@@ -140,7 +140,7 @@ fn not_found(seen: String) -> Error {
         what: "sheet",
         seen,
         advice: "show the whole sheet on a background that is darker than it, with its four sides free, \
-                 or give its corners with --corners"
+                 or give its corners by hand"
             .into(),
     }
 }

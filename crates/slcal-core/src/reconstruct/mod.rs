@@ -211,7 +211,7 @@ fn no_surface(matches: usize, report: &TriangulateReport, culled: &CullReport) -
             report.contradicting,
             culled.outliers
         ),
-        advice: "check that the rig, the pattern and the photograph belong together, and that nothing has moved since the calibration; a handful of points that make no surface stay with --cull off".into(),
+        advice: "check that the rig, the pattern and the photograph belong together, and that nothing has moved since the calibration; a handful of points that make no surface stay with culling off".into(),
     }
 }
 
@@ -240,11 +240,7 @@ fn check_possible(report: &TriangulateReport, matches: usize) -> Result<()> {
 
 fn first_view(rig: &Rig) -> Result<&crate::rig::View> {
     rig.views.first().ok_or_else(|| {
-        Error::invalid(
-            "frame",
-            "the camera's: this rig holds no view of a sheet",
-            "the sheet's plane (--frame plane)",
-        )
+        Error::invalid("frame", "the camera's: this rig holds no view of a sheet", "the sheet's plane")
     })
 }
 

@@ -174,7 +174,7 @@ impl Triangulator {
         let (Some(projector), Some(stereo)) = (rig.projector, rig.stereo) else {
             return Err(Error::invalid(
                 "rig",
-                "a calibrated projector (calibrate with --pattern)",
+                "a calibrated projector (calibrate with a pattern)",
                 "a rig that holds the camera alone",
             ));
         };

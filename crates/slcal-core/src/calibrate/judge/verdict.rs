@@ -237,7 +237,7 @@ fn distortion_far_from_prior(solved: &Solved) -> Option<(Warning, bool)> {
         let told = warning(
             "distortion-far",
             format!("{name} of the {device} came out as {value:.2}, {off:.1} σ from what lenses have"),
-            "is the sheet flat? tilt it more, or give --distortion none if the lens is good",
+            "is the sheet flat? tilt it more, or estimate no distortion if the lens is good",
         );
         (told, off > NO_SUCH_LENS)
     })

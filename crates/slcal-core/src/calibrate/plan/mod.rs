@@ -317,7 +317,7 @@ pub(crate) fn outlook_of(rig: &Rig, pattern: Option<&CheckerPattern>) -> Result<
     })?;
     let covariance = shared::covariance_of(rig, 0).ok_or_else(|| {
         let advice =
-            "one with a covariance, as calibrate writes it (for a camera from elsewhere give --camera)";
+            "one with a covariance, as calibrate writes it (for a camera from elsewhere give the camera itself)";
         Error::invalid("rig", advice, "none")
     })?;
     let root = shared::root(&covariance);

@@ -59,7 +59,7 @@ impl TriangleMesh {
         if triangles.is_empty() {
             return Err(Error::invalid(
                 "mesh",
-                "triangles (a cloud of points alone has no surface: reconstruct it with --mesh)",
+                "triangles (a cloud of points alone has no surface: reconstruct it as a mesh)",
                 format!("{} vertices and no triangle with an area", vertices.len()),
             ));
         }
