@@ -6,7 +6,7 @@ use numpy::ndarray::ArrayView1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
-use slcal_core::format::{read_ply, write_glb, write_obj, write_pcd, write_ply, write_xyz};
+use slcal_core::format::{CloudFormat, read_ply};
 use slcal_core::solve::median;
 use slcal_core::{CloudPoint, Frame};
 
@@ -22,55 +22,32 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PointCloud>()
 }
 
-/// Files of clouds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Format {
-    Ply,
-    Pcd,
-    Xyz,
-    Obj,
-    Glb,
-}
-
-const FORMATS: [(&str, Format); 5] = [
-    ("ply", Format::Ply),
-    ("pcd", Format::Pcd),
-    ("xyz", Format::Xyz),
-    ("obj", Format::Obj),
-    ("glb", Format::Glb),
+const FORMATS: [(&str, CloudFormat); 5] = [
+    ("ply", CloudFormat::Ply),
+    ("pcd", CloudFormat::Pcd),
+    ("xyz", CloudFormat::Xyz),
+    ("obj", CloudFormat::Obj),
+    ("glb", CloudFormat::Glb),
 ];
 
-impl Format {
-    fn named(name: &Bound<'_, PyAny>) -> PyResult<Self> {
-        option::one_of(name, "format", &FORMATS)
-    }
+fn format_named(name: &Bound<'_, PyAny>) -> PyResult<CloudFormat> {
+    option::one_of(name, "format", &FORMATS)
+}
 
-    /// By the extension of a path; PLY for file objects.
-    fn of_file(file: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let Some(path) = files::path_of(file)? else { return Ok(Self::Ply) };
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        let found = FORMATS.iter().find(|(name, _)| extension == *name);
-        found.map(|(_, format)| *format).ok_or_else(|| {
-            let wanted = "a file name that ends in .ply, .pcd, .xyz, .obj or .glb, or format=";
-            errors::invalid(file.py(), "file", wanted, &path.display().to_string())
-        })
-    }
+/// By the extension of a path; PLY for file objects.
+fn format_of(file: &Bound<'_, PyAny>) -> PyResult<CloudFormat> {
+    let Some(path) = files::path_of(file)? else { return Ok(CloudFormat::Ply) };
+    let found = path.extension().and_then(|e| CloudFormat::of_extension(e.to_str()?));
+    found.ok_or_else(|| {
+        let wanted = "a file name that ends in .ply, .pcd, .xyz, .obj or .glb, or format=";
+        errors::invalid(file.py(), "file", wanted, &path.display().to_string())
+    })
+}
 
-    fn is_text(self) -> bool {
-        matches!(self, Self::Xyz | Self::Obj)
-    }
-
-    fn bytes(self, cloud: &slcal_core::PointCloud) -> slcal_core::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        match self {
-            Self::Ply => write_ply(cloud, &mut bytes),
-            Self::Pcd => write_pcd(cloud, &mut bytes),
-            Self::Xyz => write_xyz(cloud, &mut bytes),
-            Self::Obj => write_obj(cloud, &mut bytes),
-            Self::Glb => write_glb(cloud, &mut bytes),
-        }?;
-        Ok(bytes)
-    }
+fn bytes_as(format: CloudFormat, cloud: &slcal_core::PointCloud) -> slcal_core::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    format.write(cloud, &mut bytes)?;
+    Ok(bytes)
 }
 
 /// Points in space, with what is known of each, and the triangles between them where a mesh was asked for.
@@ -320,8 +297,8 @@ impl PointCloud {
     #[pyo3(signature = (file, *, format=None))]
     fn save(&self, file: &Bound<'_, PyAny>, format: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let py = file.py();
-        let format = format.map_or_else(|| Format::of_file(file), Format::named)?;
-        let bytes = py.detach(|| format.bytes(&self.cloud)).raise(py, Looking::ForStripes)?;
+        let format = format.map_or_else(|| format_of(file), format_named)?;
+        let bytes = py.detach(|| bytes_as(format, &self.cloud)).raise(py, Looking::ForStripes)?;
         files::write(file, &bytes, format.is_text())
     }
 
@@ -348,8 +325,8 @@ impl PointCloud {
     fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = file.py();
         if let Some(path) = files::path_of(file)?
-            && let Ok(format) = Format::of_file(file)
-            && format != Format::Ply
+            && let Ok(format) = format_of(file)
+            && format != CloudFormat::Ply
         {
             let wanted = "a PLY file; the other formats are written only";
             return Err(errors::invalid(py, "file", wanted, &path.display().to_string()));
@@ -367,8 +344,8 @@ impl PointCloud {
         py: Python<'py>,
         format: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let format = format.map_or(Ok(Format::Ply), Format::named)?;
-        let bytes = py.detach(|| format.bytes(&self.cloud)).raise(py, Looking::ForStripes)?;
+        let format = format.map_or(Ok(CloudFormat::Ply), format_named)?;
+        let bytes = py.detach(|| bytes_as(format, &self.cloud)).raise(py, Looking::ForStripes)?;
         Ok(PyBytes::new(py, &bytes))
     }
 

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use slcal_core::format::CloudFormat;
 
 use super::cloud::{CloudArgs, CullArg, parse_cull};
 use super::decode::DecodeInput;
-use crate::io::{CloudFormat, RawFormat};
+use crate::io::{RawFormat, parse_cloud_format};
 
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("place").required(true))]
@@ -34,10 +35,9 @@ pub(crate) struct ReconstructArgs {
     /// What the clouds in DIR are.
     #[arg(
         long,
-        value_enum,
-        default_value_t,
+        value_parser = parse_cloud_format,
+        default_value = "ply",
         conflicts_with = "output",
-        hide_possible_values = true,
         value_name = "ply|pcd|xyz|obj|glb"
     )]
     pub(crate) format: CloudFormat,

@@ -11,7 +11,7 @@ use std::fs;
 use std::io::Read as _;
 use std::path::Path;
 
-pub(crate) use cloud::CloudFormat;
+pub(crate) use cloud::{cloud_bytes, cloud_format_of, cloud_is_complete, parse_cloud_format};
 pub(crate) use exif::focal_35mm;
 pub(crate) use photo::{decode_photo, load_photo, load_photo_and_file, read_photo};
 pub(crate) use raw::{RawFormat, RawFrame};

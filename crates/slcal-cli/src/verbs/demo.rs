@@ -6,7 +6,7 @@ use image::DynamicImage;
 use slcal_core::decode::DecodeInput;
 use slcal_core::detect::{DetectConfig, Detection, observe};
 use slcal_core::evaluate::{FitConfig, FitReport, fit_plane};
-use slcal_core::format::read_rig;
+use slcal_core::format::{CloudFormat, read_rig};
 use slcal_core::geometry::RectangleSize;
 use slcal_core::pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
 use slcal_core::photo::PhotoView;
@@ -18,7 +18,7 @@ use super::pattern::pattern_bytes;
 use super::reconstruct::{draw, make_folder};
 use crate::args::DemoArgs;
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::{CloudFormat, Destination, decode_photo, png_bytes, write_all};
+use crate::io::{Destination, cloud_bytes, decode_photo, png_bytes, write_all};
 use crate::output::{Printer, print_result};
 use crate::overlay::Overlay;
 
@@ -80,8 +80,8 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
         HEAD.to_vec(),
         rig_bytes(rig)?,
         png_bytes(&seen.into_picture())?,
-        CloudFormat::Ply.bytes(&board.cloud)?,
-        CloudFormat::Ply.bytes(&head.cloud)?,
+        cloud_bytes(CloudFormat::Ply, &board.cloud)?,
+        cloud_bytes(CloudFormat::Ply, &head.cloud)?,
         draw(&head_photo, &head.cloud)?,
     ];
     write_all(&places.into_iter().zip(contents).collect::<Vec<_>>())?;

@@ -6,12 +6,12 @@ use slcal_core::reconstruct::{ReconstructConfig, cloud_from_matches};
 use super::reconstruct::{cull_rule, frame, with_projector};
 use crate::args::TriangulateArgs;
 use crate::exit::{InFile as _, Outcome};
-use crate::io::{CloudFormat, Destination, check_spares, load_rig, read_bytes, write_all};
+use crate::io::{Destination, check_spares, cloud_bytes, cloud_format_of, load_rig, read_bytes, write_all};
 use crate::output::{Printer, print_result};
 use crate::summary;
 
 pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
-    let format = CloudFormat::of(&args.output)?;
+    let format = cloud_format_of(&args.output)?;
     let output = Destination::prepare(&args.output, args.force)?;
     check_spares([&output], [args.rig.as_path(), &args.matches])?;
     let rig = load_rig(&args.rig)?;
@@ -25,7 +25,7 @@ pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
         ..ReconstructConfig::default()
     };
     let result = cloud_from_matches(&rig, &matches, &config).in_file(&args.matches)?;
-    write_all(&[(output.clone(), format.bytes(&result.cloud)?)])?;
+    write_all(&[(output.clone(), cloud_bytes(format, &result.cloud)?)])?;
     let text = summary::cloud(&result);
     if output == Destination::Stdout {
         printer.note(text.trim_end());

@@ -1,6 +1,7 @@
 //! Rigs, observations, patterns, matches and clouds as text and binary files, on any `Read` and `Write`.
 
 mod camera;
+mod cloud_format;
 mod glb;
 mod matches_csv;
 mod obj;
@@ -15,6 +16,7 @@ mod rig_json;
 mod xyz;
 
 pub use camera::{KnownCamera, read_camera};
+pub use cloud_format::CloudFormat;
 pub use glb::write_glb;
 pub use matches_csv::{read_matches, write_matches};
 pub use obj::write_obj;

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use image::DynamicImage;
+use slcal_core::format::CloudFormat;
 use slcal_core::pattern::StripePattern;
 use slcal_core::reconstruct::{CullRule, ReconstructConfig, Reconstructor};
 use slcal_core::{PointCloud, Rig};
@@ -21,8 +22,8 @@ use super::decode::Frames;
 use crate::args::{CullArg, FrameArg, ReconstructArgs};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    CloudFormat, Destination, RawFormat, check_distinct, check_panel, check_spares, input_name, is_dash,
-    load_rig, load_stripes, png_bytes, read_photo, write_all,
+    Destination, RawFormat, check_distinct, check_panel, check_spares, cloud_bytes, cloud_format_of,
+    input_name, is_dash, load_rig, load_stripes, png_bytes, read_photo, write_all,
 };
 use crate::output::{Printer, Remarks};
 use crate::overlay::Overlay;
@@ -30,7 +31,7 @@ use crate::overlay::Overlay;
 pub(super) fn run(args: &ReconstructArgs, printer: Printer) -> Outcome {
     check_usage(args)?;
     let single = args.output.as_deref();
-    let format = single.map_or(Ok(args.format), CloudFormat::of)?;
+    let format = single.map_or(Ok(args.format), cloud_format_of)?;
     let rig = load_rig(&args.rig)?;
     let pattern = load_stripes(&args.input.pattern)?;
     check_panel(&args.input.pattern, pattern.projector, &args.rig, &rig)?;
@@ -193,7 +194,7 @@ impl Job<'_> {
             (None, None) => return Err(Failure::new(Exit::Other, "a frame without a picture")),
         };
         let result = scanner.reconstruct_frames(&input).in_file(&name)?;
-        let mut files = vec![(output.clone(), self.format.bytes(&result.cloud)?)];
+        let mut files = vec![(output.clone(), cloud_bytes(self.format, &result.cloud)?)];
         if let Some((place, photo)) = self.overlay.as_ref().zip(photo.as_ref()) {
             files.push((place.clone(), draw(photo, &result.cloud)?));
         }

@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 
 use crate::args::ReconstructArgs;
 use crate::exit::{Failure, Outcome};
-use crate::io::{CloudFormat, Destination, RawFormat, RawFrame, input_name, is_dash};
+use slcal_core::format::CloudFormat;
+
+use crate::io::{Destination, RawFormat, RawFrame, cloud_is_complete, input_name, is_dash};
 
 /// What is to be reconstructed.
 #[derive(Debug)]
@@ -71,7 +73,7 @@ impl Folder {
 
     fn place(&self, stem: &OsStr) -> Outcome<Place> {
         let file = self.file(stem);
-        if self.resume && self.format.is_complete(&file) {
+        if self.resume && cloud_is_complete(self.format, &file) {
             return Ok(Place { name: file.display().to_string(), output: None });
         }
         // What is incomplete is of no use to anybody who resumes.

@@ -6,13 +6,13 @@ use std::path::Path;
 use image::{DynamicImage, GrayImage};
 use serde::Serialize;
 use slcal_core::format::report_json::{self, SceneReport};
-use slcal_core::format::{write_matches, write_pfm};
+use slcal_core::format::{CloudFormat, write_matches, write_pfm};
 use slcal_core::simulate::SimulatedScene;
 
 use super::super::calibrate::rig_bytes;
 use super::super::pattern::pattern_bytes;
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::{CloudFormat, png_bytes};
+use crate::io::{cloud_bytes, png_bytes};
 
 /// The files, in the order of [`contents`].
 pub(super) const NAMES: [&str; 12] = [
@@ -50,7 +50,7 @@ pub(super) fn contents(scene: &SimulatedScene) -> Outcome<Vec<Vec<u8>>> {
         pattern_bytes(&scene.pattern)?,
         rig_bytes(&scene.rig)?,
         table,
-        CloudFormat::Ply.bytes(&scene.cloud())?,
+        cloud_bytes(CloudFormat::Ply, &scene.cloud())?,
         map(scene.columns())?,
         map(scene.rows())?,
         map(scene.depths())?,

@@ -1,0 +1,83 @@
+//! The formats of clouds, told by the extension of a file's name.
+
+use std::io::Write;
+
+use super::{write_glb, write_obj, write_pcd, write_ply, write_xyz};
+use crate::cloud::PointCloud;
+use crate::error::Result;
+
+/// A file format of clouds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CloudFormat {
+    /// Binary, with all that is known of a point.
+    #[default]
+    Ply,
+    /// Of the Point Cloud Library, binary; no triangles.
+    Pcd,
+    /// Plain text, a point a line; no triangles.
+    Xyz,
+    /// Wavefront, text.
+    Obj,
+    /// Binary glTF: metres, y upwards.
+    Glb,
+}
+
+impl CloudFormat {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Ply, Self::Pcd, Self::Xyz, Self::Obj, Self::Glb];
+
+    /// The ending of its files' names, without the dot.
+    #[must_use]
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Ply => "ply",
+            Self::Pcd => "pcd",
+            Self::Xyz => "xyz",
+            Self::Obj => "obj",
+            Self::Glb => "glb",
+        }
+    }
+
+    /// The format with this extension, in capitals or not; `None` when there is none.
+    #[must_use]
+    pub fn of_extension(extension: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|f| f.extension().eq_ignore_ascii_case(extension))
+    }
+
+    /// Whether its files are text.
+    #[must_use]
+    pub fn is_text(self) -> bool {
+        matches!(self, Self::Xyz | Self::Obj)
+    }
+
+    /// Writes a cloud.
+    ///
+    /// # Errors
+    /// As the writer of the format.
+    pub fn write(self, cloud: &PointCloud, output: impl Write) -> Result<()> {
+        match self {
+            Self::Ply => write_ply(cloud, output),
+            Self::Pcd => write_pcd(cloud, output),
+            Self::Xyz => write_xyz(cloud, output),
+            Self::Obj => write_obj(cloud, output),
+            Self::Glb => write_glb(cloud, output),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extensions_name_formats_in_any_case() {
+        for format in CloudFormat::ALL {
+            assert_eq!(CloudFormat::of_extension(&format.extension().to_uppercase()), Some(format));
+            let mut bytes = Vec::new();
+            format.write(&crate::format::test_cloud(), &mut bytes).unwrap();
+            assert_eq!(std::str::from_utf8(&bytes).is_ok(), format.is_text(), "{format:?}");
+        }
+        assert_eq!(CloudFormat::of_extension("stl"), None);
+        assert_eq!(CloudFormat::of_extension(""), None);
+    }
+}
