@@ -221,7 +221,7 @@ fn scenes_from_files_follow_the_rig_the_pattern_and_the_mesh() {
     assert_eq!(bench.text("first/rig.json"), bench.text("second/rig.json"));
     // A mesh that slcal wrote is in the camera's frame.
     let line = "simulate scene --rig first/rig.json --surface first/truth_cloud.ply --out third";
-    bench.run(line).fails(3, &["truth_cloud.ply", "--mesh"]);
+    bench.run(line).fails(3, &["truth_cloud.ply", "as a mesh"]);
 }
 
 #[test]

@@ -5,10 +5,10 @@ use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::args::ReconstructArgs;
-use crate::exit::{Failure, Outcome};
 use slcal_core::format::CloudFormat;
 
+use crate::args::ReconstructArgs;
+use crate::exit::{Failure, Outcome};
 use crate::io::{Destination, RawFormat, RawFrame, cloud_is_complete, input_name, is_dash};
 
 /// What is to be reconstructed.
