@@ -36,7 +36,8 @@ impl CheckerPattern {
     /// # Errors
     /// [`Error::Invalid`] for a panel without pixels or wider than 16384 px.
     pub fn image(&self) -> Result<RgbImage> {
-        self.draw_warped(&Homography::identity().into())
+        let (upright, middle) = (Homography::identity().into(), Point2::origin());
+        draw(self.projector, &upright, middle, shade(self.background), self.light(), |y| Some(self.row(y)))
     }
 
     /// The pattern drawn anew where the warp takes it: a point of the pattern at panel pixel p is drawn at
@@ -45,21 +46,35 @@ impl CheckerPattern {
     /// # Errors
     /// [`Error::Degenerate`] for a singular homography; [`Error::Invalid`] as for [`CheckerPattern::image`].
     pub fn draw_warped(&self, panel_from_pattern: &Warp) -> Result<RgbImage> {
-        let light = |c: SquareColor| if c == SquareColor::White { [1.0; 3] } else { [0.0; 3] };
-        let (first, background) = (light(self.first_square), light(self.background));
+        let [cx, cy] = self.squares.map(|n| f64::from(n) / 2.0 * self.square_px);
+        let centre = Point2::new(self.origin_px.x + cx, self.origin_px.y + cy);
+        draw(self.projector, panel_from_pattern, centre, shade(self.background), self.light(), |_| None)
+    }
+
+    /// The light at a panel pixel.
+    fn light(&self) -> impl Fn(Point2<f64>) -> [f64; 3] {
+        let (first, background) = (shade(self.first_square), shade(self.background));
         let second = first.map(|c| 1.0 - c);
         let [columns, rows] = self.squares.map(f64::from);
         let (origin, scale) = (self.origin_px, self.square_px.recip());
-        let [cx, cy] = [columns, rows].map(|n| n / 2.0 * self.square_px);
-        let centre = Point2::new(origin.x + cx, origin.y + cy);
-        draw(self.projector, panel_from_pattern, centre, background, |p| {
+        move |p| {
             let (i, j) = (((p.x - origin.x) * scale).floor(), ((p.y - origin.y) * scale).floor());
             if !(i >= 0.0 && j >= 0.0 && i < columns && j < rows) {
                 return background;
             }
             if (i as u32 + j as u32).is_multiple_of(2) { first } else { second }
-        })
+        }
     }
+
+    /// Which row of squares a panel row shows; beyond the board all are alike.
+    fn row(&self, y: f64) -> i64 {
+        let j = ((y - self.origin_px.y) * self.square_px.recip()).floor();
+        if j >= 0.0 && j < f64::from(self.squares[1]) { j as i64 } else { -1 }
+    }
+}
+
+fn shade(color: SquareColor) -> [f64; 3] {
+    if color == SquareColor::White { [1.0; 3] } else { [0.0; 3] }
 }
 
 impl StripePattern {
@@ -68,7 +83,8 @@ impl StripePattern {
     /// # Errors
     /// [`Error::Invalid`] for a panel without pixels or wider than 16384 px.
     pub fn image(&self) -> Result<RgbImage> {
-        self.draw_warped(&Homography::identity().into())
+        let (upright, middle) = (Homography::identity().into(), Point2::origin());
+        draw(self.projector, &upright, middle, [0.0; 3], self.light(), |y| Some(self.row(y)))
     }
 
     /// The slits drawn anew where the warp takes them, as [`CheckerPattern::draw_warped`].
@@ -76,19 +92,39 @@ impl StripePattern {
     /// # Errors
     /// [`Error::Degenerate`] for a singular homography; [`Error::Invalid`] as for [`StripePattern::image`].
     pub fn draw_warped(&self, panel_from_pattern: &Warp) -> Result<RgbImage> {
+        let [w, h] = self.projector.map(f64::from);
+        let centre = Point2::new(w / 2.0, h / 2.0);
+        draw(self.projector, panel_from_pattern, centre, [0.0; 3], self.light(), |_| None)
+    }
+
+    /// The light at a panel pixel.
+    fn light(&self) -> impl Fn(Point2<f64>) -> [f64; 3] {
         let palette: Vec<[f64; 3]> = self.palette.iter().map(|&c| linear(c)).collect();
         let [w, h] = self.projector.map(f64::from);
-        let half = self.width_px / 2.0;
-        draw(self.projector, panel_from_pattern, Point2::new(w / 2.0, h / 2.0), [0.0; 3], |p| {
+        move |p| {
             if !(p.x >= -0.5 && p.y >= -0.5 && p.x < w - 0.5 && p.y < h - 0.5) {
                 return [0.0; 3];
             }
-            let at = if self.axis == Axis::Columns { p.x } else { p.y };
-            let next = self.centres_px.partition_point(|&c| c < at - half);
-            let inside = self.centres_px.get(next).is_some_and(|&c| c <= at + half);
+            let (next, inside) = self.slit(if self.axis == Axis::Columns { p.x } else { p.y });
             let hue = self.sequence.get(next).map_or(usize::MAX, |&s| usize::from(s));
             if inside { palette.get(hue).copied().unwrap_or([0.0; 3]) } else { [0.0; 3] }
-        })
+        }
+    }
+
+    /// The slit at a position across the slits or the next one after it, and whether it covers the position.
+    fn slit(&self, at: f64) -> (usize, bool) {
+        let half = self.width_px / 2.0;
+        let next = self.centres_px.partition_point(|&c| c < at - half);
+        (next, self.centres_px.get(next).is_some_and(|&c| c <= at + half))
+    }
+
+    /// Which slit or gap a panel row shows; rows across upright slits are all alike.
+    fn row(&self, y: f64) -> i64 {
+        if self.axis == Axis::Columns {
+            return 0;
+        }
+        let (next, inside) = self.slit(y);
+        2 * next as i64 + i64::from(inside)
     }
 }
 
@@ -165,23 +201,44 @@ impl<'a> Inverse<'a> {
     }
 }
 
-/// Draws a function of the pattern's coordinates, antialiased.
+/// Draws a function of the pattern's coordinates, antialiased. Where `row` gives the same for all samples of two rows that follow
+/// each other, they look alike, and one is drawn; `None` where that is not known.
 fn draw(
     size: [u32; 2],
     panel_from_pattern: &Warp,
     centre: Point2<f64>,
     background: [f64; 3],
     light: impl Fn(Point2<f64>) -> [f64; 3],
+    row: impl Fn(f64) -> Option<i64>,
 ) -> Result<RgbImage> {
     check_panel(size)?;
     let source = Inverse::new(panel_from_pattern, centre)?;
-    Ok(RgbImage::from_fn(size[0], size[1], |x, y| {
-        let Some(pixel) = source.pixel(x, y) else { return Rgb(encode(background)) };
+    let draw_pixel = |x, y| {
+        let Some(pixel) = source.pixel(x, y) else { return encode(background) };
         let at = |d| source.map(&pixel, d).map_or(background, &light);
         let first = at(sample(COARSE_SAMPLES, 0));
         let flat = (1..COARSE_SAMPLES * COARSE_SAMPLES).all(|k| at(sample(COARSE_SAMPLES, k)) == first);
-        Rgb(encode(if flat { first } else { mean(FINE_SAMPLES, at) }))
-    }))
+        encode(if flat { first } else { mean(FINE_SAMPLES, at) })
+    };
+    // The samples between the outermost ones show nothing else than these do.
+    let reach = sample(FINE_SAMPLES, FINE_SAMPLES * FINE_SAMPLES - 1).y;
+    let whole = |y: u32| {
+        let [first, last] = [-reach, reach].map(|d| row(f64::from(y) + d));
+        first.filter(|_| first == last)
+    };
+    let length = 3 * size[0] as usize;
+    let mut picture = RgbImage::new(size[0], size[1]);
+    for y in 0..size[1] {
+        let start = y as usize * length;
+        if y > 0 && whole(y).is_some() && whole(y) == whole(y - 1) {
+            picture.copy_within(start - length..start, start);
+            continue;
+        }
+        for x in 0..size[0] {
+            picture.put_pixel(x, y, Rgb(draw_pixel(x, y)));
+        }
+    }
+    Ok(picture)
 }
 
 /// The `k`-th of n×n sample positions in a pixel, row-major, from its centre.
@@ -264,6 +321,34 @@ mod tests {
         let stripes = StripePattern::new([1024, 768], &StripeConfig::default()).unwrap();
         if let Some(truth) = shared("stripes.png") {
             assert!(stripes.image().unwrap() == truth);
+        }
+    }
+
+    #[test]
+    fn rows_that_are_not_drawn_are_those_that_would_look_like_the_one_above() {
+        let upright: Warp = Homography::identity().into();
+        let config = CheckerConfig { squares: [5, 4], ..CheckerConfig::default() };
+        let mut checker = CheckerPattern::new([160, 120], &config).unwrap();
+        for (origin, square_px) in
+            [(checker.origin_px, 7.5), (Point2::new(3.3, -4.1), 9.37), (Point2::new(150.2, 100.6), 12.0)]
+        {
+            (checker.origin_px, checker.square_px) = (origin, square_px);
+            assert!(
+                checker.image().unwrap() == checker.draw_warped(&upright).unwrap(),
+                "{origin} {square_px}"
+            );
+        }
+        for axis in [Axis::Columns, Axis::Rows] {
+            let config = StripeConfig { axis, slits: Some(20), ..StripeConfig::default() };
+            let mut stripes = StripePattern::new([160, 120], &config).unwrap();
+            // Slits as drawn, and such as lie within a pixel.
+            for width_px in [stripes.width_px, 2.71, 0.6] {
+                stripes.width_px = width_px;
+                assert!(
+                    stripes.image().unwrap() == stripes.draw_warped(&upright).unwrap(),
+                    "{axis:?} {width_px}"
+                );
+            }
         }
     }
 
