@@ -279,7 +279,8 @@ fn an_interrupt_leaves_finished_clouds_and_nothing_else() {
         std::thread::sleep(Duration::from_millis(5));
     }
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(130), "{status}");
     feeder.join().unwrap();
     let names = names(&bench, "clouds");
     assert!(names.len() >= 3);
