@@ -21,6 +21,11 @@ pub struct Match {
     pub color: [u8; 3],
 }
 
+impl Match {
+    /// 1σ of the camera position, px, where nobody states it.
+    pub const DEFAULT_SIGMA_PX: f64 = 0.1;
+}
+
 /// A set of correspondences, ordered by image row (column for row patterns), then by position.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Matches {

@@ -10,7 +10,7 @@ use slcal_core::format::{CloudFormat, read_ply};
 use slcal_core::solve::median;
 use slcal_core::{CloudPoint, Frame};
 
-use crate::convert::array::{column, integers_of, rows, rows_of, vector_of};
+use crate::convert::array::{Numbers, column, integers_of, rows, rows_of, shape_in_words, vector_of};
 use crate::convert::option;
 use crate::convert::report::Reported;
 use crate::errors::{self, Looking, Raise as _, raised_from};
@@ -149,10 +149,10 @@ fn slits_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<u16>> {
 
 /// (N, 2) pixels, NaN where a point was seen in none.
 fn pixels_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<[f64; 2]>> {
-    let numbers = crate::convert::array::Numbers::of(values, "pixels")?;
+    let numbers = Numbers::of(values, "pixels")?;
     let view = numbers.view();
     if view.shape() != [n, 2] {
-        let found = format!("{:?}", view.shape()).replace('[', "(").replace(']', ")");
+        let found = shape_in_words(view.shape());
         let wanted = format!("shape ({n}, 2)");
         return Err(errors::invalid(values.py(), "pixels", &wanted, &format!("shape {found}")));
     }

@@ -15,8 +15,6 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Matches>()
 }
 
-/// 1σ of a match when nobody says, px: that of a matches file without the column.
-const DEFAULT_SIGMA_PX: f64 = 0.1;
 /// Slits have numbers below this.
 const SLITS: i64 = u16::MAX as i64;
 
@@ -106,7 +104,7 @@ pub(crate) fn matches_of(pixels: &Bound<'_, PyAny>, given: Given<'_, '_>) -> PyR
         projector_row: rows.as_ref().and_then(|r| r[i]),
         slit: slits.as_ref().and_then(|s| s[i]),
         confidence: confidence.as_ref().map_or(1.0, |c| c[i]),
-        sigma_px: sigma.as_ref().map_or(DEFAULT_SIGMA_PX, |s| s[i]),
+        sigma_px: sigma.as_ref().map_or(Match::DEFAULT_SIGMA_PX, |s| s[i]),
         color: colors.as_ref().map_or([255; 3], |c| c[i]),
     };
     Ok(slcal_core::Matches { items: pixels.into_iter().enumerate().map(item).collect() })

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -90,6 +91,9 @@ def test_calibration(scene: Path, with_screen: bool, tmp_path: Path) -> None:
     assert json.loads(rig.to_json()) == said
     assert rig.quality is not None
     assert rig.quality.to_dict() == said["quality"]
+    again = pickle.loads(pickle.dumps(rig))
+    assert again == rig
+    assert again.report == rig.report is not None
     assert rig.covariance is not None
     assert rig.covariance.matrix.tolist() == said["covariance"]["matrix"]
 

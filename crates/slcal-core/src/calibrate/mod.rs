@@ -34,14 +34,14 @@ pub(crate) use plan::outlook_of;
 pub(crate) use start::camera_from_sheet;
 pub(crate) use start::metric::pose_from_homography;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
 use crate::observations::Observations;
 use crate::rig::{Rig, Verdict};
 
 /// How a calibration went, beyond the rig itself.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct CalibrationReport {
     /// Iterations of the refinement.
     pub iterations: usize,

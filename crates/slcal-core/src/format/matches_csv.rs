@@ -10,8 +10,6 @@ use crate::matches::{Match, Matches};
 const WHAT: &str = "matches CSV";
 /// What is read.
 const COLUMNS: [&str; 7] = ["u", "v", "projector_column", "projector_row", "slit", "confidence", "sigma_px"];
-/// σ of a match whose file does not say, px.
-const DEFAULT_SIGMA_PX: f64 = 0.1;
 
 fn malformed(detail: impl Into<String>) -> Error {
     Error::Malformed { what: WHAT, detail: detail.into() }
@@ -111,7 +109,7 @@ pub fn read_matches(input: impl Read) -> Result<Matches> {
                 Some(whole(x).ok_or_else(|| malformed(format!("line {line}: slit {x} is no slit number")))?)
             }
         };
-        let sigma_px = number(sigma)?.unwrap_or(DEFAULT_SIGMA_PX);
+        let sigma_px = number(sigma)?.unwrap_or(Match::DEFAULT_SIGMA_PX);
         if sigma_px < 0.0 {
             return Err(malformed(format!("line {line}: sigma_px {sigma_px} is negative")));
         }

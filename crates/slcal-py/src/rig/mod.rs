@@ -4,6 +4,7 @@ mod opencv;
 mod shown;
 mod view;
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use slcal_core::format::{read_rig, report_json, write_rig};
 use slcal_core::{CalibrationReport, StereoPose};
@@ -540,13 +541,13 @@ impl Rig {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, Option<String>))> {
-        let report = self.report.as_ref().map(|r| shown::report(r).to_string());
+        let report = self.report.as_ref().map(serde_json::to_string).transpose().map_err(pickled)?;
         Ok((py.get_type::<Self>().getattr("_restored")?, (self.to_json(py)?, report)))
     }
 
     #[staticmethod]
     fn _restored(py: Python<'_>, rig: &str, report: Option<&str>) -> PyResult<Self> {
-        let report = report.map(|r| shown::report_of(py, r)).transpose()?;
+        let report = report.map(serde_json::from_str).transpose().map_err(pickled)?;
         Ok(Self { report, ..Self::from_json(py, rig)? })
     }
 
@@ -562,4 +563,9 @@ impl Rig {
     fn _repr_html_(&self) -> String {
         shown::as_html(&self.rig)
     }
+}
+
+/// A pickle whose report cannot be written or read.
+fn pickled(error: serde_json::Error) -> PyErr {
+    PyValueError::new_err(format!("pickled rig: {error}"))
 }

@@ -2,61 +2,25 @@
 
 use std::fmt::Write as _;
 
-use pyo3::prelude::*;
 use serde_json::{Value, json};
-use slcal_core::{CalibrationReport, Device, Quality, Rig, Verdict};
-
-use crate::errors;
-
-/// The verdict in the word that files have for it.
-pub(super) fn verdict(quality: &Quality) -> &'static str {
-    match quality.verdict {
-        Verdict::Good => "good",
-        Verdict::Fair => "fair",
-        Verdict::Weak => "weak",
-        Verdict::Degenerate => "degenerate",
-    }
-}
+use slcal_core::{Device, Quality, Rig};
 
 /// The record `Quality`.
 pub(super) fn quality(q: &Quality) -> Value {
     json!({
-        "verdict": verdict(q),
+        "verdict": q.verdict,
         "focal_sigma_percent": {
             "camera": q.focal_sigma_percent_camera,
             "projector": q.focal_sigma_percent_projector,
         },
         "expected_point_sigma_mm": q.expected_point_sigma_mm,
-        "warnings": q.warnings.iter()
-            .map(|w| json!({ "code": w.code, "message": w.message, "advice": w.advice }))
-            .collect::<Vec<_>>(),
+        "warnings": q.warnings,
     })
 }
 
-/// The record `CalibrationReport`.
-pub(super) fn report(r: &CalibrationReport) -> Value {
-    json!({
-        "iterations": r.iterations,
-        "edge_inliers": r.edge_inliers,
-        "corner_inliers": r.corner_inliers,
-        "cause": r.cause,
-        "advice": r.advice,
-    })
-}
-
-/// The report that a pickled rig holds.
-pub(super) fn report_of(py: Python<'_>, text: &str) -> PyResult<CalibrationReport> {
-    let read = || {
-        let value: Value = serde_json::from_str(text).ok()?;
-        Some(CalibrationReport {
-            iterations: value["iterations"].as_u64()? as usize,
-            edge_inliers: value["edge_inliers"].as_f64()?,
-            corner_inliers: value["corner_inliers"].as_f64()?,
-            cause: value["cause"].as_str()?.to_owned(),
-            advice: value["advice"].as_str()?.to_owned(),
-        })
-    };
-    read().ok_or_else(|| errors::invalid(py, "pickled rig", "the report of a calibration", text))
+/// The verdict in the word that files have for it.
+fn verdict(quality: &Quality) -> String {
+    json!(quality.verdict).as_str().unwrap_or_default().to_owned()
 }
 
 fn focal(device: &Device) -> String {
@@ -104,7 +68,7 @@ pub(super) fn as_html(rig: &Rig) -> String {
         );
     };
     if let Some(q) = &rig.quality {
-        row("verdict", verdict(q));
+        row("verdict", &verdict(q));
     }
     for (label, device) in [("camera", Some(&rig.camera)), ("projector", rig.projector.as_ref())] {
         if let Some(device) = device {
