@@ -33,8 +33,9 @@ mod verify_photo;
 
 pub use calibrate::{
     CalibrateConfig, Calibration, CalibrationReport, DistortionModel, ExternalCalibration, FocalPrior,
-    Method, NoiseFound, NoiseOf, PrincipalPointRule, Rectification, calibrate_external,
-    calibrate_observations, rectify, rectify_checker, rectify_checker_picture, rectify_picture,
+    Method, NoiseFound, NoiseOf, PairResidual, PointResidual, PrincipalPointRule, Rectification,
+    ViewResiduals, calibrate_external, calibrate_observations, rectify, rectify_checker,
+    rectify_checker_picture, rectify_picture, residuals,
 };
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Error, ErrorClass, Result};

@@ -37,20 +37,17 @@ pub(crate) fn projected_corners(device: &Camera, pose: &Pose, size: RectangleSiz
     })
 }
 
-/// Distance of a projected corner from the model in projector pixels: the camera pixel cast onto the sheet and seen from
-/// the projector.
-pub(crate) fn projector_distance(
+/// A camera pixel cast onto the sheet and seen from the projector, projector px.
+pub(crate) fn cast_onto_panel(
     camera: &Camera,
     projector: &Camera,
     projector_from_camera: &Pose,
     sheet: &Pose,
     seen: Point2<f64>,
-    drawn: Point2<f64>,
-) -> Option<f64> {
+) -> Option<Point2<f64>> {
     let plane = Plane::from_point_normal(&sheet.translation.into(), sheet.rotation * Vector3::z())?;
     let ray = Ray { origin: Point3::origin(), direction: camera.bearing(seen)? };
-    let point = projector_from_camera.transform(&ray.meet(&plane)?);
-    Some((projector.project(&point)? - drawn).norm())
+    projector.project(&projector_from_camera.transform(&ray.meet(&plane)?))
 }
 
 /// Root mean square; `None` for nothing.
@@ -74,7 +71,8 @@ fn view_rms(joint: &Joint, fit: &Fit, view: usize) -> ViewRms {
     let model = &fit.model;
     let on_panel = kept().filter_map(|(m, _)| match (m.of, &model.projector) {
         (Target::Pair(q), Some(p)) => {
-            projector_distance(&model.camera, p, &model.projector_from_camera, &model.views[view], m.seen, q)
+            cast_onto_panel(&model.camera, p, &model.projector_from_camera, &model.views[view], m.seen)
+                .map(|on_panel| (on_panel - q).norm())
         }
         _ => None,
     });
@@ -120,6 +118,8 @@ pub(crate) fn rig(joint: &Joint, fit: &Fit, judgement: &Judgement) -> Rig {
             focal_sigma_percent_camera: percent(judgement.sigma.camera),
             focal_sigma_percent_projector: judgement.sigma.projector.map(percent),
             expected_point_sigma_mm: expected_point_sigma(layout, fit, &joint.sizes),
+            cause: judgement.cause.clone(),
+            advice: judgement.advice.clone(),
             warnings: judgement.warnings.clone(),
         }),
         covariance: Some(Covariance {

@@ -15,6 +15,7 @@ mod noise;
 pub(crate) mod plan;
 mod rectified;
 mod rectify;
+mod residuals;
 mod start;
 mod two_vp;
 
@@ -24,6 +25,7 @@ pub use plan::outlook::Predicted;
 pub use plan::{Advice, CameraPlan, NextView, TiltForecast, advise_first, advise_next};
 pub use rectified::{rectify_checker_picture, rectify_picture};
 pub use rectify::{Rectification, rectify, rectify_checker};
+pub use residuals::{PairResidual, PointResidual, ViewResiduals, residuals};
 
 // What `verify` shares with the calibration: its measurements, its model and its residuals.
 pub(crate) use check::check;

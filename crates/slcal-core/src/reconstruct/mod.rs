@@ -1,6 +1,7 @@
 //! Matches + [`Rig`] → [`PointCloud`]: triangulation, removal of outliers, mesh.
 
 mod cull;
+mod forecast;
 mod islands;
 mod light;
 mod neighbourhood;
@@ -11,6 +12,7 @@ mod triangulate;
 mod triangulate_tests;
 
 pub use cull::{CullReport, CullRule, Culler, cull};
+pub use forecast::{ExpectedSigma, SigmaForecast};
 pub use triangulate::{TriangulateConfig, TriangulateReport, Triangulator, triangulate};
 
 use nalgebra::Point3;

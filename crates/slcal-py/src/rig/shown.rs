@@ -14,6 +14,8 @@ pub(super) fn quality(q: &Quality) -> Value {
             "projector": q.focal_sigma_percent_projector,
         },
         "expected_point_sigma_mm": q.expected_point_sigma_mm,
+        "cause": q.cause,
+        "advice": q.advice,
         "warnings": q.warnings,
     })
 }

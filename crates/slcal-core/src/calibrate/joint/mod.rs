@@ -7,7 +7,7 @@ pub(crate) mod model;
 pub(crate) mod refine;
 pub(crate) mod residual;
 
-use nalgebra::{DVector, Point2};
+use nalgebra::{DVector, Point2, Vector2};
 
 use self::model::{Layout, Model, Prior, lens_values};
 use self::residual::{LENS, POSE, PointResidual};
@@ -168,6 +168,17 @@ impl Joint {
             let depth = |c: Point2<f64>| pose.transform(&nalgebra::Point3::new(c.x, c.y, 0.0)).z;
             size.corners().into_iter().all(|c| depth(c) > 0.0)
         })
+    }
+
+    /// How far every measurement is from the model, as camera px from where it was seen to where it is expected.
+    pub(crate) fn misses_px(&self, model: &Model) -> Option<Vec<Vector2<f64>>> {
+        let miss = |m: &Measurement| {
+            Some(match self.row(model, m)? {
+                Row::Edge(e) => e.normal * -e.value,
+                Row::Point(p) => p.value,
+            })
+        };
+        self.measurements.iter().map(miss).collect()
     }
 
     /// Residual norms in pixels per measurement.

@@ -6,8 +6,8 @@
 use nalgebra::DMatrix;
 
 use super::model::Model;
-use super::{Joint, Kind};
-use crate::solve::{Loss, Minimum, Problem, covariance, minimise, polish, robust_scale};
+use super::{Joint, Kind, Measurement};
+use crate::solve::{Block, Loss, Minimum, Problem, covariance, minimise, polish, robust_scale};
 
 /// Cutoff of the convex first round, in the measurements' own σ.
 const FIRST_CUTOFF: f64 = 3.0;
@@ -42,13 +42,46 @@ pub(crate) struct Fit {
     pub(crate) covariance: DMatrix<f64>,
 }
 
-/// Whitened residual norms of one kind, brought to one degree of freedom for pairs (a Rayleigh median is 1.746 times
-/// the normal one).
-fn scale_of(joint: &Joint, norms_px: &[f64], kind: Kind) -> f64 {
+/// A residual's norm in σ, brought to one degree of freedom where it has two (a Rayleigh median is 1.746 times the normal
+/// one).
+pub(crate) fn whitened(m: &Measurement, norm_px: f64) -> f64 {
     const RAYLEIGH_TO_NORMAL: f64 = 1.745_6;
-    let correction = if kind == Kind::Edge { 1.0 } else { RAYLEIGH_TO_NORMAL };
+    let correction = if m.kind() == Kind::Edge { 1.0 } else { RAYLEIGH_TO_NORMAL };
+    norm_px / m.sigma_px / correction
+}
+
+/// How widely the residuals of one kind scatter, in σ.
+fn scale_of(joint: &Joint, norms_px: &[f64], kind: Kind) -> f64 {
     let of_kind = joint.measurements.iter().zip(norms_px).filter(|(m, _)| m.kind() == kind);
-    robust_scale(of_kind.map(|(m, n)| n / m.sigma_px / correction)).max(SMALLEST_SCALE)
+    robust_scale(of_kind.map(|(m, n)| whitened(m, *n))).max(SMALLEST_SCALE)
+}
+
+/// That of edges and of pairs.
+fn scales_of(joint: &Joint, norms_px: &[f64]) -> [f64; 2] {
+    [Kind::Edge, Kind::Pair].map(|k| scale_of(joint, norms_px, k))
+}
+
+fn redescending(scales: &[f64; 2], kind: Kind) -> Loss {
+    let of = usize::from(kind == Kind::Pair);
+    Loss::Tukey(CUTOFFS[of] * scales[of])
+}
+
+/// Which residuals the loss of their block does not cut off.
+fn within_cutoffs(joint: &Joint, norms_px: &[f64]) -> Vec<bool> {
+    let measured = joint.measurements.iter().zip(norms_px).zip(&joint.blocks);
+    let within = |((m, n), block): ((&Measurement, &f64), &Block)| match block.loss {
+        Loss::Tukey(c) => n / m.sigma_px < c,
+        _ => true,
+    };
+    measured.map(within).collect()
+}
+
+/// The measurements that a fit with these residuals keeps: those within the cutoff of their kind.
+pub(crate) fn kept(joint: &Joint, norms_px: &[f64]) -> Vec<bool> {
+    let scales = scales_of(joint, norms_px);
+    let mut joint = joint.clone();
+    set_cutoffs(&mut joint, |kind| redescending(&scales, kind));
+    within_cutoffs(&joint, norms_px)
 }
 
 fn set_cutoffs(joint: &mut Joint, loss: impl Fn(Kind) -> Loss) {
@@ -69,15 +102,13 @@ pub(crate) fn refine(joint: &mut Joint, start: Model) -> Option<Fit> {
     for _ in 0..MAX_ROUNDS {
         minimum.state.renormalise();
         let norms = joint.norms_px(&minimum.state)?;
-        let new = [Kind::Edge, Kind::Pair].map(|k| scale_of(joint, &norms, k));
+        let new = scales_of(joint, &norms);
         let settled = new.iter().zip(&scales).all(|(a, b)| (a - b).abs() <= SCALE_CHANGE * b);
         if settled {
             break;
         }
         scales = new;
-        let cutoff =
-            |kind: Kind| CUTOFFS[usize::from(kind == Kind::Pair)] * new[usize::from(kind == Kind::Pair)];
-        set_cutoffs(joint, |kind| Loss::Tukey(cutoff(kind)));
+        set_cutoffs(joint, |kind| redescending(&new, kind));
         minimum = minimise(joint, minimum.state)?;
         iterations += minimum.iterations;
     }
@@ -89,16 +120,7 @@ pub(crate) fn refine(joint: &mut Joint, start: Model) -> Option<Fit> {
 
 fn summarise(joint: &Joint, model: Model, cost: f64, iterations: usize) -> Option<Fit> {
     let norms_px = joint.norms_px(&model)?;
-    let inliers: Vec<bool> = joint
-        .measurements
-        .iter()
-        .zip(&norms_px)
-        .zip(&joint.blocks)
-        .map(|((m, n), block)| match block.loss {
-            Loss::Tukey(c) => n / m.sigma_px < c,
-            _ => true,
-        })
-        .collect();
+    let inliers = within_cutoffs(joint, &norms_px);
     let widened = [Kind::Edge, Kind::Pair].map(|kind| widening(joint, &norms_px, &inliers, kind));
     let covariance = covariance_at(joint, &model, &inliers, widened)?;
     Some(Fit { model, cost, iterations, inliers, norms_px, widened, covariance })

@@ -20,6 +20,8 @@ type Pose2 = SMatrix<f64, 2, POSE>;
 /// A scalar residual and its derivatives.
 pub(crate) struct EdgeResidual {
     pub(crate) value: f64,
+    /// Unit vector of the image along which it grows.
+    pub(crate) normal: Vector2<f64>,
     pub(crate) camera: Lens1,
     pub(crate) view: Pose1,
 }
@@ -143,7 +145,7 @@ pub(crate) fn edge(
     let change = value / (norm * norm);
     by_lens += lens.transpose() * by_x * change;
     by_lens.fixed_rows_mut::<5>(3).axpy(change, &by_coefficients, 1.0);
-    Some(EdgeResidual { value, camera: by_lens, view })
+    Some(EdgeResidual { value, normal: gradient / norm, camera: by_lens, view })
 }
 
 /// A corner of the sheet: prediction minus observation, px.

@@ -5,7 +5,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::sigma::{SHIFT, TURN, corner_modes, sigmas};
 use super::{focal, pose, rectified_pattern, vanishing_points, vanishing_points_of_quad};
-use crate::calibrate::assemble::{projected_corners, projector_distance, rms};
+use crate::calibrate::assemble::{cast_onto_panel, projected_corners, rms};
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::joint::model::principal_point;
 use crate::calibrate::joint::residual::lit_point;
@@ -166,7 +166,8 @@ fn reprojection(output: &Output, input: &Input, view: &ViewObservation) -> ViewR
         lit.and_then(|x| output.camera.project(&x)).map_or(far, |q| (q - p.camera).norm())
     };
     let on_panel = view.pairs.iter().filter_map(|p| {
-        projector_distance(&output.camera, projector, stereo, &output.sheet, p.camera, p.projector)
+        cast_onto_panel(&output.camera, projector, stereo, &output.sheet, p.camera)
+            .map(|on_panel| (on_panel - p.projector).norm())
     });
     ViewRms { edges, corners: rms(view.pairs.iter().map(of_pair)), projector: rms(on_panel) }
 }
@@ -249,7 +250,11 @@ fn judge(
             advice,
         });
     }
-    let rig = assemble(output, sigma, input, found, known, verdict, warnings);
+    let mut rig = assemble(output, sigma, input, found, known, verdict, warnings);
+    if let Some(quality) = &mut rig.quality {
+        quality.cause.clone_from(&cause);
+        quality.advice.clone_from(&advice);
+    }
     Ok(Calibration {
         rig,
         report: CalibrationReport { iterations: 0, edge_inliers: 1.0, corner_inliers: 1.0, cause, advice },
@@ -305,6 +310,8 @@ fn assemble(
             focal_sigma_percent_camera: 100.0 * camera_sigma,
             focal_sigma_percent_projector: output.projector.map(|_| 100.0 * sigma[1]),
             expected_point_sigma_mm: None,
+            cause: String::new(),
+            advice: String::new(),
             warnings,
         }),
         covariance: None,

@@ -112,6 +112,10 @@ struct QualityDto {
     verdict: Option<Verdict>,
     focal_sigma_percent: Option<FocalSigmaDto>,
     expected_point_sigma_mm: Option<f64>,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    cause: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    advice: String,
     #[serde(default)]
     warnings: Vec<Warning>,
 }

@@ -150,6 +150,8 @@ fn quality_from_dto(dto: QualityDto) -> Option<Quality> {
         focal_sigma_percent_camera: sigma.camera?,
         focal_sigma_percent_projector: sigma.projector,
         expected_point_sigma_mm: dto.expected_point_sigma_mm,
+        cause: dto.cause,
+        advice: dto.advice,
         warnings: dto.warnings,
     })
 }

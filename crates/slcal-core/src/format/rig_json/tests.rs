@@ -42,6 +42,8 @@ fn rig() -> Rig {
             focal_sigma_percent_camera: 5.0,
             focal_sigma_percent_projector: Some(0.1),
             expected_point_sigma_mm: Some(0.3),
+            cause: "seen flat".into(),
+            advice: String::new(),
             warnings: vec![Warning { code: "a".into(), message: "b".into(), advice: "c".into() }],
         }),
         covariance: Some(Covariance {

@@ -119,6 +119,8 @@ fn quality_to_dto(q: &Quality) -> Result<QualityDto> {
             projector: q.focal_sigma_percent_projector,
         }),
         expected_point_sigma_mm: q.expected_point_sigma_mm,
+        cause: q.cause.clone(),
+        advice: q.advice.clone(),
         warnings: q.warnings.clone(),
     })
 }
