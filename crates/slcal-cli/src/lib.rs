@@ -10,7 +10,7 @@ pub mod files;
 mod io;
 mod noise_table;
 mod output;
-mod overlay;
+mod picture;
 mod size;
 mod summary;
 mod verbs;

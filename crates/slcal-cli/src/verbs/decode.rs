@@ -14,7 +14,7 @@ use crate::io::{
     write_all,
 };
 use crate::output::{Printer, print_json, print_result};
-use crate::overlay::Overlay;
+use crate::picture::stripes;
 use crate::summary;
 
 pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
@@ -35,7 +35,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     write_matches(&decoding.matches, &mut bytes)?;
     let mut files = vec![(output.clone(), bytes)];
     if let Some(place) = overlay {
-        files.push((place, draw(&photo, &decoding)?));
+        files.push((place, draw(&photo, &input_name(&args.image), &decoding)?));
     }
     write_all(&files)?;
 
@@ -115,8 +115,7 @@ fn view<'a>(
 }
 
 /// The matches drawn on the photograph, as PNG.
-fn draw(photo: &DynamicImage, decoding: &Decoding) -> Outcome<Vec<u8>> {
-    let mut overlay = Overlay::new(photo);
-    overlay.draw_stripes(decoding.matches.items.iter().map(|m| (m.camera, m.slit)));
-    png_bytes(&overlay.into_picture())
+fn draw(photo: &DynamicImage, name: &str, decoding: &Decoding) -> Outcome<Vec<u8>> {
+    let size = [photo.width(), photo.height()];
+    png_bytes(&stripes::decoded(size, name, decoding).over(photo)?)
 }

@@ -20,7 +20,7 @@ use crate::args::DemoArgs;
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{Destination, cloud_bytes, decode_photo, png_bytes, write_all};
 use crate::output::{Printer, print_result};
-use crate::overlay::Overlay;
+use crate::picture::sheet;
 
 /// The photographs; `demo/README.md` says where they come from.
 const SHEET: &[u8] = include_bytes!("../../demo/sheet.jpg");
@@ -59,8 +59,8 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
     let checker = CheckerPattern::new(PANEL, &CheckerConfig::default())?;
     let stripes = StripePattern::new(PANEL, &StripeConfig::default())?;
     printer.note("calibrating from the photograph of the sheet ...");
-    let sheet = decode_photo(SHEET, "sheet.jpg")?.0;
-    let (detection, calibration) = calibrate(&sheet, &checker)?;
+    let sheet_photo = decode_photo(SHEET, "sheet.jpg")?.0;
+    let (detection, calibration) = calibrate(&sheet_photo, &checker)?;
     let rig = &calibration.rig;
     printer.note("reconstructing a board and a head from one photograph each ...");
     let (board_photo, head_photo) = (decode_photo(BOARD, "board.jpg")?.0, decode_photo(HEAD, "head.jpg")?.0);
@@ -68,8 +68,8 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
     let head = cloud(rig, &stripes, &head_photo)?;
     let flatness = fit_plane(&board.cloud, &FitConfig::default())?.report;
 
-    let mut seen = Overlay::new(&sheet);
-    seen.draw_observation(&detection.observation);
+    let seen = sheet::found([sheet_photo.width(), sheet_photo.height()], "sheet.jpg", &detection)
+        .over(&sheet_photo)?;
     let contents = [
         png_bytes(&DynamicImage::ImageRgb8(checker.image()?))?,
         pattern_bytes(&Pattern::Checker(checker))?,
@@ -79,10 +79,10 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
         BOARD.to_vec(),
         HEAD.to_vec(),
         rig_bytes(rig)?,
-        png_bytes(&seen.into_picture())?,
+        png_bytes(&seen)?,
         cloud_bytes(CloudFormat::Ply, &board.cloud)?,
         cloud_bytes(CloudFormat::Ply, &head.cloud)?,
-        draw(&head_photo, &head.cloud)?,
+        draw(&head_photo, "head.jpg", &head)?,
     ];
     write_all(&places.into_iter().zip(contents).collect::<Vec<_>>())?;
     print_result(&summary(args, &calibration, &detection, &flatness, &head)?)

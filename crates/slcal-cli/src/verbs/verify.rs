@@ -7,7 +7,7 @@ use image::DynamicImage;
 use slcal_core::detect::Detection;
 use slcal_core::format::report_json;
 use slcal_core::photo::PhotoView;
-use slcal_core::verify::{Change, Measured, Verification, expected_corner};
+use slcal_core::verify::{Change, Measured, Verification};
 use slcal_core::{PhotoVerifier, Rig, VerifiedPhoto, VerifyPhotoConfig};
 
 use crate::args::VerifyArgs;
@@ -17,7 +17,7 @@ use crate::io::{
     write_all,
 };
 use crate::output::{Printer, print_json, print_result};
-use crate::overlay::Overlay;
+use crate::picture::expected;
 
 /// A keystone below this is not seen by the eye, degrees: 1 mm over 0.6 m.
 const UNSEEN_DEG: f64 = 0.1;
@@ -48,7 +48,7 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
         printer.note(format!("{}: {note}", input_name(&args.photo)));
     }
     if let Some(place) = overlay {
-        let picture = draw(&photo, &found, &rig, &result);
+        let picture = draw(&photo, &input_name(&args.photo), &found, &rig, &result)?;
         write_all(&[(place, png_bytes(&picture)?)])?;
     }
     if args.json {
@@ -97,16 +97,15 @@ fn check_camera(args: &VerifyArgs, photo: &DynamicImage, rig: &Rig) -> Outcome {
     ))
 }
 
-fn draw(photo: &DynamicImage, found: &Detection, rig: &Rig, result: &Verification) -> DynamicImage {
-    let mut overlay = Overlay::new(photo);
-    overlay.draw_observation(&found.observation);
-    let expected = found
-        .observation
-        .pairs
-        .iter()
-        .filter_map(|p| Some((p.camera, expected_corner(rig, &result.camera_from_sheet, p.projector)?)));
-    overlay.draw_expected(expected);
-    overlay.into_picture()
+fn draw(
+    photo: &DynamicImage,
+    name: &str,
+    found: &Detection,
+    rig: &Rig,
+    result: &Verification,
+) -> Outcome<DynamicImage> {
+    let verdict = format!("the rig {}", rig_in_words(result));
+    expected::compared([photo.width(), photo.height()], name, &verdict, found, rig, result).over(photo)
 }
 
 /// An angle in degrees with two digits of its σ.

@@ -16,7 +16,7 @@ use crate::io::{
     Destination, focal_35mm, input_name, load_checker, load_photo, load_photo_and_file, png_bytes, write_all,
 };
 use crate::output::Printer;
-use crate::overlay::Overlay;
+use crate::picture::sheet;
 
 /// What the photographs show and say.
 pub(super) struct Seen {
@@ -66,7 +66,7 @@ pub(super) fn observe_all(
         printer.detail(format!("{}: looking for the sheet", input_name(path)));
         let found = detect_one(path, &photo, screen.as_ref(), args, pattern, &detect);
         if let (0, Some(place)) = (i, &places.overlay) {
-            draw(path, &photo, found.as_ref().ok(), args, place)?;
+            draw(path, &photo, found.as_ref(), args, place)?;
         }
         let found = found?;
         for note in &found.notes {
@@ -129,22 +129,21 @@ fn detect_one(
 fn draw(
     path: &Path,
     photo: &DynamicImage,
-    found: Option<&Detection>,
+    found: Result<&Detection, &Failure>,
     args: &CalibrateArgs,
     place: &Destination,
 ) -> Outcome {
-    let mut overlay = Overlay::new(photo);
-    match (found, args.corners.first()) {
-        (Some(found), _) => overlay.draw_observation(&found.observation),
-        (None, Some(corners)) => overlay.draw_sheet(corners),
-        (None, None) => {
+    let (size, name) = ([photo.width(), photo.height()], input_name(path));
+    let drawing = match (found, args.corners.first()) {
+        (Ok(found), _) => sheet::found(size, &name, found),
+        (Err(why), Some(corners)) => sheet::not_found(size, &name, &why.to_string(), None, Some(corners)),
+        (Err(why), None) => {
             let detect = DetectConfig { encoding: args.gamma.gamma, ..DetectConfig::default() };
-            if let Ok(sheet) = detect_one(path, photo, None, args, None, &detect) {
-                overlay.draw_observation(&sheet.observation);
-            }
+            let alone = detect_one(path, photo, None, args, None, &detect).ok();
+            sheet::not_found(size, &name, &why.to_string(), alone.as_ref().map(|a| &a.observation), None)
         }
-    }
-    write_all(&[(place.clone(), png_bytes(&overlay.into_picture())?)])
+    };
+    write_all(&[(place.clone(), png_bytes(&drawing.over(photo)?)?)])
 }
 
 fn check_size(path: &Path, photo: &DynamicImage, expected: [u32; 2], like: &Path, what: &str) -> Outcome {

@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use image::DynamicImage;
+use slcal_core::Rig;
 use slcal_core::format::CloudFormat;
 use slcal_core::pattern::StripePattern;
-use slcal_core::reconstruct::{CullRule, ReconstructConfig, Reconstructor};
-use slcal_core::{PointCloud, Rig};
+use slcal_core::reconstruct::{CullRule, ReconstructConfig, Reconstruction, Reconstructor};
 
 use self::report::{CloudReport, FrameResult};
 use self::source::{Folder, Frame, Place};
@@ -26,7 +26,7 @@ use crate::io::{
     input_name, is_dash, load_rig, load_stripes, png_bytes, read_photo, write_all,
 };
 use crate::output::{Printer, Remarks};
-use crate::overlay::Overlay;
+use crate::picture::stripes;
 
 pub(super) fn run(args: &ReconstructArgs, printer: Printer) -> Outcome {
     check_usage(args)?;
@@ -196,7 +196,7 @@ impl Job<'_> {
         let result = scanner.reconstruct_frames(&input).in_file(&name)?;
         let mut files = vec![(output.clone(), cloud_bytes(self.format, &result.cloud)?)];
         if let Some((place, photo)) = self.overlay.as_ref().zip(photo.as_ref()) {
-            files.push((place.clone(), draw(photo, &result.cloud)?));
+            files.push((place.clone(), draw(photo, &frame.name(), result)?));
         }
         let report = CloudReport::of(result);
         write_all(&files)?;
@@ -249,8 +249,7 @@ pub(super) fn frame(arg: FrameArg, rig: &Rig, path: &Path) -> Outcome<slcal_core
 }
 
 /// The points that were kept, drawn on the photograph, as PNG.
-pub(super) fn draw(photo: &DynamicImage, cloud: &PointCloud) -> Outcome<Vec<u8>> {
-    let mut overlay = Overlay::new(photo);
-    overlay.draw_stripes(cloud.points.iter().map(|p| (p.pixel, Some(p.slit))));
-    png_bytes(&overlay.into_picture())
+pub(super) fn draw(photo: &DynamicImage, name: &str, result: &Reconstruction) -> Outcome<Vec<u8>> {
+    let size = [photo.width(), photo.height()];
+    png_bytes(&stripes::reconstructed(size, name, result).over(photo)?)
 }

@@ -1,0 +1,239 @@
+//! A drawing upon a photograph: lines, marks and words, independent of how it is written.
+
+use image::DynamicImage;
+use nalgebra::{Point2, Vector2};
+
+use super::clip::Rect;
+use super::color::Color;
+use super::legend::{self, Legend};
+use super::{raster, svg};
+use crate::exit::Outcome;
+
+/// Line widths in the longer side of a photograph: a picture that is fitted to a screen looks the same at any resolution.
+const UNITS_PER_SIDE: f64 = 900.0;
+/// But a unit is at least this many pixels of the picture as written, so that letters (14 units) can be read.
+const LEAST_UNIT_PX: f64 = 0.75;
+/// Photographs whose longer side is less are enlarged for this, px.
+const LEAST_SIDE_PX: f64 = 480.0;
+/// The size of labels, units.
+const LABEL: f64 = 15.0;
+/// Length of an arrow's head, units; no more than this share of the arrow.
+const HEAD: f64 = 5.0;
+const HEAD_SHARE: f64 = 0.45;
+
+/// How something is drawn. Widths are in units of the drawing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Pen {
+    pub(crate) color: Color,
+    pub(crate) width: f64,
+    pub(crate) opacity: f64,
+    pub(crate) dashed: bool,
+    /// A dark outline, so that it shows on bright paper, too.
+    pub(crate) halo: bool,
+}
+
+impl Pen {
+    /// A solid line with a halo, one unit wide.
+    pub(crate) fn new(color: Color) -> Self {
+        Self { color, width: 1.0, opacity: 1.0, dashed: false, halo: true }
+    }
+    pub(crate) fn width(self, width: f64) -> Self {
+        Self { width, ..self }
+    }
+    pub(crate) fn opacity(self, opacity: f64) -> Self {
+        Self { opacity, ..self }
+    }
+    pub(crate) fn dashed(self) -> Self {
+        Self { dashed: true, ..self }
+    }
+    pub(crate) fn plain(self) -> Self {
+        Self { halo: false, ..self }
+    }
+}
+
+/// Which part of a text stands at its point; its capitals are centred there vertically.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// Coordinates and lengths in pixels of the photograph, pixel centres at integers.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Shape {
+    /// Lines through points.
+    Lines(Vec<Vec<Point2<f64>>>),
+    /// Filled polygons.
+    Areas(Vec<Vec<Point2<f64>>>),
+    /// Filled circles.
+    Dots(Vec<Point2<f64>>, f64),
+    /// Circles.
+    Rings(Vec<Point2<f64>>, f64),
+    Text {
+        at: Point2<f64>,
+        text: String,
+        size: f64,
+        anchor: Anchor,
+    },
+}
+
+/// A shape and how it is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Item {
+    pub(crate) shape: Shape,
+    pub(crate) pen: Pen,
+}
+
+/// What is drawn upon a photograph.
+#[derive(Debug, Clone)]
+pub(crate) struct Drawing {
+    /// Of the photograph, px.
+    pub(crate) size: [u32; 2],
+    /// What the picture shows, for those who cannot see it.
+    pub(crate) title: String,
+    /// Whether the photograph loses light and colour, so that the colours of the drawing tell.
+    pub(crate) dimmed: bool,
+    pub(crate) items: Vec<Item>,
+    pub(crate) legend: Option<Legend>,
+}
+
+impl Drawing {
+    /// An empty drawing for a photograph of the given size, px.
+    pub(crate) fn new(size: [u32; 2], title: impl Into<String>) -> Self {
+        Self { size, title: title.into(), dimmed: false, items: Vec::new(), legend: None }
+    }
+
+    fn longer_side(&self) -> f64 {
+        f64::from(self.size[0].max(self.size[1]).max(1))
+    }
+
+    /// How many pixels of the picture a pixel of the photograph becomes: more than one for tiny photographs only.
+    pub(crate) fn enlarged(&self) -> u32 {
+        (LEAST_SIDE_PX / self.longer_side()).ceil().max(1.0) as u32
+    }
+
+    /// The width of a line, px of the photograph; letters and marks are measured in it.
+    pub(crate) fn unit(&self) -> f64 {
+        (self.longer_side() / UNITS_PER_SIDE).max(LEAST_UNIT_PX / f64::from(self.enlarged()))
+    }
+
+    /// From edge to edge of the photograph.
+    pub(crate) fn frame(&self) -> Rect {
+        let [w, h] = self.size.map(|n| f64::from(n) - 0.5);
+        Rect { low: Point2::new(-0.5, -0.5), high: Point2::new(w, h) }
+    }
+
+    /// With room for marks that reach into the frame.
+    fn reach(&self) -> Rect {
+        self.frame().grown(10.0 * self.unit())
+    }
+
+    /// Lines through points; what lies outside the frame or is not finite is left out.
+    pub(crate) fn lines<'a>(&mut self, lines: impl IntoIterator<Item = &'a [Point2<f64>]>, pen: Pen) {
+        let reach = self.reach();
+        let parts: Vec<_> = lines.into_iter().flat_map(|line| reach.polyline(line)).collect();
+        self.push(Shape::Lines(parts), pen);
+    }
+
+    /// A line through points.
+    pub(crate) fn polyline(&mut self, points: &[Point2<f64>], pen: Pen) {
+        self.lines([points], pen);
+    }
+
+    /// A line through points and back to the first.
+    pub(crate) fn outline(&mut self, points: &[Point2<f64>], pen: Pen) {
+        let closed: Vec<_> = points.iter().chain(points.first()).copied().collect();
+        self.polyline(&closed, pen);
+    }
+
+    /// Filled circles of a radius in units.
+    pub(crate) fn dots(&mut self, centres: impl IntoIterator<Item = Point2<f64>>, radius: f64, pen: Pen) {
+        let centres = self.within_reach(centres);
+        self.push(Shape::Dots(centres, radius * self.unit()), pen);
+    }
+
+    /// Circles of a radius in units.
+    pub(crate) fn rings(&mut self, centres: impl IntoIterator<Item = Point2<f64>>, radius: f64, pen: Pen) {
+        let centres = self.within_reach(centres);
+        self.push(Shape::Rings(centres, radius * self.unit()), pen);
+    }
+
+    /// Lines with a head at their end; what is shorter than a line is wide is a dot.
+    pub(crate) fn arrows(&mut self, arrows: impl IntoIterator<Item = (Point2<f64>, Point2<f64>)>, pen: Pen) {
+        let reach = self.reach();
+        let (mut shafts, mut heads, mut stubs) = (Vec::new(), Vec::new(), Vec::new());
+        for (from, to) in arrows {
+            let along = to - from;
+            let length = along.norm();
+            if !length.is_finite() || !(reach.holds(from) || reach.holds(to)) {
+                continue;
+            }
+            if length < pen.width * self.unit() {
+                stubs.push(from);
+                continue;
+            }
+            let head = (HEAD * self.unit()).min(HEAD_SHARE * length);
+            let back = along * (head / length);
+            let side = Vector2::new(-back.y, back.x) * 0.45;
+            shafts.extend(reach.polyline(&[from, to - back * 0.8]));
+            if reach.holds(to) {
+                heads.push(vec![to, to - back + side, to - back - side]);
+            }
+        }
+        self.push(Shape::Lines(shafts), pen);
+        self.push(Shape::Areas(heads), Pen { dashed: false, ..pen });
+        self.push(Shape::Dots(stubs, 0.7 * pen.width * self.unit()), pen);
+    }
+
+    /// A word at a point, of the usual size times `scale`; nothing when the point is outside the frame.
+    pub(crate) fn label(
+        &mut self,
+        at: Point2<f64>,
+        text: impl Into<String>,
+        scale: f64,
+        anchor: Anchor,
+        color: Color,
+    ) {
+        let text = text.into();
+        if self.frame().holds(at) && !text.is_empty() {
+            let size = LABEL * scale * self.unit();
+            self.push(Shape::Text { at, text, size, anchor }, Pen::new(color));
+        }
+    }
+
+    fn within_reach(&self, points: impl IntoIterator<Item = Point2<f64>>) -> Vec<Point2<f64>> {
+        let reach = self.reach();
+        points.into_iter().filter(|p| reach.holds(*p)).collect()
+    }
+
+    fn push(&mut self, shape: Shape, pen: Pen) {
+        let empty = match &shape {
+            Shape::Lines(parts) | Shape::Areas(parts) => parts.is_empty(),
+            Shape::Dots(centres, _) | Shape::Rings(centres, _) => centres.is_empty(),
+            Shape::Text { .. } => false,
+        };
+        if !empty {
+            self.items.push(Item { shape, pen });
+        }
+    }
+
+    /// Everything in the order in which it is drawn, the legend last, where it hides least.
+    pub(crate) fn all_items(&self) -> Vec<Item> {
+        let mut items = self.items.clone();
+        items.extend(self.legend.iter().flat_map(|legend| legend::place(self, legend).items));
+        items
+    }
+
+    /// The drawing as an `<svg>` element that stands in an HTML page: as wide as its surroundings, in pixels of the
+    /// photograph. `background` is the address (a data URI) of the photograph beneath.
+    #[allow(dead_code, reason = "pages are written by another part of the command")]
+    pub(crate) fn svg(&self, background: Option<&str>) -> String {
+        svg::write(self, background)
+    }
+
+    /// The photograph with the drawing upon it, 8-bit RGB; a tiny photograph comes enlarged.
+    pub(crate) fn over(&self, photo: &DynamicImage) -> Outcome<DynamicImage> {
+        raster::over(self, photo)
+    }
+}

@@ -1,0 +1,45 @@
+//! Projected corners beside where the rig expects them.
+
+use nalgebra::Point2;
+use slcal_core::Rig;
+use slcal_core::detect::Detection;
+use slcal_core::verify::{Verification, expected_corner};
+
+use super::color::GREEN;
+use super::drawing::{Drawing, Pen};
+use super::legend::Swatch;
+use super::{magnify, sheet};
+
+/// The verdict on a photograph called `name`: what was seen, arrows to where the rig expects it, and `verdict` in words.
+pub(crate) fn compared(
+    size: [u32; 2],
+    name: &str,
+    verdict: &str,
+    found: &Detection,
+    rig: &Rig,
+    result: &Verification,
+) -> Drawing {
+    let view = &found.observation;
+    let mut drawing = Drawing::new(size, format!("{name}: {verdict}"));
+    sheet::draw_view(&mut drawing, view);
+    let pose = &result.camera_from_sheet;
+    let pairs: Vec<(Point2<f64>, Point2<f64>)> = view
+        .pairs
+        .iter()
+        .filter_map(|p| Some((p.camera, expected_corner(rig, pose, p.projector)?)))
+        .collect();
+    let factor = magnify::factor(pairs.iter().map(|(seen, there)| (there - seen).norm()), drawing.unit());
+    let pen = Pen::new(GREEN).width(1.3);
+    drawing.arrows(pairs.iter().map(|(seen, there)| (*seen, magnify::end(*seen, there - seen, factor))), pen);
+    let mut legend = sheet::legend(format!("{name}: {verdict}"), view);
+    if !pairs.is_empty() {
+        let lengthened =
+            if factor > 1.0 { format!(", lengthened ×{}", magnify::plain(factor)) } else { String::new() };
+        let (bar, length) = magnify::scale(&drawing, factor, pen);
+        legend = legend
+            .entry(Swatch::Arrow(pen), format!("to where the rig expects each corner{lengthened}"))
+            .entry(bar, format!("{length} in the photograph"));
+    }
+    drawing.legend = Some(legend);
+    drawing
+}

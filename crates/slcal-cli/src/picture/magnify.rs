@@ -1,0 +1,81 @@
+//! How much small vectors are magnified to be seen, and the scale that says so.
+
+use nalgebra::{Point2, Vector2};
+
+use super::drawing::{Drawing, Pen};
+use super::legend::Swatch;
+
+/// The longer ones of the vectors become this long, units.
+const SHOWN: f64 = 24.0;
+/// Which ones: a share of all that are shorter.
+const LONGER_ONES: f64 = 0.9;
+/// Beyond this, rounding errors would be drawn.
+const MOST: f64 = 1e5;
+/// The bar of the scale, units: the round length that comes nearest to it.
+const BAR: f64 = 40.0;
+
+/// By how much vectors (px of the photograph) are lengthened: a round number, never less than 1.
+pub(crate) fn factor(lengths_px: impl IntoIterator<Item = f64>, unit: f64) -> f64 {
+    let mut lengths: Vec<f64> = lengths_px.into_iter().filter(|l| l.is_finite() && *l > 0.0).collect();
+    lengths.sort_by(f64::total_cmp);
+    let at = (LONGER_ONES * lengths.len() as f64) as usize;
+    let Some(length) = lengths.get(at.min(lengths.len().saturating_sub(1))) else { return 1.0 };
+    round_down(SHOWN * unit / length).clamp(1.0, MOST)
+}
+
+/// The number 1, 2 or 5 times a power of ten that is no larger.
+fn round_down(x: f64) -> f64 {
+    if !(x.is_finite() && x > 0.0) {
+        return 1.0;
+    }
+    let power = 10f64.powi(x.log10().floor() as i32);
+    // A hair of room for what rounding does to the logarithm.
+    [10.0, 5.0, 2.0].into_iter().map(|n| n * power).find(|n| *n <= x * (1.0 + 1e-12)).unwrap_or(power)
+}
+
+/// The end of a magnified vector.
+pub(crate) fn end(from: Point2<f64>, vector: Vector2<f64>, factor: f64) -> Point2<f64> {
+    from + vector * factor
+}
+
+/// The bar of the scale and how long it would be without magnification, in words.
+pub(crate) fn scale(drawing: &Drawing, factor: f64, pen: Pen) -> (Swatch, String) {
+    let length = round_down(BAR * drawing.unit() / factor * 1.3);
+    let words = format!("{} px", plain(length));
+    (Swatch::Bar(pen, length * factor), words)
+}
+
+/// A round number as people write it.
+pub(crate) fn plain(x: f64) -> String {
+    let decimals = if x >= 1.0 || x <= 0.0 { 0 } else { (-x.log10().floor()).clamp(0.0, 9.0) as usize };
+    format!("{x:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_factor_is_round_and_makes_the_vectors_seen() {
+        for (length, expected) in [(0.05, 200.0), (0.11, 200.0), (0.13, 100.0), (24.0, 1.0), (900.0, 1.0)] {
+            assert_eq!(factor([length; 20], 1.0), expected, "{length}");
+        }
+        // A lone outlier does not shrink the others.
+        assert_eq!(factor([0.05; 19].into_iter().chain([50.0]), 1.0), 200.0);
+        assert_eq!(factor([], 1.0), 1.0);
+        assert_eq!(factor([f64::NAN, 0.0, f64::INFINITY], 1.0), 1.0);
+        assert_eq!(factor([1e-300], 1.0), MOST);
+    }
+
+    #[test]
+    fn the_bar_is_as_long_as_its_words_say() {
+        let drawing = Drawing::new([1800, 1200], "");
+        for factor in [1.0, 2.0, 50.0, 500.0, 1e5] {
+            let (bar, words) = scale(&drawing, factor, Pen::new([255; 3]));
+            let Swatch::Bar(_, length) = bar else { panic!("{bar:?}") };
+            let said: f64 = words.trim_end_matches(" px").parse().unwrap();
+            assert!((said * factor - length).abs() < 1e-9 * length, "{words} {length}");
+            assert!((20.0..=60.0).contains(&(length / drawing.unit())), "{words} {length}");
+        }
+    }
+}

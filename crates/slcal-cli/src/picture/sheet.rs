@@ -1,0 +1,129 @@
+//! The sheet and the projected pattern as they were found in a photograph.
+
+use nalgebra::{Point2, Vector2};
+use slcal_core::detect::Detection;
+use slcal_core::{CornerPair, SheetObservation, ViewObservation};
+
+use super::color::{ORANGE, PINK, SKY, WHITE, YELLOW};
+use super::drawing::{Anchor, Drawing, Pen};
+use super::legend::{Legend, Swatch};
+
+/// Radius of a corner's mark, units; no more than this share of the distance between corners.
+const RING: f64 = 4.0;
+const RING_SHARE: f64 = 0.3;
+/// From a sheet's corner to its name, units.
+const NAME_DISTANCE: f64 = 18.0;
+/// Points drawn on one row of the panel have the same ordinate but for rounding, px.
+const SAME_ROW_PX: f64 = 1e-6;
+
+fn sheet_pen() -> Pen {
+    Pen::new(SKY).width(1.4)
+}
+fn edge_pen() -> Pen {
+    Pen::new(YELLOW).plain()
+}
+fn corner_pen() -> Pen {
+    Pen::new(ORANGE)
+}
+fn first_pen() -> Pen {
+    Pen::new(PINK).width(1.8)
+}
+
+/// What was found in a photograph called `name`, with a legend.
+pub(crate) fn found(size: [u32; 2], name: &str, detection: &Detection) -> Drawing {
+    let view = &detection.observation;
+    let mut drawing = Drawing::new(size, format!("{name}: what was found"));
+    draw_view(&mut drawing, view);
+    let title = if detection.pattern_corners == 0 {
+        format!("{name}: the sheet was found")
+    } else {
+        let (seen, all) = (view.pairs.len(), detection.pattern_corners);
+        format!("{name}: the sheet and {seen} of {all} corners of the pattern were found")
+    };
+    drawing.legend = Some(legend(title, view));
+    drawing
+}
+
+/// What could be drawn of a photograph in which not everything was found, and why.
+pub(crate) fn not_found(
+    size: [u32; 2],
+    name: &str,
+    why: &str,
+    sheet: Option<&ViewObservation>,
+    given: Option<&[Point2<f64>; 4]>,
+) -> Drawing {
+    let mut drawing = Drawing::new(size, format!("{name}: not everything was found"));
+    let title = format!("{name}: not found");
+    drawing.legend = Some(match (given, sheet) {
+        (Some(corners), _) => {
+            draw_outline(&mut drawing, corners);
+            Legend::new(title).entry(Swatch::Line(sheet_pen()), "the sheet by the corners that were given")
+        }
+        (None, Some(view)) => {
+            draw_view(&mut drawing, view);
+            legend(title, view)
+        }
+        (None, None) => Legend::new(title),
+    });
+    if let Some(legend) = drawing.legend.take() {
+        drawing.legend = Some(legend.note(why));
+    }
+    drawing
+}
+
+/// What the marks of [`draw_view`] mean.
+pub(crate) fn legend(title: String, view: &ViewObservation) -> Legend {
+    let mut legend = Legend::new(title).entry(Swatch::Line(sheet_pen()), "sheet, by its sides");
+    if let SheetObservation::Edges(sides) = &view.sheet {
+        let count = sides.iter().map(Vec::len).sum::<usize>();
+        legend = legend.entry(Swatch::Dot(edge_pen()), format!("{count} points measured on its sides"));
+    }
+    if !view.pairs.is_empty() {
+        legend = legend
+            .entry(Swatch::Ring(corner_pen()), format!("{} projected corners", view.pairs.len()))
+            .entry(Swatch::Ring(first_pen()), "the first of them (top left on the panel)");
+    }
+    legend
+}
+
+/// The sheet's outline with its corners named, the edge points that were measured, and the pattern's corners: a circle
+/// each, the first one in another colour, joined along the rows of the panel.
+pub(crate) fn draw_view(drawing: &mut Drawing, view: &ViewObservation) {
+    if let Some(corners) = view.sheet.corners() {
+        draw_outline(drawing, &corners);
+    }
+    if let SheetObservation::Edges(sides) = &view.sheet {
+        drawing.dots(sides.iter().flatten().map(|p| p.position), 1.2, edge_pen());
+    }
+    let same_row = |a: &CornerPair, b: &CornerPair| (a.projector.y - b.projector.y).abs() < SAME_ROW_PX;
+    let rows: Vec<Vec<Point2<f64>>> =
+        view.pairs.chunk_by(same_row).map(|row| row.iter().map(|p| p.camera).collect()).collect();
+    drawing.lines(rows.iter().map(Vec::as_slice), Pen::new(WHITE).width(0.6).opacity(0.7));
+    let radius = ring_radius(drawing, &rows);
+    drawing.rings(view.pairs.iter().skip(1).map(|p| p.camera), radius, corner_pen());
+    drawing.rings(view.pairs.first().map(|p| p.camera), radius, first_pen());
+}
+
+/// Of the corners' marks, units: such that neighbours stay apart.
+fn ring_radius(drawing: &Drawing, rows: &[Vec<Point2<f64>>]) -> f64 {
+    let gaps = rows.iter().flat_map(|row| row.windows(2)).map(|w| (w[1] - w[0]).norm());
+    let nearest = gaps.filter(|g| g.is_finite()).fold(f64::INFINITY, f64::min);
+    RING.min(RING_SHARE * nearest / drawing.unit())
+}
+
+/// An outline TL, TR, BR, BL with its corners named; the name of a corner outside the frame stands where the frame ends.
+pub(crate) fn draw_outline(drawing: &mut Drawing, corners: &[Point2<f64>; 4]) {
+    drawing.outline(corners, sheet_pen());
+    let unit = drawing.unit();
+    let room = drawing.frame().grown(-NAME_DISTANCE * unit);
+    let centre = Point2::from(corners.iter().map(|c| c.coords).sum::<Vector2<f64>>() / 4.0);
+    for (corner, name) in corners.iter().zip(["TL", "TR", "BR", "BL"]) {
+        let Some(outwards) = (corner - centre).try_normalize(0.0) else { continue };
+        let step = outwards * (NAME_DISTANCE * unit);
+        let outside = corner + step;
+        // Beside the paper when there is room, else upon it.
+        let at = if room.holds(outside) { outside } else { corner - step };
+        let at = if drawing.frame().holds(*corner) { at } else { room.nearest(at) };
+        drawing.label(at, name, 1.0, Anchor::Middle, SKY);
+    }
+}

@@ -1,0 +1,198 @@
+//! A drawing as SVG text.
+
+use std::fmt::Write as _;
+
+use nalgebra::Point2;
+
+use super::color::Color;
+use super::drawing::{Anchor, Drawing, Item, Pen, Shape};
+use super::font::{CAPITALS, Font};
+use super::style;
+
+/// Verdana is as wide as DejaVu Sans, where that is missing.
+const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
+
+/// See [`Drawing::svg`].
+pub(super) fn write(drawing: &Drawing, background: Option<&str>) -> String {
+    let [w, h] = drawing.size;
+    let title = escaped(&drawing.title);
+    let mut text = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" role=\"img\" aria-label=\"{title}\" \
+         style=\"display:block;width:100%;height:auto\"><title>{title}</title>"
+    );
+    if let Some(address) = background {
+        let dim = if drawing.dimmed {
+            format!(" style=\"filter:saturate({}) brightness({})\"", style::COLOR_KEPT, style::LIGHT_KEPT)
+        } else {
+            String::new()
+        };
+        put(
+            &mut text,
+            format_args!("<image width=\"{w}\" height=\"{h}\" href=\"{}\"{dim}/>", escaped(address)),
+        );
+    }
+    // Pixel centres are integers in the drawing, and halves in SVG.
+    text.push_str("<g transform=\"translate(.5 .5)\" stroke-linecap=\"round\" stroke-linejoin=\"round\">");
+    let font = Font::embedded();
+    for item in drawing.all_items() {
+        write_item(&mut text, &item, drawing.unit(), &font);
+    }
+    text.push_str("</g></svg>");
+    text
+}
+
+/// Writing into a string cannot fail.
+fn put(text: &mut String, what: std::fmt::Arguments<'_>) {
+    let _ = text.write_fmt(what);
+}
+
+fn write_item(text: &mut String, item: &Item, unit: f64, font: &Font) {
+    let pen = &item.pen;
+    let color = hex(pen.color);
+    let opacity = |share: f64| {
+        if share < 1.0 { format!(" opacity=\"{}\"", Number(share)) } else { String::new() }
+    };
+    match &item.shape {
+        Shape::Text { at, text: words, size, anchor } => {
+            write_text(text, (*at, words.as_str(), *size, *anchor), pen, font);
+        }
+        Shape::Lines(_) | Shape::Rings(..) => {
+            let path = path(&item.shape);
+            let dash = if pen.dashed { dashes(unit) } else { String::new() };
+            let mut stroke = |color: &str, width: f64, share: f64| {
+                put(
+                    text,
+                    format_args!(
+                        "<path fill=\"none\" stroke=\"{color}\" stroke-width=\"{}\"{}{dash} d=\"{path}\"/>",
+                        Number(width),
+                        opacity(share)
+                    ),
+                );
+            };
+            if pen.halo {
+                stroke("#000", style::halo_width(pen, unit), style::HALO_OPACITY * pen.opacity);
+            }
+            stroke(&color, pen.width * unit, pen.opacity);
+        }
+        Shape::Areas(_) | Shape::Dots(..) => {
+            let path = path(&item.shape);
+            if pen.halo {
+                put(
+                    text,
+                    format_args!(
+                        "<path stroke=\"#000\" stroke-width=\"{}\"{} d=\"{path}\"/>",
+                        Number(style::HALO * unit),
+                        opacity(style::HALO_OPACITY * pen.opacity)
+                    ),
+                );
+            }
+            put(text, format_args!("<path fill=\"{color}\"{} d=\"{path}\"/>", opacity(pen.opacity)));
+        }
+    }
+}
+
+fn write_text(
+    text: &mut String,
+    (at, words, size, anchor): (Point2<f64>, &str, f64, Anchor),
+    pen: &Pen,
+    font: &Font,
+) {
+    let anchor = match anchor {
+        Anchor::Start => "start",
+        Anchor::Middle => "middle",
+        Anchor::End => "end",
+    };
+    let halo = if pen.halo {
+        format!(
+            " stroke=\"#000\" stroke-opacity=\"{}\" stroke-width=\"{}\" paint-order=\"stroke\"",
+            Number(style::TEXT_HALO_OPACITY),
+            Number(style::TEXT_HALO * size)
+        )
+    } else {
+        String::new()
+    };
+    // With another font of the browser's, too, the panel of the legend holds its words.
+    let length = if font.has(words) && words.chars().count() > 1 {
+        format!(" textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\"", Number(font.width(words, size)))
+    } else {
+        String::new()
+    };
+    put(
+        text,
+        format_args!(
+            "<text x=\"{}\" y=\"{}\" font-family=\"{FAMILY}\" font-size=\"{}\" text-anchor=\"{anchor}\" fill=\"{}\"{halo}{length}>{}</text>",
+            Number(at.x),
+            Number(at.y + 0.5 * CAPITALS * size),
+            Number(size),
+            hex(pen.color),
+            escaped(words)
+        ),
+    );
+}
+
+fn path(shape: &Shape) -> String {
+    let mut d = String::new();
+    let mut parts = |parts: &[Vec<Point2<f64>>], end: &str| {
+        for part in parts {
+            for (i, p) in part.iter().enumerate() {
+                let letter = if i == 0 { "M" } else { "L" };
+                put(&mut d, format_args!("{letter}{} {}", Number(p.x), Number(p.y)));
+            }
+            d.push_str(end);
+        }
+    };
+    match shape {
+        Shape::Lines(lines) => parts(lines, ""),
+        Shape::Areas(areas) => parts(areas, "z"),
+        Shape::Dots(centres, radius) | Shape::Rings(centres, radius) => {
+            let r = Number(*radius);
+            for c in centres {
+                let (left, wide) = (Number(c.x - radius), Number(2.0 * radius));
+                put(
+                    &mut d,
+                    format_args!("M{left} {}a{r} {r} 0 1 0 {wide} 0a{r} {r} 0 1 0-{wide} 0", Number(c.y)),
+                );
+            }
+        }
+        Shape::Text { .. } => {}
+    }
+    d
+}
+
+fn dashes(unit: f64) -> String {
+    let [on, off] = style::DASHES.map(|d| Number(d * unit));
+    format!(" stroke-dasharray=\"{on} {off}\"")
+}
+
+fn hex([r, g, b]: Color) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// A coordinate in hundredths of a pixel, as short as it can be written.
+struct Number(f64);
+
+impl std::fmt::Display for Number {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let text = format!("{:.2}", if self.0.is_finite() { self.0 } else { 0.0 });
+        let text = text.trim_end_matches('0').trim_end_matches('.');
+        f.write_str(if text == "-0" { "0" } else { text })
+    }
+}
+
+/// Text that stands in an element or an attribute as it is; control characters, which XML cannot hold, are left out.
+pub(super) fn escaped(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            c if c.is_control() => safe.push(' '),
+            '\u{fffe}' | '\u{ffff}' => safe.push(' '),
+            c => safe.push(c),
+        }
+    }
+    safe
+}
