@@ -49,7 +49,7 @@ fn a_rough_camera_gives_a_table_and_a_first_pair() {
         let other = json(&bench, &line.replace("--focal 1500", lens));
         assert!((of(&other, "one") / of(&uncertain, "one") - 1.0).abs() < 1e-4, "{lens}");
     }
-    let said = bench.run(&format!("advise {line} --projector 1024x768 --throw 1.66")).ok().text();
+    let said = bench.run(&format!("advise {line} --projector 1024x768 --throw 1.66")).ok().words();
     for words in [
         "camera, after one",
         "projector, after two",
@@ -92,7 +92,7 @@ fn a_rig_is_told_its_next_photograph_and_the_photograph_brings_it() {
         // Edges that are foreshortened otherwise are measured otherwise: the order is right.
         assert!(told / came > 0.5 && told / came < 2.0, "{device}: told {told}, came {came}");
     }
-    let said = bench.run("advise --rig two.json").ok().text();
+    let said = bench.run("advise --rig two.json").ok().words();
     assert!(said.contains("now ") && said.contains("next "), "{said}");
 }
 

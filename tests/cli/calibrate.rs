@@ -53,7 +53,7 @@ fn one_photograph_gives_a_rig() {
     assert!(focal_error(&rig, "camera", scene.camera_focal_px) < 0.1, "{}", focal(&rig, "camera"));
     assert!(focal_error(&rig, "projector", scene.projector_focal_px) < 0.4, "{}", focal(&rig, "projector"));
     for word in ["camera", "projector", "±", "principal point", "baseline", "tilted by", "verdict", "good"] {
-        assert!(run.text().contains(word), "no {word} in {}", run.text());
+        assert!(run.words().contains(word), "no {word} in {}", run.text());
     }
     let overlay = image::open(bench.path("seen.png")).unwrap();
     assert_eq!((overlay.width(), overlay.height()), (960, 720));
@@ -135,11 +135,11 @@ fn a_sheet_seen_face_on_is_refused_and_written_only_when_allowed() {
     bench.run(LINE).fails(5, &["photo.png", "face-on", "tilt"]);
     assert_eq!(bench.names(), ["checker.json", "checker.png", "photo.png"]);
     let run = bench.run(&format!("{LINE} --allow-degenerate")).ok();
-    assert!(run.text().contains("degenerate"), "{}", run.text());
+    assert!(run.words().contains("degenerate"), "{}", run.text());
     assert_eq!(json(&bench.text("rig.json"))["quality"]["verdict"], "degenerate");
     // With exact principal points the same photograph does.
     let exact = bench.run(&format!("{LINE} --force --camera-pp centre --projector-pp 511.5,383.5")).ok();
-    assert!(exact.text().contains("good") || exact.text().contains("fair"), "{}", exact.text());
+    assert!(exact.words().contains("good") || exact.words().contains("fair"), "{}", exact.text());
 }
 
 #[test]
@@ -253,7 +253,7 @@ fn a_rectified_picture_is_drawn_for_the_panel() {
     let bench = with_photo(&Scene::default());
     let _ = bench.run(LINE).ok();
     let run = bench.run("rectify --rig rig.json --pattern checker.json -o straight.png").ok();
-    assert!(run.text().contains("mm"), "{}", run.text());
+    assert!(run.words().contains("mm"), "{}", run.text());
     let straight = image::open(bench.path("straight.png")).unwrap();
     assert_eq!((straight.width(), straight.height()), (1024, 768));
     let _ = bench.run("rectify --rig rig.json --image photo.png -o poster.png").ok();

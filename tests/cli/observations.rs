@@ -80,7 +80,7 @@ fn corners_and_pairs_give_a_rig_without_a_photograph() {
     let piped = bench.run_args(&args, bench.text("seen.json").as_bytes()).ok();
     assert_eq!(serde_json::from_str::<Value>(&piped.text()).unwrap(), rig_of(&bench));
     let published = bench.run(&format!("{LINE} --force --method two-vp --projector-pp centre")).ok();
-    assert!(published.text().contains("camera"));
+    assert!(published.words().contains("camera"));
 }
 
 #[test]

@@ -162,7 +162,7 @@ fn a_photograph_comes_through_stdin() {
     let photo = file("fixtures/sphere.jpg");
     let _ = run(&format!("{MANY} a.jpg -o a.pcd"), &[]).ok();
     let piped = run(&format!("{MANY} - -o piped.pcd"), &photo).ok();
-    assert!(piped.text().contains("points"));
+    assert!(piped.words().contains("points"));
     assert_eq!(bytes(&bench, "a.pcd"), bytes(&bench, "piped.pcd"));
     let _ = run(&format!("{MANY} - a.jpg --out-dir clouds"), &photo).ok();
     assert_eq!(bytes(&bench, "clouds/stdin.ply"), bytes(&bench, "clouds/a.ply"));
@@ -194,7 +194,7 @@ fn a_stream_of_frames_becomes_a_folder_of_clouds() {
         let run = bench.run_args(&line.split(' ').collect::<Vec<_>>(), &frame.repeat(2)).ok();
         assert_eq!(names(&bench, format), ["frame_000000.ply", "frame_000001.ply"]);
         assert!(
-            run.text().contains(&format!("stdin, frame 1 -> {format}/frame_000001.ply")),
+            run.words().contains(&format!("stdin, frame 1 -> {format}/frame_000001.ply")),
             "{}",
             run.text()
         );
@@ -374,7 +374,7 @@ fn a_saturated_photograph_gives_no_cloud_of_nonsense() {
         assert!(matches!(run.code, 3 | 4), "{}", run.stderr);
         return run.fails(run.code, &["burnt.png"]);
     }
-    assert!(run.text().contains("overexposed"), "{}", run.text());
+    assert!(run.words().contains("overexposed"), "{}", run.text());
     let [good, burnt] = ["good.csv", "burnt.csv"].map(|name| stripes(&bench.text(name)));
     let near = |key: &(u64, u64), u: f64| good.get(key).map(|all| all.iter().any(|x| (x - u).abs() < 4.0));
     let judged: Vec<bool> =

@@ -72,7 +72,7 @@ fn the_published_method_does_not_survive_lens_shift() {
     if run.code == 0 {
         let rig: Value = serde_json::from_str(&bench.text("rig.json")).unwrap();
         let [_, projector] = focal_errors(&rig, 1536.0, 1587.2);
-        assert!(projector > 20.0 && run.text().contains("warning"), "{projector} {}", run.text());
+        assert!(projector > 20.0 && run.words().contains("warning"), "{projector} {}", run.text());
     } else {
         run.fails(5, &["photo.jpg", "imaginary"]);
     }
@@ -92,7 +92,7 @@ fn a_sphere_is_reconstructed_as_one() {
         serde_json::from_str(&bench.run("evaluate sphere cloud.ply --json").ok().text()).unwrap();
     assert_eq!(fit["schema"], "slcal-evaluate/1");
     assert!(fit["mean_percent"].as_f64().unwrap() < 0.1, "{fit}");
-    assert!(bench.run("evaluate sphere cloud.ply").ok().text().contains("radius"));
+    assert!(bench.run("evaluate sphere cloud.ply").ok().words().contains("radius"));
 }
 
 #[test]
@@ -179,7 +179,7 @@ fn the_demonstration_runs_the_whole_chain() {
     let bench = bench();
     let run = bench.run("demo --out demo").ok();
     for word in ["sheet.jpg", "focal length", "Verdict: good", "board.jpg", "cloud.ply", "rig.json"] {
-        assert!(run.text().contains(word), "no {word} in {}", run.text());
+        assert!(run.words().contains(word), "no {word} in {}", run.text());
     }
     let mut names: Vec<String> = fs::read_dir(bench.path("demo"))
         .unwrap()

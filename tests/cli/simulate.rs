@@ -62,10 +62,10 @@ fn the_same_seed_gives_the_same_bytes() {
 
 #[test]
 fn a_tilt_about_one_axis_and_a_lens_shift_are_explained() {
-    let one = bench().run("simulate noise --levels 0.3 --draws 20 --tilt 30,0").ok().text();
+    let one = bench().run("simulate noise --levels 0.3 --draws 20 --tilt 30,0").ok().words();
     assert!(one.contains("without a real focal length") && one.contains("one axis alone"), "{one}");
     let line = "simulate noise --levels 0.1 --draws 5 --lens-shift 0.5 --principal-points prior";
-    let shifted = bench().run(line).ok().text();
+    let shifted = bench().run(line).ok().words();
     assert!(shifted.contains("lens shift"), "{shifted}");
 }
 
@@ -135,7 +135,7 @@ fn views_come_with_their_truth() {
     let bench = bench();
     let line = "simulate views --poses 3 --noise 0 --lens-shift 0.5 --camera-offset 9,-7 -o seen.json --truth rig.json";
     let run = bench.run(line).ok();
-    assert!(run.text().contains("3 views"), "{}", run.text());
+    assert!(run.words().contains("3 views"), "{}", run.text());
     assert_eq!(bench.names(), ["rig.json", "seen.json"]);
     let seen: Value = serde_json::from_str(&bench.text("seen.json")).unwrap();
     assert_eq!(seen["schema"], "slcal-observations/1");

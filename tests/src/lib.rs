@@ -119,6 +119,12 @@ impl Run {
         String::from_utf8_lossy(&self.stdout).into_owned()
     }
 
+    /// The same with single spaces between words, wherever lines were broken.
+    #[must_use]
+    pub fn words(&self) -> String {
+        self.text().split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
     /// Asserts success.
     ///
     /// # Panics

@@ -8,7 +8,6 @@ mod args;
 mod exit;
 pub mod files;
 mod io;
-mod noise_table;
 mod output;
 mod picture;
 mod size;
@@ -17,16 +16,20 @@ mod verbs;
 
 use std::ffi::OsString;
 
-use clap::Parser;
+use clap::FromArgMatches as _;
 
 use crate::args::Cli;
 use crate::exit::Failure;
-use crate::output::{Printer, Verbosity};
+use crate::output::{ColorArg, Printer, Verbosity, set_color};
 
 /// Runs a command line (the program's name first) and returns the exit code: 0 done, 2 wrong command line, 3 input
 /// unreadable or malformed, 4 sheet, pattern or stripes not found, 5 geometry degenerate, 1 anything else.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
-    let cli = match Cli::try_parse_from(args) {
+    let args: Vec<OsString> = args.into_iter().collect();
+    // Before anything is parsed: what is wrong with the command line is told in colours, too.
+    let color = ColorArg::of(&args);
+    set_color(color);
+    let cli = match parse(args, color) {
         Ok(cli) => cli,
         Err(message) => {
             // Help and version are results; a closed pipe while printing them is no failure.
@@ -34,6 +37,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
             return u8::try_from(message.exit_code()).unwrap_or(2);
         }
     };
+    set_color(cli.color);
     let printer = Printer::new(match (cli.quiet, cli.verbose) {
         (true, _) => Verbosity::Quiet,
         (_, true) => Verbosity::Verbose,
@@ -49,4 +53,10 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
             failure.code()
         }
     }
+}
+
+fn parse(args: Vec<OsString>, color: ColorArg) -> Result<Cli, clap::Error> {
+    let mut command = args::command().color(color.for_clap());
+    let matches = command.try_get_matches_from_mut(args).map_err(args::hinted)?;
+    Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut command))
 }

@@ -6,6 +6,7 @@ mod cloud;
 mod decode;
 mod demo;
 mod evaluate;
+mod finish;
 mod pattern;
 mod photo;
 mod reconstruct;
@@ -22,6 +23,7 @@ pub(crate) use cloud::{CullArg, FrameArg};
 pub(crate) use decode::{DecodeArgs, DecodeInput};
 pub(crate) use demo::DemoArgs;
 pub(crate) use evaluate::{EvaluateArgs, ShapeArg};
+pub(crate) use finish::{command, hinted};
 pub(crate) use pattern::{CheckerArgs, PatternOutput, PatternVerb, StripesArgs};
 pub(crate) use reconstruct::ReconstructArgs;
 pub(crate) use rectify::RectifyArgs;
@@ -31,6 +33,8 @@ pub(crate) use simulate::{
 };
 pub(crate) use triangulate::TriangulateArgs;
 pub(crate) use verify::VerifyArgs;
+
+use crate::output::ColorArg;
 
 /// Calibrate a projector and a camera from one photograph; reconstruct what they see from one more.
 ///
@@ -51,6 +55,17 @@ pub(crate) struct Cli {
     /// Say nothing but errors on stderr.
     #[arg(short, long, global = true, display_order = 1001)]
     pub(crate) quiet: bool,
+    /// Colours: on a terminal (auto), always or never; NO_COLOR and CLICOLOR_FORCE are heeded.
+    #[arg(
+        long,
+        global = true,
+        value_enum,
+        value_name = "WHEN",
+        default_value = "auto",
+        alias = "colour",
+        display_order = 1002
+    )]
+    pub(crate) color: ColorArg,
     #[command(subcommand)]
     pub(crate) verb: Verb,
 }

@@ -10,7 +10,7 @@ use tempfile::NamedTempFile;
 
 use super::is_dash;
 use crate::exit::{Exit, Failure, Outcome};
-use crate::output::to_stdout;
+use crate::output::{clear_on_interrupt, to_stdout};
 
 /// Held for reading while temporary files exist, so that an interrupt waits until they are gone.
 static TEMPORARIES: RwLock<()> = RwLock::new(());
@@ -25,6 +25,7 @@ pub(crate) fn end_whole_on_interrupt() {
     // refuse to run.
     let _ = ctrlc::try_set_handler(|| {
         let _alone = TEMPORARIES.write().unwrap_or_else(PoisonError::into_inner);
+        clear_on_interrupt();
         std::process::exit(INTERRUPTED);
     });
 }

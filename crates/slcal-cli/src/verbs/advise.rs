@@ -1,8 +1,6 @@
 //! `slcal advise`: which photograph to take next.
 
-use std::fmt::Write as _;
-
-use slcal_core::calibrate::{Advice, CameraPlan, Predicted, TiltForecast, advise_first, advise_next};
+use slcal_core::calibrate::{CameraPlan, advise_first, advise_next};
 use slcal_core::format::report_json;
 use slcal_core::geometry::Camera;
 use slcal_core::{CalibrateConfig, Error, PrincipalPointRule};
@@ -12,6 +10,7 @@ use crate::args::AdviseArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{check_panel, load_camera, load_checker, load_rig};
 use crate::output::{print_json, print_result};
+use crate::summary;
 
 pub(super) fn run(args: &AdviseArgs) -> Outcome {
     let advice = match &args.rig {
@@ -25,7 +24,11 @@ pub(super) fn run(args: &AdviseArgs) -> Outcome {
         }
         None => advise_first(&plan(args)?)?,
     };
-    if args.json { print_json(&report_json::advice(&advice)) } else { print_result(&in_words(&advice)) }
+    if args.json {
+        print_json(&report_json::advice(&advice))
+    } else {
+        print_result(&summary::advice(&advice))
+    }
 }
 
 fn plan(args: &AdviseArgs) -> Outcome<CameraPlan> {
@@ -80,104 +83,4 @@ fn projector(args: &AdviseArgs, panel: [u32; 2], pp: PrincipalPointRule) -> Outc
         _ => return Err(Failure::usage("expected --throw or --projector-focal with --projector")),
     };
     Ok(projector.with_principal_point(pp.expected(panel)))
-}
-
-/// Per cent with two significant digits.
-fn percent(share: f64) -> String {
-    let p = 100.0 * share;
-    match p {
-        p if p >= 1000.0 => ">1000".into(),
-        p if p >= 10.0 => format!("{p:.0}"),
-        p if p > 0.0 => format!("{p:.*}", (1.0 - p.log10().floor()).clamp(1.0, 4.0) as usize),
-        _ => "0".into(),
-    }
-}
-
-fn predicted(p: &Predicted) -> String {
-    let mut text = format!("camera {} %", percent(p.camera_focal));
-    if let Some(f) = p.projector_focal {
-        let _ = write!(text, ", projector {} %", percent(f));
-    }
-    if let Some(cy) = p.projector_cy_px {
-        let _ = write!(text, ", its cy {cy:.1} px");
-    }
-    if let Some(mm) = p.point_mm {
-        let _ = write!(text, "; a point at the sheet {mm:.2} mm");
-    }
-    text
-}
-
-fn in_words(advice: &Advice) -> String {
-    let mut text = String::new();
-    let _ = writeln!(
-        text,
-        "Predicted 1σ of the focal lengths, per cent; the sheet of {:.0} x {:.0} mm {:.0} mm from the camera",
-        advice.size.width_mm, advice.size.height_mm, advice.distance_mm
-    );
-    if let Some(now) = &advice.now {
-        let _ = writeln!(text, "now        {}", predicted(now));
-    }
-    let with_projector = advice.table.iter().filter_map(|t| t.one).any(|p| p.projector_focal.is_some());
-    let (camera, projector): (Figure, Figure) = (|p| Some(p.camera_focal), |p| p.projector_focal);
-    let tables: &[(&str, Outlook)] = if advice.now.is_some() {
-        &[("after one more photograph", |t| t.one)]
-    } else {
-        &[("after one photograph", |t| t.one), ("after two, the second with the tilt reversed", |t| t.pair)]
-    };
-    for (title, of) in tables {
-        table(&mut text, advice, &format!("camera, {title}"), |t| of(t).and_then(|p| camera(&p)));
-        if with_projector {
-            table(&mut text, advice, &format!("projector, {title}"), |t| of(t).and_then(|p| projector(&p)));
-        }
-    }
-    let _ = writeln!(
-        text,
-        "\nAcross: tilt about the vertical axis, + with the right side nearer to the camera than the left. Down: about the\n\
-         horizontal axis, + with the top side nearer than the bottom. Sides are as the photograph shows them. - : the sheet\n\
-         would leave the frame or the pattern the sheet, or be seen too flat.\n"
-    );
-    text.push_str(&next(advice));
-    text
-}
-
-/// Which photographs are forecast.
-type Outlook = fn(&TiltForecast) -> Option<Predicted>;
-/// Which number of a forecast.
-type Figure = fn(&Predicted) -> Option<f64>;
-
-fn table(text: &mut String, advice: &Advice, title: &str, of: impl Fn(&TiltForecast) -> Option<f64>) {
-    let _ = write!(text, "\n{title}\n       ");
-    let Some(first) = advice.table.first() else { return };
-    for t in advice.table.iter().take_while(|t| t.tilt_x_rad == first.tilt_x_rad) {
-        let _ = write!(text, "{:>7}", format!("{:+.0}°", t.tilt_y_rad.to_degrees()));
-    }
-    let mut row = f64::NAN;
-    for t in &advice.table {
-        if t.tilt_x_rad != row {
-            row = t.tilt_x_rad;
-            let _ = write!(text, "\n{:>7}", format!("{:+.0}°", row.to_degrees()));
-        }
-        let _ = write!(text, "{:>7}", of(t).map_or("-".to_owned(), percent));
-    }
-    text.push('\n');
-}
-
-fn next(advice: &Advice) -> String {
-    let Some(next) = &advice.next else {
-        return "next       no pose is possible: the sheet does not fit into the frame at this distance, or the pattern onto \
-                the sheet; move the sheet further away or make the pattern smaller"
-            .into();
-    };
-    let words = next.in_words(advice.size);
-    match &advice.now {
-        None => format!(
-            "next       {words}\n           then photograph it again with both tilts reversed\nafter both {}",
-            predicted(&next.after)
-        ),
-        Some(_) if advice.worth_it => format!("next       {words}\nafter it   {}", predicted(&next.after)),
-        Some(_) => format!(
-            "next       nothing more is worth it: the best pose would bring {}\n           ({words})",
-            predicted(&next.after)
-        ),
-    }
 }

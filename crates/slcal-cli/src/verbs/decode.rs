@@ -44,7 +44,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     }
     let text = summary::decoding(&decoding.report);
     if output == Destination::Stdout {
-        printer.note(text.trim_end());
+        printer.result(&text);
         return Ok(());
     }
     print_result(&text)

@@ -1,7 +1,5 @@
 //! `slcal demo`: the whole chain on built-in photographs, explained to somebody who sees it for the first time.
 
-use std::fmt::Write as _;
-
 use image::DynamicImage;
 use slcal_core::decode::DecodeInput;
 use slcal_core::detect::{DetectConfig, Detection, observe};
@@ -19,8 +17,9 @@ use super::reconstruct::{draw, make_folder};
 use crate::args::DemoArgs;
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{Destination, cloud_bytes, decode_photo, png_bytes, write_all};
-use crate::output::{Printer, print_result};
+use crate::output::{BOLD, Page, Printer, Table, glued, paint, print_result, shown};
 use crate::picture::sheet;
+use crate::summary;
 
 /// The photographs; `demo/README.md` says where they come from.
 const SHEET: &[u8] = include_bytes!("../../demo/sheet.jpg");
@@ -28,6 +27,12 @@ const BOARD: &[u8] = include_bytes!("../../demo/board.jpg");
 const HEAD: &[u8] = include_bytes!("../../demo/head.jpg");
 /// The rig that took them, known exactly since they are rendered.
 const TRUTH: &[u8] = include_bytes!("../../demo/truth_rig.json");
+
+/// What may be typed in the folder; each fits a line.
+const BY_HAND: [&str; 2] = [
+    "slcal calibrate sheet.jpg --size 594x420mm --pattern checker.json -o my.json",
+    "slcal reconstruct --rig my.json --pattern stripes.json head.jpg -o my.ply",
+];
 
 const PANEL: [u32; 2] = [1024, 768];
 /// The sheet in the first photograph, mm: A2 on its side.
@@ -58,11 +63,11 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
 
     let checker = CheckerPattern::new(PANEL, &CheckerConfig::default())?;
     let stripes = StripePattern::new(PANEL, &StripeConfig::default())?;
-    printer.note("calibrating from the photograph of the sheet ...");
+    let busy = printer.busy("calibrating from the photograph of the sheet");
     let sheet_photo = decode_photo(SHEET, "sheet.jpg")?.0;
     let (detection, calibration) = calibrate(&sheet_photo, &checker)?;
     let rig = &calibration.rig;
-    printer.note("reconstructing a board and a head from one photograph each ...");
+    busy.say("reconstructing a board and a head from one photograph each");
     let (board_photo, head_photo) = (decode_photo(BOARD, "board.jpg")?.0, decode_photo(HEAD, "head.jpg")?.0);
     let board = cloud(rig, &stripes, &board_photo)?;
     let head = cloud(rig, &stripes, &head_photo)?;
@@ -85,7 +90,8 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
         draw(&head_photo, "head.jpg", &head)?,
     ];
     write_all(&places.into_iter().zip(contents).collect::<Vec<_>>())?;
-    print_result(&summary(args, &calibration, &detection, &flatness, &head)?)
+    drop(busy);
+    print_result(&story(args, &calibration, &detection, &flatness, &head)?)
 }
 
 fn calibrate(sheet: &DynamicImage, checker: &CheckerPattern) -> Outcome<(Detection, Calibration)> {
@@ -111,7 +117,7 @@ fn cloud(rig: &Rig, stripes: &StripePattern, photo: &DynamicImage) -> Outcome<Re
 }
 
 /// What was done, how close it came to the truth, and what each file is.
-fn summary(
+fn story(
     args: &DemoArgs,
     calibration: &Calibration,
     detection: &Detection,
@@ -119,78 +125,96 @@ fn summary(
     head: &Reconstruction,
 ) -> Outcome<String> {
     let rig = &calibration.rig;
-    let truth = read_rig(TRUTH)?;
-    let mut text = format!(
-        "A projector and a camera look at a sheet of paper of {} x {} mm, then at a board and at a head.\n\
-         The photographs are rendered, so that everything about them is known.\n\n\
-         1. Calibration from one photograph, sheet.jpg: the sheet's four sides and {} of {} corners of the projected\n   \
-         checkerboard were measured (drawn in sheet_found.png).\n\n",
-        SHEET_SIZE_MM[0],
-        SHEET_SIZE_MM[1],
+    let mut page = Page::new();
+    page.paragraph(format!(
+        "A projector and a camera look at a sheet of paper of {} x {} mm, then at a board and at a head. The photographs are \
+         rendered, so that everything about them is known.",
+        SHEET_SIZE_MM[0], SHEET_SIZE_MM[1]
+    ));
+    page.gap();
+    page.paragraph(paint(BOLD, &glued("1. Calibration from one photograph, sheet.jpg")));
+    page.paragraph(format!(
+        "The sheet's four sides and {} of {} corners of the projected checkerboard were measured (drawn in sheet_found.png).",
         detection.observation.pairs.len(),
         detection.pattern_corners
+    ));
+    page.gap();
+    page.table(&against_truth(rig)?);
+    page.gap();
+    page.paragraph(format!(
+        "Verdict: {}. The ± is far larger than the error because one photograph cannot tell where the lens's axis meets the \
+         sensor; here it does so exactly in the middle, as slcal assumes until told otherwise.",
+        rig.quality.as_ref().map_or("none".to_owned(), |q| summary::verdict(q.verdict))
+    ));
+    page.gap();
+    page.paragraph(paint(
+        BOLD,
+        &glued("2. Reconstruction from one photograph each, with the rig just found"),
+    ));
+    page.line(
+        "board.jpg",
+        format!(
+            "{} points; a flat board comes out flat to {:.3} mm, {:.4} % of its distance",
+            flatness.points, flatness.mean_mm, flatness.mean_percent
+        ),
     );
-    // Writing into a string cannot fail.
-    let _ = writeln!(text, "   {:<38}{:>20}{:>11}{:>11}", "", "found", "true", "off by");
+    page.line(
+        "head.jpg",
+        format!(
+            "{} points, {} triangles (head_found.png shows where the stripes were found)",
+            head.cloud.points.len(),
+            head.cloud.triangles.len()
+        ),
+    );
+    page.gap();
+    page.paragraph(format!("{} {}:", paint(BOLD, "In"), glued(&shown(&args.out.display().to_string()))));
+    page.table(&files());
+    page.paragraph("MeshLab, CloudCompare and Blender show the .ply files.");
+    page.gap();
+    page.paragraph(paint(BOLD, &glued("The same by hand, in that folder")));
+    for command in BY_HAND {
+        page.paragraph(glued(&format!("  {command}")));
+    }
+    Ok(page.into_text())
+}
+
+/// What was found, beside what is true.
+fn against_truth(rig: &Rig) -> Outcome<Table> {
+    let truth = read_rig(TRUTH)?;
+    let mut table = Table::new(["", ">found", ">true", ">off by"]);
+    let mut row = |label: &str, (found, sigma): (f64, Option<f64>), truth: f64| {
+        let with_sigma = sigma.map_or(format!("{found:.1}"), |s| format!("{found:.1} ± {s:.1}"));
+        table.row([label.to_owned(), with_sigma, format!("{truth:.1}"), format!("{:.2}", found - truth)]);
+    };
     let both = |rig: &Rig| rig.projector.map(|p| (rig.camera, p));
     let ((camera, projector), (true_camera, true_projector)) = both(rig)
         .zip(both(&truth))
         .ok_or_else(|| Failure::new(Exit::Other, "the built-in photographs gave no projector"))?;
-    row(&mut text, "camera: focal length, px", focal(&camera), focal(&true_camera).0);
-    row(&mut text, "projector: focal length, px", focal(&projector), focal(&true_projector).0);
+    row("camera: focal length, px", focal(&camera), focal(&true_camera).0);
+    row("projector: focal length, px", focal(&projector), focal(&true_projector).0);
     let shift = |d: &Device| (d.model.intrinsics.cy, d.sigma.map(|s| s.cy_px));
-    row(&mut text, "projector: principal point, row, px", shift(&projector), shift(&true_projector).0);
+    row("projector: principal point, row, px", shift(&projector), shift(&true_projector).0);
     if let Some((found, true_value)) = rig.baseline_mm().zip(truth.baseline_mm()) {
-        row(&mut text, "camera to projector, mm", (found, rig.baseline_sigma_mm()), true_value);
+        row("camera to projector, mm", (found, rig.baseline_sigma_mm()), true_value);
     }
-    let verdict = rig.quality.as_ref().map_or("none", |q| match q.verdict {
-        slcal_core::Verdict::Good => "good",
-        slcal_core::Verdict::Fair => "fair",
-        slcal_core::Verdict::Weak => "weak",
-        slcal_core::Verdict::Degenerate => "degenerate",
-    });
-    let _ = write!(
-        text,
-        "\n   Verdict: {verdict}. The ± is far larger than the error because one photograph cannot tell where the\n   \
-         lens's axis meets the sensor; here it does so exactly in the middle, as slcal assumes until told otherwise.\n\n\
-         2. Reconstruction from one photograph each, with the rig just found:\n   \
-         board.jpg: {} points; a flat board comes out flat to {:.3} mm, {:.4} % of its distance.\n   \
-         head.jpg:  {} points, {} triangles (head_found.png shows where the stripes were found).\n\n\
-         In {}:\n",
-        flatness.points,
-        flatness.mean_mm,
-        flatness.mean_percent,
-        head.cloud.points.len(),
-        head.cloud.triangles.len(),
-        args.out.display()
-    );
-    for (files, meaning) in [
-        ("checker.png, checker.json", "the pattern for calibration, and its description"),
-        ("stripes.png, stripes.json", "the pattern for reconstruction, and its description"),
-        ("sheet.jpg, board.jpg, head.jpg", "the photographs"),
-        ("rig.json", "the calibrated camera and projector"),
-        (
-            "board.ply, cloud.ply",
-            "the board and the head, each with the wall behind it; MeshLab, CloudCompare or Blender show them",
-        ),
-        ("sheet_found.png, head_found.png", "what was found in the photographs"),
+    Ok(table)
+}
+
+fn files() -> Table {
+    let mut table = Table::new(["", ""]);
+    for row in [
+        ["  checker.png, checker.json", "the pattern for calibration"],
+        ["  stripes.png, stripes.json", "the pattern for reconstruction"],
+        ["  sheet.jpg, board.jpg, head.jpg", "the photographs"],
+        ["  rig.json", "the calibrated camera and projector"],
+        ["  board.ply, cloud.ply", "the board and the head, each before its wall"],
+        ["  sheet_found.png, head_found.png", "what was found in the photographs"],
     ] {
-        let _ = writeln!(text, "   {files:<34}{meaning}");
+        table.row(row);
     }
-    let _ = write!(
-        text,
-        "\nThe same by hand, in that folder:\n   \
-         slcal calibrate sheet.jpg --size 594x420mm --pattern checker.json -o my_rig.json\n   \
-         slcal reconstruct --rig my_rig.json --pattern stripes.json head.jpg -o my_cloud.ply --mesh"
-    );
-    Ok(text)
+    table
 }
 
 fn focal(device: &Device) -> (f64, Option<f64>) {
     (device.model.intrinsics.fx, device.sigma.map(|s| s.focal_px))
-}
-
-fn row(text: &mut String, label: &str, (found, sigma): (f64, Option<f64>), truth: f64) {
-    let found_text = sigma.map_or(format!("{found:.1}"), |s| format!("{found:.1} ± {s:.1}"));
-    let _ = writeln!(text, "   {label:<38}{found_text:>20}{truth:>11.1}{:>11.2}", found - truth);
 }

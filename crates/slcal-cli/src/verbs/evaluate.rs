@@ -1,6 +1,6 @@
 //! `slcal evaluate`: how far the points of a cloud lie from a plane or a sphere.
 
-use slcal_core::evaluate::{FitConfig, PlaneFit, SphereFit, fit_plane, fit_sphere};
+use slcal_core::evaluate::{FitConfig, fit_plane, fit_sphere};
 use slcal_core::format::{read_ply, report_json};
 
 use crate::args::{EvaluateArgs, ShapeArg};
@@ -19,24 +19,14 @@ pub(super) fn run(args: &EvaluateArgs, printer: Printer) -> Outcome {
             if args.json {
                 return print_json(&report_json::plane_evaluation(&fit, &config));
             }
-            print_result(&summary::fit(&plane(&fit), &fit.report))
+            print_result(&summary::plane_fit(&fit))
         }
         ShapeArg::Sphere => {
             let fit = fit_sphere(&cloud, &config).in_file(&args.cloud)?;
             if args.json {
                 return print_json(&report_json::sphere_evaluation(&fit, &config));
             }
-            print_result(&summary::fit(&sphere(&fit), &fit.report))
+            print_result(&summary::sphere_fit(&fit))
         }
     }
-}
-
-fn plane(fit: &PlaneFit) -> String {
-    let (n, offset) = (fit.plane.normal, fit.plane.offset_mm);
-    format!("plane      {:.5} x + {:.5} y + {:.5} z + {offset:.2} mm = 0", n.x, n.y, n.z)
-}
-
-fn sphere(fit: &SphereFit) -> String {
-    let [x, y, z]: [f64; 3] = fit.centre.into();
-    format!("sphere     centre {x:.2}, {y:.2}, {z:.2} mm, radius {:.2} mm", fit.radius_mm)
 }

@@ -10,7 +10,7 @@ use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{
     Destination, check_panel, check_spares, load_checker, load_photo, load_rig, png_bytes, write_all,
 };
-use crate::output::{Printer, print_result};
+use crate::output::{Page, Printer, print_result};
 
 pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
     let output = Destination::prepare(&args.output, args.force)?;
@@ -30,15 +30,18 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
         (None, None) => return Err(Failure::usage("expected --pattern or --image")),
     };
     write_all(&[(output.clone(), png_bytes(&DynamicImage::ImageRgb8(picture))?)])?;
-    let text = format!(
-        "placed     {:.1} x {:.1} mm on the sheet, {:.1} mm from its left and {:.1} mm from its top",
+    let mut page = Page::new();
+    let placed = format!(
+        "{:.1} x {:.1} mm on the sheet, {:.1} mm from its left and {:.1} mm from its top",
         place.size_mm.width_mm,
         place.size_mm.height_mm,
         unsigned_zero(place.origin_mm.x),
         unsigned_zero(place.origin_mm.y)
     );
+    page.line("placed", placed);
+    let text = page.into_text();
     if output == Destination::Stdout {
-        printer.note(text);
+        printer.result(&text);
         return Ok(());
     }
     print_result(&text)

@@ -28,7 +28,7 @@ pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
     write_all(&[(output.clone(), cloud_bytes(format, &result.cloud)?)])?;
     let text = summary::cloud(&result);
     if output == Destination::Stdout {
-        printer.note(text.trim_end());
+        printer.result(&text);
         return Ok(());
     }
     print_result(&text)

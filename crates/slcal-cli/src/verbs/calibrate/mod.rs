@@ -184,7 +184,7 @@ fn finish(args: &CalibrateArgs, calibration: &Calibration, places: Places, print
     }
     let text = summary::calibration(&calibration.rig, &calibration.report);
     if to_stdout {
-        printer.note(text.trim_end());
+        printer.result(&text);
         return Ok(());
     }
     print_result(&text)

@@ -68,8 +68,7 @@ pub(super) struct CloudReport {
 
 impl CloudReport {
     pub(super) fn of(result: &Reconstruction) -> Self {
-        let mut text = result.decode.as_ref().map_or_else(String::new, summary::decoding);
-        text += &summary::cloud(result);
+        let text = summary::reconstruction(result);
         Self { numbers: report_json::cloud(result), text, line: summary::cloud_in_a_line(result) }
     }
 }

@@ -33,7 +33,7 @@ pub(super) struct Told<'a> {
 
 impl<'a> Told<'a> {
     pub(super) fn new(args: &'a ReconstructArgs, printer: Printer, count: Option<usize>) -> Self {
-        let progress = printer.progress(count);
+        let progress = printer.progress("frames", count);
         Self {
             args,
             printer,
@@ -54,22 +54,17 @@ impl<'a> Told<'a> {
         let heading = format!("{} -> {}", frame.name(), output.as_deref().unwrap_or_default());
         let result = match outcome {
             Err(failure) if self.args.output.is_some() => {
-                self.progress.around(|| self.printer.remarks(&remarks));
+                self.printer.remarks(&remarks);
                 return Err(failure);
             }
             Err(failure) => {
-                self.progress.around(|| {
-                    self.printer.remarks(&remarks);
-                    self.printer.error(&failure);
-                });
+                self.printer.remarks(&remarks);
+                self.printer.error(&failure);
                 FrameResult::Failed { error: ErrorReport::of(&failure) }
             }
             Ok(result) => {
-                let told = self.progress.around(|| {
-                    self.printer.remarks(&remarks);
-                    self.tell(&heading, &result)
-                });
-                match told {
+                self.printer.remarks(&remarks);
+                match self.tell(&heading, &result) {
                     Err(Failure::ClosedPipe) => self.unheard = true,
                     told => told?,
                 }
@@ -92,7 +87,7 @@ impl<'a> Told<'a> {
             (FrameResult::Cloud(_), _) if self.args.json || self.unheard => Ok(()),
             (FrameResult::Cloud(report), None) => print_result(&format!("{heading}: {}", report.line)),
             (FrameResult::Cloud(report), Some(output)) if is_dash(output) => {
-                self.printer.note(report.text.trim_end());
+                self.printer.result(&report.text);
                 Ok(())
             }
             (FrameResult::Cloud(report), Some(_)) => print_result(&report.text),

@@ -1,6 +1,5 @@
 //! What `slcal simulate scene` leaves in its folder, and what it says of it.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use image::{DynamicImage, GrayImage};
@@ -13,6 +12,7 @@ use super::super::calibrate::rig_bytes;
 use super::super::pattern::pattern_bytes;
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{cloud_bytes, png_bytes};
+use crate::output::{Page, glued, shown};
 
 /// The files, in the order of [`contents`].
 pub(super) const NAMES: [&str; 12] = [
@@ -75,17 +75,21 @@ impl Made {
         let scene = &self.scene;
         let [w, h] = scene.camera;
         let percent = |n: usize| 100.0 * n as f64 / (f64::from(w) * f64::from(h));
-        let mut text = format!(
-            "photograph  {w} x {h} px; {:.1} % see a surface, {:.1} % in the projector's light\n",
-            percent(scene.seen_pixels),
-            percent(scene.lit_pixels)
+        let mut page = Page::new();
+        page.line(
+            "photograph",
+            format!(
+                "{w} x {h} px; {:.1} % see a surface, {:.1} % in the projector's light",
+                percent(scene.seen_pixels),
+                percent(scene.lit_pixels)
+            ),
         );
-        // Writing into a string cannot fail.
         if let Some([near, far]) = scene.depth_mm {
-            let _ = writeln!(text, "depth       {near:.1} to {far:.1} mm");
+            page.line("depth", format!("{near:.1} to {far:.1} mm"));
         }
-        let _ = writeln!(text, "matches     {} without error in truth_matches.csv", scene.matches);
-        let _ = write!(text, "files       {}: {}", folder.display(), self.files.join(", "));
-        text
+        page.line("matches", format!("{} without error in truth_matches.csv", scene.matches));
+        page.line("files", format!("in {}:", glued(&shown(&folder.display().to_string()))));
+        page.line("", self.files.join(", "));
+        page.into_text()
     }
 }

@@ -3,9 +3,7 @@
 mod made;
 mod scene;
 
-use std::fmt::Write as _;
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
 
 use slcal_core::ExternalObservations;
 use slcal_core::format::{report_json, write_observations};
@@ -18,11 +16,9 @@ use super::calibrate::rig_bytes;
 use crate::args::{NoiseArgs, PrincipalPointsArg, RigArgs, SimulateVerb, ViewsArgs};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{Destination, check_distinct, write_all};
-use crate::noise_table;
-use crate::output::{Printer, print_json, print_result};
+use crate::output::{Page, Printer, Table, glued, print_json, print_result};
+use crate::summary;
 
-/// Progress is told after this long, and then as often.
-const PATIENCE: Duration = Duration::from_secs(1);
 /// The noise of `views` is a stream of its own, beyond those of its poses.
 const NOISE_STREAM: u64 = 1 << 32;
 
@@ -68,15 +64,12 @@ fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
     };
     let experiment = NoiseExperiment::new(config.clone())?;
     tell_outside(experiment.scene(), printer);
-    let total = experiment.total_draws();
-    let mut told = Instant::now();
+    let progress = printer.progress("draws", Some(experiment.total_draws()));
     let report = experiment.run(|done| {
-        if told.elapsed() >= PATIENCE {
-            told = Instant::now();
-            printer.note(format!("{done} of {total} draws"));
-        }
+        progress.reached(done);
         ControlFlow::Continue(())
     })?;
+    drop(progress);
     let report = report.ok_or_else(|| Failure::new(Exit::Other, "the experiment was stopped"))?;
     if let Some(place) = csv {
         write_all(&[(place, report.csv().into_bytes())])?;
@@ -84,9 +77,9 @@ fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
     if args.json {
         return print_json(&report_json::noise_experiment(&config, &report));
     }
-    let text = noise_table::text(&config, &report);
+    let text = summary::noise(&config, &report);
     if csv_to_stdout {
-        printer.note(text.trim_end());
+        printer.result(&text);
         return Ok(());
     }
     print_result(&text)
@@ -125,7 +118,7 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
     write_all(&files)?;
     let text = poses_in_words(&poses, &scene);
     if to_stdout {
-        printer.note(text.trim_end());
+        printer.result(&text);
         return Ok(());
     }
     print_result(&text)
@@ -143,18 +136,19 @@ fn tell_outside(scene: &Scene, printer: Printer) {
 }
 
 fn poses_in_words(poses: &[PoseConfig], scene: &Scene) -> String {
-    let mut text = format!(
-        "{} views of a sheet of {} x {} mm with {} projected corners, {} px apart\n",
+    let mut page = Page::new();
+    page.paragraph(format!(
+        "{} views of a sheet of {} with {} projected corners, {} px apart",
         poses.len(),
-        scene.size.width_mm,
-        scene.size.height_mm,
+        glued(&format!("{} x {} mm", scene.size.width_mm, scene.size.height_mm)),
         scene.pattern.len(),
         scene.square_px
-    );
+    ));
+    let mut table = Table::new(["", ">tilt, x", ">tilt, y", ">roll"]);
     for (i, p) in poses.iter().enumerate() {
-        let [x, y, roll] = [p.tilt_x_rad, p.tilt_y_rad, p.roll_rad].map(f64::to_degrees);
-        // Writing into a string cannot fail.
-        let _ = writeln!(text, "view {:<4} tilt {x:6.1}°, {y:6.1}°, roll {roll:5.1}°", i + 1);
+        let angles = [p.tilt_x_rad, p.tilt_y_rad, p.roll_rad].map(|a| format!("{:.1}°", a.to_degrees()));
+        table.row(std::iter::once(format!("view {}", i + 1)).chain(angles));
     }
-    text
+    page.table(&table);
+    page.into_text()
 }

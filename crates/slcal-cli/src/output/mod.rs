@@ -1,12 +1,17 @@
 //! All printing: results to stdout, everything else to stderr.
 
+mod page;
+mod paint;
+mod progress;
+
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
-use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+pub(crate) use self::page::{Page, Table, glued, plain, shown};
+pub(crate) use self::paint::{BAD, BOLD, ColorArg, FAIR, GOOD, HELP, paint, set_color};
+pub(crate) use self::progress::{Progress, clear_on_interrupt};
 use crate::exit::{Exit, Failure, Outcome};
 
 /// How much is said on stderr.
@@ -19,9 +24,6 @@ pub(crate) enum Verbosity {
     /// Details as well.
     Verbose,
 }
-
-/// How often a progress bar is drawn anew while nothing happens.
-const TICK: Duration = Duration::from_millis(200);
 
 /// Messages of work that is done beside other work: kept until it is their turn to be printed.
 #[derive(Debug, Default)]
@@ -39,30 +41,6 @@ impl Remarks {
     }
 }
 
-/// How far many frames have come.
-#[derive(Debug)]
-pub(crate) struct Progress {
-    bar: ProgressBar,
-}
-
-impl Progress {
-    /// One frame more is done.
-    pub(crate) fn step(&self) {
-        self.bar.inc(1);
-    }
-
-    /// Runs what prints, with the bar out of its way.
-    pub(crate) fn around<T>(&self, print: impl FnOnce() -> T) -> T {
-        self.bar.suspend(print)
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
-    }
-}
-
 /// The one place that prints messages.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Printer {
@@ -76,71 +54,84 @@ impl Printer {
 
     /// Something worth knowing.
     pub(crate) fn note(self, message: impl Display) {
-        self.to_stderr(Verbosity::Normal, "", message);
+        self.to_stderr(Verbosity::Normal, "", &shown(&message.to_string()));
     }
 
     /// Something for those who asked for more.
     pub(crate) fn detail(self, message: impl Display) {
-        self.to_stderr(Verbosity::Verbose, "", message);
+        self.to_stderr(Verbosity::Verbose, "", &shown(&message.to_string()));
     }
 
     /// Why the run ended; always said.
     pub(crate) fn error(self, message: impl Display) {
-        self.to_stderr(Verbosity::Quiet, "slcal: ", message);
+        let label = format!("{} ", paint(BAD, "slcal:"));
+        self.to_stderr(Verbosity::Quiet, &label, &shown(&message.to_string()));
+    }
+
+    /// A result that makes way for another one on stdout.
+    pub(crate) fn result(self, text: &str) {
+        self.to_stderr(Verbosity::Normal, "", text.trim_end());
     }
 
     /// What was kept for later.
     pub(crate) fn remarks(self, remarks: &Remarks) {
         for (from, message) in &remarks.0 {
-            self.to_stderr(*from, "", message);
+            self.to_stderr(*from, "", &shown(message));
         }
     }
 
-    /// A progress bar on stderr, for `frames` frames where their number is known; invisible where stderr is no terminal.
-    pub(crate) fn progress(self, frames: Option<usize>) -> Progress {
-        let bar = match frames {
-            _ if self.verbosity == Verbosity::Quiet => ProgressBar::hidden(),
-            Some(0 | 1) => ProgressBar::hidden(),
-            Some(n) => ProgressBar::new(n as u64).with_style(
-                ProgressStyle::with_template("{bar:30} {pos} of {len} frames, {eta} left")
-                    .unwrap_or_else(|_| ProgressStyle::default_bar()),
-            ),
-            None => ProgressBar::no_length().with_style(
-                ProgressStyle::with_template("{spinner} {pos} frames in {elapsed}")
-                    .unwrap_or_else(|_| ProgressStyle::default_spinner()),
-            ),
-        };
-        if !bar.is_hidden() {
-            bar.enable_steady_tick(TICK);
-        }
-        Progress { bar }
+    /// How far `count` of something have come ("frames"), where their number is known, on a terminal. Shown after a
+    /// moment, and cleared when it is dropped.
+    pub(crate) fn progress(self, of: &str, count: Option<usize>) -> Progress {
+        Progress::counting(self.is_quiet(), of, count)
     }
 
-    fn to_stderr(self, from: Verbosity, prefix: &str, message: impl Display) {
+    /// That something is being done ("decoding a.jpg"): the same without a number.
+    pub(crate) fn busy(self, doing: impl Into<String>) -> Progress {
+        Progress::busy(self.is_quiet(), doing.into())
+    }
+
+    fn is_quiet(self) -> bool {
+        self.verbosity == Verbosity::Quiet
+    }
+
+    fn to_stderr(self, from: Verbosity, label: &str, message: &str) {
         if self.verbosity >= from {
+            let text = page::for_stderr(label, message);
             // A closed stderr is no reason to fail.
-            let _ = writeln!(io::stderr().lock(), "{prefix}{message}");
+            progress::suspended(|| {
+                let _ = writeln!(anstream::stderr().lock(), "{text}");
+            });
         }
     }
 }
 
 /// A result for people, on stdout.
 pub(crate) fn print_result(text: &str) -> Outcome {
-    to_stdout(|out| writeln!(out, "{}", text.trim_end()))
+    progress::suspended(|| {
+        let mut out = anstream::stdout().lock();
+        writeln!(out, "{}", text.trim_end()).and_then(|()| out.flush()).map_err(|e| unprinted(&e))
+    })
 }
 
 /// A result for programs, on stdout: one JSON object.
 pub(crate) fn print_json(value: &impl Serialize) -> Outcome {
     let text = serde_json::to_string_pretty(value)
         .map_err(|e| Failure::new(Exit::Other, format!("cannot write the result as JSON: {e}")))?;
-    print_result(&text)
+    to_stdout(|out| writeln!(out, "{text}"))
 }
 
-/// Writes to stdout; a reader that has gone away ends the run quietly.
+/// Writes to stdout, byte by byte; a reader that has gone away ends the run quietly.
 pub(crate) fn to_stdout(write: impl FnOnce(&mut io::StdoutLock<'_>) -> io::Result<()>) -> Outcome {
-    let mut out = io::stdout().lock();
-    write(&mut out).and_then(|()| out.flush()).map_err(|e| match e.kind() {
+    progress::suspended(|| {
+        let mut out = io::stdout().lock();
+        write(&mut out).and_then(|()| out.flush()).map_err(|e| unprinted(&e))
+    })
+}
+
+fn unprinted(e: &io::Error) -> Failure {
+    match e.kind() {
         ErrorKind::BrokenPipe => Failure::ClosedPipe,
         _ => Failure::new(Exit::Other, format!("cannot write to stdout: {e}")),
-    })
+    }
 }

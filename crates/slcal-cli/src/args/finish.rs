@@ -1,0 +1,168 @@
+//! What all verbs have in common on the command line: headings of their options, help, hints after typing errors.
+
+use clap::builder::StyledStr;
+use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
+use clap::{Arg, ArgAction, Command, CommandFactory as _};
+
+use super::Cli;
+use crate::output::HELP;
+
+/// Where the options of any verb stand in its help, by their names. What is not here is an input or a choice.
+const HEADINGS: [(&str, &[&str]); 4] = [
+    (
+        "Output",
+        &[
+            "output",
+            "out",
+            "out_dir",
+            "format",
+            "frame",
+            "mesh",
+            "overlay",
+            "report",
+            "save_observations",
+            "csv",
+            "truth",
+            "json",
+            "force",
+            "resume",
+            "to",
+            "name",
+            "prefix",
+        ],
+    ),
+    (
+        "Model",
+        &[
+            "camera_pp",
+            "projector_pp",
+            "distortion",
+            "projector_distortion",
+            "method",
+            "allow_degenerate",
+            "cull",
+            "principal_points",
+            "significance",
+        ],
+    ),
+    ("General", &["help", "version", "verbose", "quiet", "color", "jobs"]),
+    (
+        "Input",
+        &[
+            "rig",
+            "pattern",
+            "image",
+            "screen",
+            "corners",
+            "observations",
+            "camera",
+            "exif",
+            "gamma",
+            "black",
+            "white",
+            "raw",
+            "size",
+            "projector",
+            "cloud",
+            "as_drawn",
+        ],
+    ),
+];
+/// Options that are in none of them.
+const OTHERS: &str = "Choices";
+
+/// The command line with everything that its verbs share.
+pub(crate) fn command() -> Command {
+    let version =
+        Arg::new("version").short('V').long("version").action(ArgAction::Version).help("Print the version");
+    finished(Cli::command().disable_version_flag(true).arg(version)).disable_help_subcommand(false)
+}
+
+/// A verb and those beneath it.
+fn finished(command: Command) -> Command {
+    let help = Arg::new("help")
+        .short('h')
+        .long("help")
+        .action(ArgAction::Help)
+        .help("Print help; -h a summary, --help all of it, with examples")
+        .display_order(1003);
+    let command = command.disable_help_flag(true).arg(help).styles(HELP).max_term_width(80);
+    let command = command.mut_args(headed).mut_subcommands(finished);
+    let Some(text) = command.get_after_help().map(ToString::to_string) else { return command };
+    command.after_help("--help says more, with examples.").after_long_help(painted(&text))
+}
+
+fn headed(arg: Arg) -> Arg {
+    if arg.is_positional() || arg.get_help_heading().is_some() {
+        return arg;
+    }
+    let name = arg.get_id().as_str();
+    let heading =
+        HEADINGS.iter().find(|(_, names)| names.contains(&name)).map_or(OTHERS, |(heading, _)| heading);
+    arg.help_heading(heading)
+}
+
+/// Headings and commands of an example text in the colours of the help around it.
+fn painted(text: &str) -> StyledStr {
+    let (header, literal) = (HELP.get_header(), HELP.get_literal());
+    let lines = text.lines().map(|line| match line.trim_start() {
+        _ if line.starts_with("Example") => format!("{header}{line}{header:#}"),
+        command if command.starts_with("slcal ") => {
+            format!("{}{literal}{command}{literal:#}", &line[..line.len() - command.len()])
+        }
+        _ => line.to_owned(),
+    });
+    lines.collect::<Vec<_>>().join("\n").into()
+}
+
+/// Adds what probably was meant to a message about a wrong command line.
+pub(crate) fn hinted(mut error: Error) -> Error {
+    let word = |kind| match error.get(kind) {
+        Some(ContextValue::String(word)) => word.clone(),
+        Some(ContextValue::Strings(words)) => words.join(" "),
+        _ => String::new(),
+    };
+    let hint = match error.kind() {
+        ErrorKind::InvalidSubcommand => nested(&word(ContextKind::InvalidSubcommand)),
+        ErrorKind::MissingRequiredArgument => missing(&word(ContextKind::InvalidArg)),
+        _ => None,
+    };
+    if let Some(hint) = hint {
+        let mut all = match error.remove(ContextKind::Suggested) {
+            Some(ContextValue::StyledStrs(others)) => others,
+            _ => Vec::new(),
+        };
+        all.push(hint.into());
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(all));
+    }
+    error
+}
+
+/// A verb that stands beneath another one, such as `checker`.
+fn nested(word: &str) -> Option<String> {
+    let literal = HELP.get_literal();
+    let parent = match word {
+        "plane" | "sphere" => Some("evaluate".to_owned()),
+        _ => Cli::command()
+            .get_subcommands()
+            .find(|verb| verb.get_subcommands().any(|c| c.get_name() == word))
+            .map(|verb| verb.get_name().to_owned()),
+    }?;
+    Some(format!("'{word}' is a kind of '{parent}': {literal}slcal {parent} {word}{literal:#}"))
+}
+
+/// Arguments whose absence needs more than their name.
+fn missing(words: &str) -> Option<String> {
+    let hint = if words.contains("--size") {
+        "the size of the sheet gives the scale: --size A4-landscape, or --size 594x420mm"
+    } else if words.contains("--projector ") {
+        "the projector's native resolution, for instance --projector 1920x1080"
+    } else if words.contains("--pattern") {
+        "the pattern is the JSON that `slcal pattern` writes beside the picture"
+    } else if words.contains("--rig") {
+        "the rig is what `slcal calibrate … -o rig.json` writes"
+    } else {
+        return None;
+    };
+    Some(hint.to_owned())
+}

@@ -1,0 +1,310 @@
+//! Texts of at most [`MAX_WIDTH`] columns: labelled lines with hanging indents, and tables.
+
+use std::io::IsTerminal as _;
+
+use anstyle::Style;
+use terminal_size::{Width, terminal_size_of};
+use unicode_width::UnicodeWidthChar as _;
+
+use super::paint::{BOLD, DIM, paint};
+
+/// As wide as a text gets, and as wide as it is where there is no terminal: what a pipe gets is the same everywhere.
+pub(crate) const MAX_WIDTH: usize = 80;
+/// Narrower terminals are not followed: columns would be torn apart.
+const MIN_WIDTH: usize = 40;
+/// What labels take, with the space that follows.
+const LABEL: usize = 11;
+/// Between the columns of a table.
+const GAP: usize = 2;
+/// Stands for a space at which no line is broken. No text holds it, as [`shown`] removes control characters.
+const GLUE: char = '\u{1f}';
+/// Begins a sequence that paints.
+const ESCAPE: char = '\u{1b}';
+
+/// The columns of stdout.
+pub(crate) fn width() -> usize {
+    let out = std::io::stdout();
+    let columns = if out.is_terminal() { terminal_size_of(&out) } else { None };
+    columns.map_or(MAX_WIDTH, |(Width(columns), _)| fitting(columns))
+}
+
+fn fitting(columns: u16) -> usize {
+    // A terminal that does not know its size says zero.
+    if columns == 0 { MAX_WIDTH } else { usize::from(columns).clamp(MIN_WIDTH, MAX_WIDTH) }
+}
+
+/// A message as it is to appear on stderr: one line for programs, broken between words on a terminal.
+pub(super) fn for_stderr(label: &str, message: &str) -> String {
+    let out = std::io::stderr();
+    let columns = if out.is_terminal() { terminal_size_of(&out) } else { None };
+    let Some((Width(columns), _)) = columns else { return format!("{label}{message}") };
+    let indent = columns_of(label);
+    let lines: Vec<String> = message
+        .split('\n')
+        // What is laid out already stays so.
+        .map(|line| {
+            if columns_of(line) + indent <= usize::from(columns) {
+                line.to_owned()
+            } else {
+                wrapped(line, fitting(columns), indent)
+            }
+        })
+        .collect();
+    format!("{label}{}", lines.join("\n"))
+}
+
+/// A text from outside, a file's name for instance, without what would move a terminal's cursor.
+pub(crate) fn shown(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\n' { char::REPLACEMENT_CHARACTER } else { c }).collect()
+}
+
+/// A text as it is without paint, for other places than a terminal.
+pub(crate) fn plain(text: &str) -> String {
+    anstream::adapter::strip_str(text).to_string().replace(GLUE, " ")
+}
+
+/// A text that is not broken at its spaces.
+pub(crate) fn glued(text: &str) -> String {
+    text.replace(' ', &GLUE.to_string())
+}
+
+/// The columns that a text takes on a terminal.
+pub(crate) fn columns_of(text: &str) -> usize {
+    let mut columns = 0;
+    let mut painting = false;
+    for c in text.chars() {
+        match c {
+            ESCAPE => painting = true,
+            _ if painting => painting = c != 'm',
+            GLUE => columns += 1,
+            _ => columns += c.width().unwrap_or(0),
+        }
+    }
+    columns
+}
+
+/// What belongs to the number before it.
+const UNITS: [&str; 9] = ["%", "mm", "mm²", "px", "σ", "ms", "s", "±", "x"];
+
+/// Whether a line may not end between two words: a number stays with its unit and its ±.
+fn belong(word: &str, next: &str) -> bool {
+    let number =
+        |w: &str| w.trim_start_matches(['(', '-', '+', '"']).starts_with(|c: char| c.is_ascii_digit());
+    let unit = next.trim_end_matches([',', ';', '.', ':', ')']);
+    (number(word) && UNITS.contains(&unit)) || (["±", "x"].contains(&word) && number(next))
+}
+
+/// Breaks a text between words, all lines but the first indented; a word that is longer than a line stays whole.
+fn wrapped(text: &str, width: usize, indent: usize) -> String {
+    let words: Vec<&str> = text.split(' ').filter(|w| !w.is_empty()).collect();
+    let (mut out, mut at) = (String::new(), indent);
+    for part in words.chunk_by(|a, b| belong(a, b)) {
+        let part = part.join(" ");
+        let columns = columns_of(&part);
+        if at > indent && at + 1 + columns > width {
+            out.push('\n');
+            out.push_str(&" ".repeat(indent));
+            at = indent;
+        } else if at > indent {
+            out.push(' ');
+            at += 1;
+        }
+        out.push_str(&part);
+        at += columns;
+    }
+    out.replace(GLUE, " ")
+}
+
+/// A text that is built from above.
+#[derive(Debug)]
+pub(crate) struct Page {
+    text: String,
+    width: usize,
+}
+
+impl Page {
+    /// As wide as stdout.
+    pub(crate) fn new() -> Self {
+        Self { text: String::new(), width: width() }
+    }
+
+    /// A label and what it stands for; lines without a label belong to the one above.
+    pub(crate) fn line(&mut self, label: &str, content: impl AsRef<str>) {
+        self.painted(BOLD, label, content);
+    }
+
+    /// The same with the label in a style of its own.
+    pub(crate) fn painted(&mut self, style: Style, label: &str, content: impl AsRef<str>) {
+        if !label.is_empty() {
+            self.text.push_str(&paint(style, label));
+        }
+        let space = LABEL.saturating_sub(columns_of(label)).max(usize::from(!label.is_empty()));
+        self.text.push_str(&" ".repeat(space));
+        self.text.push_str(&wrapped(content.as_ref(), self.width, LABEL));
+        self.text.push('\n');
+    }
+
+    /// Sentences from the margin on.
+    pub(crate) fn paragraph(&mut self, content: impl AsRef<str>) {
+        self.text.push_str(&wrapped(content.as_ref(), self.width, 0));
+        self.text.push('\n');
+    }
+
+    /// An empty line.
+    pub(crate) fn gap(&mut self) {
+        self.text.push('\n');
+    }
+
+    pub(crate) fn table(&mut self, table: &Table) {
+        table.write(&mut self.text, self.width);
+    }
+
+    /// The text, ready to be printed.
+    pub(crate) fn into_text(self) -> String {
+        self.text
+    }
+}
+
+/// Rows of cells under headings, aligned by the columns that they take on a terminal. The first column holds labels; a last column
+/// that does not fit, such as one of long names, goes beneath, row by row.
+#[derive(Debug)]
+pub(crate) struct Table {
+    heads: Vec<String>,
+    right: Vec<bool>,
+    gap: usize,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Headings; one that begins with `>` has its column aligned to the right. That of the first column is for labels.
+    pub(crate) fn new<'a>(heads: impl IntoIterator<Item = &'a str>) -> Self {
+        let heads: Vec<&str> = heads.into_iter().collect();
+        let right = heads.iter().map(|h| h.starts_with('>')).collect();
+        let heads = heads.iter().map(|h| h.strip_prefix('>').unwrap_or(h).to_owned()).collect();
+        Self { heads, right, gap: GAP, rows: Vec::new() }
+    }
+
+    /// With columns as close to each other as can be.
+    pub(crate) fn tight(mut self) -> Self {
+        self.gap = 1;
+        self
+    }
+
+    pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = impl Into<String>>) {
+        self.rows.push(cells.into_iter().map(Into::into).collect());
+    }
+
+    fn write(&self, text: &mut String, width: usize) {
+        let all = || std::iter::once(&self.heads).chain(&self.rows);
+        let last = self.heads.len().saturating_sub(1);
+        let widths: Vec<usize> = (0..=last)
+            .map(|i| {
+                let widest =
+                    all().filter_map(|row| row.get(i)).map(|cell| columns_of(cell)).max().unwrap_or(0);
+                if i == 0 { widest.max(LABEL - self.gap) } else { widest }
+            })
+            .collect();
+        let beneath = widths.iter().sum::<usize>() + self.gap * last > width;
+        for (number, row) in all().enumerate() {
+            if row.iter().all(String::is_empty) {
+                continue;
+            }
+            let mut line = String::new();
+            let mut space = 0;
+            for (i, cell) in row.iter().enumerate().take(if beneath { last } else { last + 1 }) {
+                let pad = widths[i].saturating_sub(columns_of(cell));
+                let (before, after) = if self.right[i] { (pad, 0) } else { (0, pad) };
+                let style = if number == 0 { Some(DIM) } else { (i == 0).then_some(BOLD) };
+                let cell = style.filter(|_| !cell.is_empty()).map_or(cell.clone(), |s| paint(s, cell));
+                if !cell.is_empty() {
+                    line.push_str(&" ".repeat(space + before));
+                    line.push_str(&cell);
+                    space = 0;
+                }
+                space += if cell.is_empty() { pad } else { after } + self.gap;
+            }
+            if beneath && let Some(cell) = row.get(last).filter(|c| number > 0 && !c.is_empty()) {
+                line.push('\n');
+                line.push_str(&" ".repeat(LABEL));
+                line.push_str(cell);
+            }
+            text.push_str(&line.replace(GLUE, " "));
+            text.push('\n');
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn page(width: usize) -> Page {
+        Page { text: String::new(), width }
+    }
+
+    fn bare(page: Page) -> String {
+        anstream::adapter::strip_str(&page.into_text()).to_string()
+    }
+
+    #[test]
+    fn lines_are_broken_between_words_and_indented() {
+        let mut p = page(30);
+        p.line("label", "one two three four five six");
+        p.line("", format!("seven {}", glued("8 mm away")));
+        assert_eq!(
+            bare(p),
+            "label      one two three four\n           five six\n           seven 8 mm away\n"
+        );
+    }
+
+    #[test]
+    fn numbers_stay_with_their_units() {
+        let broken = |text: &str, width| wrapped(text, width, 0);
+        assert_eq!(broken("it is 12.5 %) off", 10), "it is\n12.5 %)\noff");
+        assert_eq!(broken("a 12.5 ± 0.5 px, b", 12), "a\n12.5 ± 0.5 px,\nb");
+        assert_eq!(broken("a 594 x 420 mm", 9), "a\n594 x 420 mm");
+    }
+
+    #[test]
+    fn what_is_wide_on_a_terminal_counts_so() {
+        assert_eq!(columns_of("写真.jpg"), 8);
+        assert_eq!(columns_of("e\u{301}"), 1);
+        assert_eq!(columns_of(&paint(BOLD, "good")), 4);
+        let mut p = page(20);
+        p.line("", "写真写真 写真");
+        assert_eq!(bare(p), "           写真写真\n           写真\n");
+    }
+
+    #[test]
+    fn a_long_word_stays_whole() {
+        let mut p = page(20);
+        p.line("file", "a aVeryLongNameThatDoesNotFit b");
+        assert_eq!(bare(p), "file       a\n           aVeryLongNameThatDoesNotFit\n           b\n");
+    }
+
+    #[test]
+    fn columns_are_aligned_and_long_names_go_beneath() {
+        let rows = |name: &str| {
+            let mut t = Table::new(["", ">px", "name"]);
+            t.row(["view 1", "9.5", "写.jpg"]);
+            t.row(["view 2", "10.25", name]);
+            let mut p = page(40);
+            p.table(&t);
+            bare(p)
+        };
+        assert_eq!(
+            rows("b.jpg"),
+            "              px  name\nview 1       9.5  写.jpg\nview 2     10.25  b.jpg\n"
+        );
+        assert_eq!(
+            rows("b_name_that_takes_all_of_the_line.jpg"),
+            "              px\nview 1       9.5\n           写.jpg\nview 2     10.25\n           \
+             b_name_that_takes_all_of_the_line.jpg\n"
+        );
+    }
+
+    #[test]
+    fn control_characters_do_not_reach_the_terminal() {
+        assert_eq!(shown("a\u{1b}[31m\r\u{7}b\n"), "a\u{fffd}[31m\u{fffd}\u{fffd}b\n");
+    }
+}

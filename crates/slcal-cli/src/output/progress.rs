@@ -1,0 +1,133 @@
+//! What is going on, on a terminal, while it lasts.
+
+use std::io::{IsTerminal as _, Write as _};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// What is done sooner shows nothing, so that nothing flickers.
+const PATIENCE: Duration = Duration::from_millis(400);
+/// How often it is drawn anew while nothing happens.
+const TICK: Duration = Duration::from_millis(120);
+
+/// To the line's beginning, and all of it empty.
+const CLEAR_LINE: &[u8] = b"\r\x1b[2K";
+
+/// The one that is shown: what is printed meanwhile goes above it.
+static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+/// Runs what prints, with what is shown out of its way.
+pub(super) fn suspended<T>(print: impl FnOnce() -> T) -> T {
+    let shown = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    match shown {
+        Some(bar) => bar.suspend(print),
+        None => print(),
+    }
+}
+
+/// Leaves a clean line before the process ends.
+pub(crate) fn clear_on_interrupt() {
+    // Not waited for: the run may end while a line is printed.
+    if SHOWN.try_lock().is_ok_and(|shown| shown.is_some()) {
+        // Not through the bar, whose lock is held while something is printed into a pipe that nobody empties.
+        let _ = std::io::stderr().write_all(CLEAR_LINE);
+    }
+}
+
+/// Something that is going on. Cleared when dropped.
+#[derive(Debug)]
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    /// Dropped to end the wait.
+    done: Option<Sender<()>>,
+    waiting: Option<JoinHandle<bool>>,
+}
+
+impl Progress {
+    pub(super) fn counting(quiet: bool, of: &str, count: Option<usize>) -> Self {
+        match count {
+            Some(0 | 1) => Self::new(quiet, ProgressBar::hidden(), "{spinner} {wide_msg}"),
+            Some(n) => Self::new(
+                quiet,
+                ProgressBar::with_draw_target(Some(n as u64), ProgressDrawTarget::hidden()),
+                &format!("{{bar:30}} {{pos}} of {{len}} {of}, {{eta}} left {{wide_msg}}"),
+            ),
+            None => Self::new(
+                quiet,
+                ProgressBar::hidden(),
+                &format!("{{spinner}} {{pos}} {of} in {{elapsed}} {{wide_msg}}"),
+            ),
+        }
+    }
+
+    pub(super) fn busy(quiet: bool, doing: String) -> Self {
+        let progress = Self::new(quiet, ProgressBar::hidden(), "{spinner} {wide_msg}");
+        progress.bar.set_message(doing);
+        progress
+    }
+
+    fn new(quiet: bool, bar: ProgressBar, template: &str) -> Self {
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        if quiet || !terminal() {
+            return Self { bar, done: None, waiting: None };
+        }
+        let (done, wait) = channel();
+        let shown = bar.clone();
+        let waiting = thread::Builder::new().spawn(move || show_later(&shown, &wait)).ok();
+        Self { bar, done: Some(done), waiting }
+    }
+
+    /// What is being done now.
+    pub(crate) fn say(&self, doing: impl Into<String>) {
+        self.bar.set_message(doing.into());
+    }
+
+    /// One more is done.
+    pub(crate) fn step(&self) {
+        self.bar.inc(1);
+    }
+
+    /// So many are done.
+    pub(crate) fn reached(&self, done: usize) {
+        self.bar.set_position(done as u64);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        drop(self.done.take());
+        if let Some(waiting) = self.waiting.take() {
+            // It panics nowhere, and if it did, the work itself is well.
+            if waiting.join().unwrap_or(false) {
+                SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take();
+            }
+            self.bar.finish_and_clear();
+        }
+    }
+}
+
+/// Shows what is still going on when patience is over; whether it came to that.
+fn show_later(bar: &ProgressBar, wait: &Receiver<()>) -> bool {
+    if wait.recv_timeout(PATIENCE) != Err(RecvTimeoutError::Timeout) {
+        return false;
+    }
+    let mut shown = SHOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    // Work within work is not shown beside it.
+    let first = shown.is_none();
+    if first {
+        bar.set_draw_target(ProgressDrawTarget::stderr());
+        bar.enable_steady_tick(TICK);
+        *shown = Some(bar.clone());
+    }
+    first
+}
+
+/// Whether stderr is a terminal on which a line can be drawn over.
+fn terminal() -> bool {
+    std::io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|t| t != "dumb")
+}

@@ -1,0 +1,87 @@
+//! Clouds.
+
+use std::fmt::Write as _;
+
+use slcal_core::PointCloud;
+use slcal_core::reconstruct::Reconstruction;
+
+use super::decoding::{decoded_percent, seen, told};
+use crate::output::{Page, glued};
+
+/// One cloud of many: decoding and points in a line, and lines of their own for what is out of the ordinary.
+pub(crate) fn cloud_in_a_line(result: &Reconstruction) -> String {
+    let mut text = format!("{} points", result.cloud.points.len());
+    if !result.cloud.triangles.is_empty() {
+        let _ = write!(text, ", {} triangles", result.cloud.triangles.len());
+    }
+    if let Some((near, _, far)) = distances(&result.cloud) {
+        let _ = write!(text, ", {near:.0} to {far:.0} mm away");
+    }
+    if let Some(report) = &result.decode {
+        let _ = write!(text, ", {:.1} % decoded", decoded_percent(report));
+        let mut page = Page::new();
+        told(&mut page, report);
+        let _ = write!(text, "\n{}", page.into_text());
+    }
+    text.trim_end().to_owned()
+}
+
+/// A photograph's way to its cloud.
+pub(crate) fn reconstruction(result: &Reconstruction) -> String {
+    let mut page = Page::new();
+    if let Some(report) = &result.decode {
+        seen(&mut page, report);
+    }
+    points(&mut page, result);
+    if let Some(report) = &result.decode {
+        told(&mut page, report);
+    }
+    page.into_text()
+}
+
+/// What became of matches.
+pub(crate) fn cloud(result: &Reconstruction) -> String {
+    let mut page = Page::new();
+    points(&mut page, result);
+    page.into_text()
+}
+
+fn points(page: &mut Page, result: &Reconstruction) {
+    let cloud = &result.cloud;
+    let mut parts = vec![cloud.points.len().to_string()];
+    if !cloud.triangles.is_empty() {
+        parts.push(format!("{} triangles", cloud.triangles.len()));
+    }
+    if let Some((near, middle, far)) = distances(cloud) {
+        parts.push(format!("{near:.0} to {far:.0} mm from the camera"));
+        parts.push(format!("half of them within {middle:.0} mm"));
+    }
+    page.line("points", listed(&parts));
+    let t = &result.triangulate;
+    let refused = t.invalid + t.grazing + t.behind + t.outside_panel + t.contradicting;
+    if refused + result.cull.outliers > 0 {
+        let mut parts = vec![
+            format!("{} outliers", result.cull.outliers),
+            format!("{} without coordinates", t.invalid),
+            format!("{} grazing", t.grazing),
+            format!("{} behind the devices", t.behind),
+            format!("{} lit from outside the panel", t.outside_panel),
+        ];
+        if t.contradicting > 0 {
+            parts.push(format!("{} whose column and row contradict each other", t.contradicting));
+        }
+        page.line("left out", listed(&parts));
+    }
+}
+
+/// With commas between, broken nowhere else.
+fn listed(parts: &[String]) -> String {
+    parts.iter().map(|p| glued(p)).collect::<Vec<_>>().join(", ")
+}
+
+/// Nearest, median and farthest distance of the points from the camera, mm.
+fn distances(cloud: &PointCloud) -> Option<(f64, f64, f64)> {
+    let mut all: Vec<f64> = cloud.points.iter().map(|p| (p.position - cloud.camera_centre).norm()).collect();
+    all.sort_by(f64::total_cmp);
+    Some((*all.first()?, *all.get(all.len() / 2)?, *all.last()?))
+}
