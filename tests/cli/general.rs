@@ -4,7 +4,7 @@ use std::process::{Command, Stdio};
 
 use crate::bench;
 
-const VERBS: [&str; 9] = [
+const VERBS: [&str; 10] = [
     "demo",
     "pattern checker",
     "pattern stripes",
@@ -14,6 +14,7 @@ const VERBS: [&str; 9] = [
     "triangulate",
     "reconstruct",
     "evaluate",
+    "report",
 ];
 
 #[test]

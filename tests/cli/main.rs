@@ -9,6 +9,7 @@ mod observations;
 mod pattern;
 mod reconstruct;
 mod rendered;
+mod report;
 mod simulate;
 mod verify;
 

@@ -10,6 +10,7 @@ pub mod files;
 mod io;
 mod output;
 mod picture;
+mod report;
 mod size;
 mod summary;
 mod verbs;
@@ -21,6 +22,7 @@ use clap::FromArgMatches as _;
 use crate::args::Cli;
 use crate::exit::Failure;
 use crate::output::{ColorArg, Printer, Verbosity, set_color};
+use crate::report::CommandLine;
 
 /// Runs a command line (the program's name first) and returns the exit code: 0 done, 2 wrong command line, 3 input
 /// unreadable or malformed, 4 sheet, pattern or stripes not found, 5 geometry degenerate, 1 anything else.
@@ -29,6 +31,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     // Before anything is parsed: what is wrong with the command line is told in colours, too.
     let color = ColorArg::of(&args);
     set_color(color);
+    let typed = CommandLine::new(&args);
     let cli = match parse(args, color) {
         Ok(cli) => cli,
         Err(message) => {
@@ -44,7 +47,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         _ => Verbosity::Normal,
     });
     io::end_whole_on_interrupt();
-    match verbs::run(cli.verb, printer) {
+    match verbs::run(cli.verb, &typed, printer) {
         Ok(()) => 0,
         Err(failure) => {
             if !matches!(failure, Failure::ClosedPipe | Failure::Told(_)) {

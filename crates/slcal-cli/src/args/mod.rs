@@ -11,6 +11,7 @@ mod pattern;
 mod photo;
 mod reconstruct;
 mod rectify;
+mod report;
 mod simulate;
 mod triangulate;
 mod verify;
@@ -27,6 +28,7 @@ pub(crate) use finish::{command, hinted};
 pub(crate) use pattern::{CheckerArgs, PatternOutput, PatternVerb, StripesArgs};
 pub(crate) use reconstruct::ReconstructArgs;
 pub(crate) use rectify::RectifyArgs;
+pub(crate) use report::ReportArgs;
 pub(crate) use simulate::{
     Crosstalk, LightArgs, MeshFrameArg, NoiseArgs, PlaceArgs, PrincipalPointsArg, RigArgs, SceneArgs,
     SimulateVerb, ViewsArgs, WallArg,
@@ -132,6 +134,12 @@ pub(crate) enum Verb {
     /// Fit a plane or a sphere to a cloud and say how far the points lie from it.
     #[command(after_help = "Example:\n  slcal evaluate plane cloud.ply")]
     Evaluate(EvaluateArgs),
+    /// Show a rig, and a cloud that was made with it, as one HTML file.
+    #[command(after_help = "Examples:\n  slcal report --rig rig.json -o report.html\n  \
+                            slcal report --rig rig.json --pattern checker.json --photo sheet.jpg --cloud cloud.ply -o report.html\n\n\
+                            The file needs no network and no other file: open it in a browser, send it, print it. What is not at \
+                            hand\nis left out, and the report says so.")]
+    Report(ReportArgs),
     /// Experiments on rigs whose truth is known.
     #[command(subcommand)]
     Simulate(SimulateVerb),

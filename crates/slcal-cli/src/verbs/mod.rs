@@ -8,6 +8,7 @@ mod evaluate;
 mod pattern;
 mod reconstruct;
 mod rectify;
+mod report;
 mod simulate;
 mod triangulate;
 mod verify;
@@ -15,8 +16,9 @@ mod verify;
 use crate::args::Verb;
 use crate::exit::Outcome;
 use crate::output::Printer;
+use crate::report::CommandLine;
 
-pub(crate) fn run(verb: Verb, printer: Printer) -> Outcome {
+pub(crate) fn run(verb: Verb, typed: &CommandLine, printer: Printer) -> Outcome {
     match verb {
         Verb::Demo(args) => demo::run(&args, printer),
         Verb::Pattern(verb) => pattern::run(verb, printer),
@@ -28,6 +30,7 @@ pub(crate) fn run(verb: Verb, printer: Printer) -> Outcome {
         Verb::Triangulate(args) => triangulate::run(&args, printer),
         Verb::Reconstruct(args) => reconstruct::run(&args, printer),
         Verb::Evaluate(args) => evaluate::run(&args, printer),
+        Verb::Report(args) => report::run(&args, typed, printer),
         Verb::Simulate(verb) => simulate::run(&verb, printer),
     }
 }

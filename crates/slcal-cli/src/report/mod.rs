@@ -1,0 +1,63 @@
+//! One self-contained HTML file about a rig, or about a cloud: the verdict first, then what it rests on.
+//!
+//! [`Subject`] is what there is to show; every file here is one section, and says in a line why it is not shown where
+//! something is missing. `maud` escapes every text, `figure` every plot. The same subject gives the same file.
+
+mod command;
+mod expected;
+mod figure;
+mod next;
+mod number;
+mod page;
+mod parameters;
+mod residuals;
+mod space;
+mod verdict;
+
+use slcal_core::{PointCloud, Rig, ViewResiduals};
+
+pub(crate) use self::command::{CommandLine, quoted};
+use self::figure::Figures;
+use self::page::Section;
+
+/// What a report is about. Names are those that the reader knows: as they were typed.
+pub(crate) struct Subject<'a> {
+    pub(crate) rig: &'a Rig,
+    /// The rig's file; empty when it has none.
+    pub(crate) rig_name: String,
+    /// How far the measurements lie from the rig, or why that is not known.
+    pub(crate) residuals: Result<Vec<ViewResiduals>, String>,
+    /// The checkerboard's file, for the commands to run next.
+    pub(crate) checker_name: Option<String>,
+    pub(crate) cloud: Option<ShownCloud<'a>>,
+    /// The commands that led here, the last one last.
+    pub(crate) made_by: Vec<String>,
+}
+
+impl Subject<'_> {
+    /// What the page calls the rig.
+    fn name(&self) -> &str {
+        if self.rig_name.is_empty() { "calibration" } else { &self.rig_name }
+    }
+}
+
+/// A cloud beside the rig.
+pub(crate) struct ShownCloud<'a> {
+    pub(crate) name: String,
+    pub(crate) cloud: &'a PointCloud,
+}
+
+/// The report, complete.
+pub(crate) fn html(subject: &Subject) -> Vec<u8> {
+    let mut figures = Figures::default();
+    let sections = [
+        Some(parameters::section(subject)),
+        residuals::section(subject, &mut figures),
+        Some(space::section(subject, &mut figures)),
+        expected::section(subject, &mut figures),
+        next::warnings(subject),
+        Some(next::commands(subject)),
+    ];
+    let sections: Vec<Section> = sections.into_iter().flatten().collect();
+    page::html(&verdict::title(subject), &verdict::head(subject), &sections, &figures)
+}

@@ -1,0 +1,146 @@
+//! The parameters with their ±, every number with its exact value.
+
+use maud::{Markup, html};
+use slcal_core::{Device, Rig, StereoPose, View};
+
+use super::Subject;
+use super::number::{decimals_of, derived, field, fixed, significant};
+use super::page::Section;
+
+const COEFFICIENTS: [&str; 5] = ["k1", "k2", "p1", "p2", "k3"];
+
+pub(super) fn section(subject: &Subject) -> Section {
+    let rig = subject.rig;
+    let content = html! {
+        div.scroll { table.parameters {
+            thead { tr { th scope="col" { "Parameter" } th scope="col" { "Value" } th scope="col" { "Unit" } } }
+            (device("camera", "Camera", &rig.camera))
+            @if let Some(projector) = &rig.projector { (device("projector", "Projector", projector)) }
+            @if let Some(stereo) = &rig.stereo { (between(rig, stereo)) }
+            @for (i, view) in rig.views.iter().enumerate() { (pose(rig, i, view)) }
+        } }
+        @if rig.projector.is_none() { p.note { "There is no projector in this rig: it was calibrated without a pattern." } }
+        @if rig.views.is_empty() { p.note { "The rig names no photographs of a sheet." } }
+        @if rig.camera.sigma.is_none() { p.note { "The rig does not state the ± of its numbers." } }
+        p.note {
+            "“fixed” means assumed, not estimated. Pixel centres have integer coordinates. Method: " (rig.method) "."
+        }
+    };
+    Section { id: "parameters", title: "What was found", content }
+}
+
+fn device(path: &str, title: &str, device: &Device) -> Markup {
+    let (model, sigma) = (&device.model, &device.sigma);
+    let (k, size) = (&model.intrinsics, [model.width, model.height]);
+    let at = |field: &str| format!("{path}.{field}");
+    let focal = |axis: usize, value: f64| {
+        measured(&at(&format!("K.{axis}.{axis}")), value, sigma.map(|s| (at("sigma.focal_px"), s.focal_px)))
+    };
+    let share = sigma.filter(|s| s.focal_px > 0.0).map(|s| 100.0 * s.focal_px / k.fx);
+    let degrees = |pixels: u32, f: f64| (2.0 * (f64::from(pixels) / 2.0 / f).atan()).to_degrees();
+    let d = model.distortion.to_array();
+    let bends = d.iter().chain(sigma.iter().flat_map(|s| &s.distortion)).any(|c| *c != 0.0);
+    html! {
+        tbody {
+            tr.group { th scope="rowgroup" colspan="3" { (title) } }
+            (row("Image size", &html! {
+                (field(&at("width"), f64::from(size[0]), &size[0].to_string())) " × "
+                (field(&at("height"), f64::from(size[1]), &size[1].to_string()))
+            }, "px"))
+            @if (k.fx - k.fy).abs() <= 1e-9 * k.fx {
+                (row("Focal length", &html! {
+                    (focal(0, k.fx)) @if let Some(share) = share { span.aside { " (" (significant(share, 2)) " %)" } }
+                }, "px"))
+            } @else {
+                (row("Focal length, horizontal", &focal(0, k.fx), "px"))
+                (row("Focal length, vertical", &focal(1, k.fy), "px"))
+            }
+            (row("Field of view", &html! {
+                (derived(&at("fov_x_deg"), degrees(size[0], k.fx), &fixed(degrees(size[0], k.fx), 1))) "° × "
+                (derived(&at("fov_y_deg"), degrees(size[1], k.fy), &fixed(degrees(size[1], k.fy), 1))) "°"
+            }, ""))
+            (row("Principal point, x", &measured(&at("K.0.2"), k.cx, sigma.map(|s| (at("sigma.cx_px"), s.cx_px))), "px"))
+            (row("Principal point, y", &measured(&at("K.1.2"), k.cy, sigma.map(|s| (at("sigma.cy_px"), s.cy_px))), "px"))
+            @if k.skew != 0.0 { (row("Skew", &field(&at("K.0.1"), k.skew, &significant(k.skew, 4)), "px")) }
+            @if bends {
+                @for (i, name) in COEFFICIENTS.iter().enumerate() {
+                    (row(&format!("Distortion {name}"), &measured(
+                        &at(&format!("distortion.{i}")), d[i],
+                        sigma.map(|s| (at(&format!("sigma.distortion.{i}")), s.distortion[i])),
+                    ), ""))
+                }
+            } @else {
+                (row("Lens distortion", &html! { span.aside { "none assumed" } }, ""))
+            }
+        }
+    }
+}
+
+fn between(rig: &Rig, stereo: &StereoPose) -> Markup {
+    let pose = &stereo.projector_from_camera;
+    let baseline = pose.translation.norm();
+    let sigma = rig.baseline_sigma_mm();
+    let decimals = sigma.map_or(1, decimals_of);
+    let turn = pose.rotation.angle().to_degrees();
+    // What the rig states is of the projector's axes; a reader wants one number.
+    let turn_sigma = stereo.sigma_r_rad.map(|s| s.iter().map(|x| x * x).sum::<f64>().sqrt().to_degrees());
+    html! {
+        tbody {
+            tr.group { th scope="rowgroup" colspan="3" { "From camera to projector" } }
+            (row("Baseline: distance of the lenses", &html! {
+                (derived("baseline_mm", baseline, &fixed(baseline, decimals)))
+                @if let Some(s) = sigma { " ± " (derived("baseline_sigma_mm", s, &significant(s, 2))) }
+            }, "mm"))
+            @for (i, axis) in ["right", "down", "forward"].into_iter().enumerate() {
+                (row(&format!("Translation, {axis}"), &measured(
+                    &format!("projector_from_camera.t.{i}"), pose.translation[i],
+                    stereo.sigma_t_mm.map(|s| (format!("projector_from_camera.sigma_t_mm.{i}"), s[i])),
+                ), "mm"))
+            }
+            (row("Turned against each other by", &html! {
+                (derived("turn_deg", turn, &fixed(turn, turn_sigma.map_or(2, decimals_of).min(4))))
+                @if let Some(s) = turn_sigma.filter(|s| *s > 0.0) { " ± " (derived("turn_sigma_deg", s, &significant(s, 2))) }
+            }, "°"))
+        }
+    }
+}
+
+fn pose(rig: &Rig, i: usize, view: &View) -> Markup {
+    let at = |field: &str| format!("views.{i}.{field}");
+    let centre = nalgebra::Point3::new(view.size.width_mm / 2.0, view.size.height_mm / 2.0, 0.0);
+    let distance = view.camera_from_sheet.transform(&centre).coords.norm();
+    let tilt = rig.tilt_rad(i).map(f64::to_degrees);
+    let name = view.photo.as_deref().unwrap_or("photograph");
+    html! {
+        tbody {
+            tr.group { th scope="rowgroup" colspan="3" { "Sheet in " span.file { (name) } } }
+            (row("Size, as it was given", &html! {
+                (field(&at("size_mm.0"), view.size.width_mm, &fixed(view.size.width_mm, 1))) " × "
+                (field(&at("size_mm.1"), view.size.height_mm, &fixed(view.size.height_mm, 1)))
+            }, "mm"))
+            (row("Distance of its middle", &derived(&at("distance_mm"), distance, &fixed(distance, 0)), "mm"))
+            @if let Some(tilt) = tilt { (row("Tilt", &derived(&at("tilt_deg"), tilt, &fixed(tilt, 1)), "°")) }
+        }
+    }
+}
+
+/// A value with its σ, each under its own name; "fixed" where it was not estimated.
+fn measured(path: &str, value: f64, sigma: Option<(String, f64)>) -> Markup {
+    let plain = || field(path, value, &fixed(value, plain_decimals(value)));
+    match sigma {
+        None => plain(),
+        Some((sigma_path, s)) if s > 0.0 => html! {
+            (field(path, value, &fixed(value, decimals_of(s)))) " ± " (field(&sigma_path, s, &significant(s, 2)))
+        },
+        Some((sigma_path, s)) => html! { (plain()) " " (field(&sigma_path, s, "fixed")) },
+    }
+}
+
+/// Decimals of a number whose σ nobody knows: five significant digits, at least one decimal.
+fn plain_decimals(value: f64) -> usize {
+    if value == 0.0 { 1 } else { (4 - value.abs().log10().floor() as i32).clamp(1, 8) as usize }
+}
+
+fn row(label: &str, value: &Markup, unit: &str) -> Markup {
+    html! { tr { th scope="row" { (label) } td.value { (value) } td.unit { (unit) } } }
+}

@@ -1,0 +1,230 @@
+//! How far the measurements lie from the model: over the image, against their noise, view by view.
+
+use maud::{Markup, html};
+use serde_json::{Value, json};
+use slcal_core::{PointResidual, Rig, ViewResiduals};
+
+use super::Subject;
+use super::figure::{Figures, flat_layout};
+use super::number::{field, significant};
+use super::page::Section;
+
+/// More arrows than this hide each other.
+const MAX_ARROWS: usize = 1500;
+/// A long residual (one of twenty is longer) is drawn this long, as a share of the image's width.
+const ARROW_SHARE: f64 = 0.05;
+/// Bars of the histogram: their width and reach in σ.
+const BAR: f64 = 0.25;
+const REACH: f64 = 5.0;
+
+pub(super) fn section(subject: &Subject, figures: &mut Figures) -> Option<Section> {
+    let rig = subject.rig;
+    if rig.views.is_empty() {
+        return None;
+    }
+    let content = html! {
+        p {
+            "A residual is the distance between where a point was seen and where the rig expects it. Small ones say that the model \
+             fits; they do not say how good the calibration is: the ± do."
+        }
+        @match &subject.residuals {
+            Ok(views) => div.pair { (over_image(rig, views, figures)) (distribution(views, figures)) },
+            Err(why) => p.note { "Plots of the residuals are not shown: " (why) "." },
+        }
+        (table(rig, subject.residuals.as_ref().ok()))
+    };
+    Some(Section { id: "residuals", title: "How well it fits", content })
+}
+
+/// Arrows over the image, magnified by a round number that is told.
+fn over_image(rig: &Rig, views: &[ViewResiduals], figures: &mut Figures) -> Markup {
+    let [w, h] = [rig.camera.model.width, rig.camera.model.height].map(f64::from);
+    let sheet = || views.iter().flat_map(|v| &v.sheet);
+    let pairs = || views.iter().flat_map(|v| &v.pairs).map(|p| &p.camera);
+    let scale = magnification(sheet().chain(pairs()), ARROW_SHARE * w);
+    let bar = nice(0.12 * w / scale);
+    let mut traces = Vec::new();
+    let kinds: [(&str, &str, Vec<&PointResidual>); 2] = [
+        ("sides of the sheet", "$sheet", sheet().collect()),
+        ("projected corners", "$projector", pairs().collect()),
+    ];
+    for (name, colour, points) in &kinds {
+        if !points.is_empty() {
+            traces.push(arrows(name, colour, points, scale));
+        }
+    }
+    // The scale's bar stands above the image.
+    let y = -0.06 * h;
+    traces.push(json!({
+        "type": "scatter", "mode": "lines+text", "x": [0.0, bar * scale], "y": [y, y], "showlegend": false,
+        "text": ["", format!(" {} px", significant(bar, 2))], "textposition": "middle right", "hoverinfo": "skip",
+        "line": { "color": "$ink", "width": 3 }, "textfont": { "color": "$ink" }, "cliponaxis": false,
+    }));
+    let mut layout = flat_layout(
+        json!({ "title": { "text": "column of the image, px" }, "range": [0.0, w], "constrain": "domain" }),
+        json!({ "title": { "text": "row, px" }, "range": [h, -0.1 * h], "scaleanchor": "x", "constrain": "domain" }),
+    );
+    layout["legend"]["y"] = json!(1.0);
+    let alt = format!("Residuals over the image of the camera, drawn {scale} times as long as they are.");
+    html! {
+        figure {
+            (figures.flat("residuals-image", &alt, traces, layout))
+            figcaption {
+                "From seen to expected, " (significant(scale, 2)) " times as long as they are. They should point anywhere: a pattern \
+                 means that the model misses something (a bent sheet, a lens that distorts)."
+            }
+        }
+    }
+}
+
+fn arrows(name: &str, colour: &str, points: &[&PointResidual], scale: f64) -> Value {
+    let step = points.len().div_ceil(MAX_ARROWS).max(1);
+    let (mut x, mut y, mut size) = (Vec::new(), Vec::new(), Vec::new());
+    for p in points.iter().step_by(step).filter(|p| p.vector_px().iter().all(|c| c.is_finite())) {
+        let end = p.seen + p.vector_px() * scale;
+        x.extend([Some(rounded(p.seen.x)), Some(rounded(end.x)), None]);
+        y.extend([Some(rounded(p.seen.y)), Some(rounded(end.y)), None]);
+        size.extend([3, 0, 0]);
+    }
+    json!({
+        "type": "scatter", "mode": "lines+markers", "name": name, "x": x, "y": y, "hoverinfo": "skip",
+        "line": { "color": colour, "width": 1.25 }, "marker": { "size": size, "color": colour, "line": { "width": 0 } },
+    })
+}
+
+/// Hundredths of a pixel are enough to draw.
+fn rounded(x: f64) -> f64 {
+    (x * 100.0).round() / 100.0
+}
+
+/// By how much residuals are drawn longer than they are: such that a long one has the given length, rounded down to 1, 2, 5.
+fn magnification<'a>(points: impl Iterator<Item = &'a PointResidual>, length_px: f64) -> f64 {
+    let mut all: Vec<f64> =
+        points.filter(|p| p.kept).map(|p| p.vector_px().norm()).filter(|x| x.is_finite()).collect();
+    all.sort_by(f64::total_cmp);
+    let long = all.get(all.len() * 19 / 20).copied().unwrap_or_default();
+    if long > 1e-9 { nice(length_px / long).max(1.0) } else { 1.0 }
+}
+
+/// The largest of 1, 2, 5, 10, 20 … that is not above a number.
+fn nice(x: f64) -> f64 {
+    let power = 10f64.powf(x.log10().floor());
+    let digit = [5.0, 2.0, 1.0].into_iter().find(|d| d * power <= x * (1.0 + 1e-9)).unwrap_or(1.0);
+    digit * power
+}
+
+/// The residuals in units of their noise, and what a normal distribution would be.
+fn distribution(views: &[ViewResiduals], figures: &mut Figures) -> Markup {
+    let mut all = Vec::new();
+    for view in views {
+        // Corners that were given move in both directions, points of a side only across it.
+        let given = view.sheet.len() == 4;
+        all.extend(view.sheet.iter().flat_map(|p| if given { components(p) } else { [across(p), f64::NAN] }));
+        all.extend(view.pairs.iter().flat_map(|p| components(&p.camera)));
+    }
+    all.retain(|x| x.is_finite());
+    let bars = (2.0 * REACH / BAR) as usize;
+    let mut counts = vec![0usize; bars];
+    for x in &all {
+        let bar = ((x + REACH) / BAR).floor().clamp(0.0, (bars - 1) as f64);
+        counts[bar as usize] += 1;
+    }
+    let beyond = all.iter().filter(|x| x.abs() > REACH).count();
+    let middle = |i: usize| -REACH + (i as f64 + 0.5) * BAR;
+    let normal = |x: f64| all.len() as f64 * BAR * (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt();
+    let curve: Vec<f64> = (0..=100).map(|i| -REACH + f64::from(i) * REACH / 50.0).collect();
+    let traces = vec![
+        json!({
+            "type": "bar", "name": "measured", "x": (0..bars).map(middle).collect::<Vec<_>>(), "y": counts,
+            "width": BAR * 0.92, "marker": { "color": "$cloud" }, "hovertemplate": "%{y} at %{x:.2f} σ<extra></extra>",
+        }),
+        json!({
+            "type": "scatter", "mode": "lines", "name": "expected", "x": curve, "y": curve.iter().map(|x| normal(*x)).collect::<Vec<_>>(),
+            "line": { "color": "$ink", "width": 2 }, "hoverinfo": "skip",
+        }),
+    ];
+    let layout = flat_layout(
+        json!({ "title": { "text": "residual ÷ its measured noise σ" }, "range": [-REACH, REACH] }),
+        json!({ "title": { "text": "measurements" }, "rangemode": "tozero" }),
+    );
+    let alt =
+        format!("Distribution of {} residuals, in units of their noise, beside the normal curve.", all.len());
+    html! {
+        figure {
+            (figures.flat("residuals-distribution", &alt, traces, layout))
+            figcaption {
+                (all.len()) " residuals in units of the noise that was measured in the photograph. Bars that follow the curve mean that \
+                 noise is all there is."
+                @if beyond > 0 { " " (beyond) " lie beyond 5 σ and stand in the outer bars." }
+            }
+        }
+    }
+}
+
+fn components(p: &PointResidual) -> [f64; 2] {
+    let v = p.vector_px() / p.sigma_px;
+    [v.x, v.y]
+}
+
+/// The distance from a side, its sign that of the larger component.
+fn across(p: &PointResidual) -> f64 {
+    let v = p.vector_px();
+    let larger = if v.x.abs() > v.y.abs() { v.x } else { v.y };
+    v.norm().copysign(larger) / p.sigma_px
+}
+
+/// View by view: how far, how many, and whether one is the odd one out.
+fn table(rig: &Rig, views: Option<&Vec<ViewResiduals>>) -> Markup {
+    if rig.views.iter().all(|v| v.rms_px.is_none()) {
+        return html! { p.note { "The rig does not state the residuals of its photographs." } };
+    }
+    let number = |path: String, x: Option<f64>| html! { @match x { Some(x) => (field(&path, x, &significant(x, 2))), None => "–" } };
+    html! {
+        h3 { "Root mean square, px" }
+        div.scroll { table {
+            thead { tr {
+                th scope="col" { "Photograph" }
+                th.number scope="col" { "sheet" } th.number scope="col" { "pattern" } th.number scope="col" { "on the panel" }
+                @if views.is_some() { th.number scope="col" { "left out" } }
+            } }
+            tbody { @for (i, view) in rig.views.iter().enumerate() {
+                @let own = views.and_then(|v| v.get(i));
+                @let odd = own.is_some_and(ViewResiduals::is_odd);
+                tr.odd[odd] {
+                    th scope="row" {
+                        span.file { (view.photo.as_deref().unwrap_or("photograph")) }
+                        @if odd { " " span.flag { "⚠ " (odd_words(own)) } }
+                    }
+                    td.number { (number(format!("views.{i}.rms_px.edges"), view.rms_px.map(|r| r.edges))) }
+                    td.number { (number(format!("views.{i}.rms_px.corners"), view.rms_px.and_then(|r| r.corners))) }
+                    td.number { (number(format!("views.{i}.rms_px.projector"), view.rms_px.and_then(|r| r.projector))) }
+                    @if views.is_some() { td.number { (own.map_or_else(String::new, left_out)) } }
+                }
+            } }
+        } }
+    }
+}
+
+/// Why a photograph is the odd one.
+pub(super) fn odd_words(view: Option<&ViewResiduals>) -> String {
+    let times = view.and_then(|v| v.times_others).unwrap_or_default();
+    format!("fits {} times worse than the others: another sheet, a bump, blur?", significant(times, 2))
+}
+
+fn left_out(view: &ViewResiduals) -> String {
+    let all = view.sheet.len() + view.pairs.len();
+    let out = view.sheet.iter().chain(view.pairs.iter().map(|p| &p.camera)).filter(|p| !p.kept).count();
+    format!("{out} of {all}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn magnifications_are_round_and_not_too_large() {
+        for (x, rounded) in [(1234.0, 1000.0), (0.5, 0.5), (4.999, 2.0), (5.0, 5.0), (20.0, 20.0)] {
+            assert!((nice(x) / rounded - 1.0).abs() < 1e-9, "{x}: {}", nice(x));
+        }
+    }
+}

@@ -1,0 +1,122 @@
+// Draws the plots of the page: unpacks numbers, puts in the page's colours, draws one after the other once the page is shown.
+(() => {
+  "use strict";
+  const figures = JSON.parse(document.getElementById("figures").textContent);
+  const root = document.documentElement;
+  const settings = { responsive: true, displayModeBar: false, displaylogo: false, doubleClick: "reset" };
+
+  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const unpack = {
+    u16: (p) => {
+      const codes = new Uint16Array(bytes(p.data).buffer);
+      return Float32Array.from(codes, (c) => (c === 65535 ? NaN : p.low + p.step * c));
+    },
+    index16: (p) => new Uint16Array(bytes(p.data).buffer),
+    index32: (p) => new Uint32Array(bytes(p.data).buffer),
+    rgb: (p) => {
+      const all = bytes(p.data);
+      const colours = new Array(all.length / 3);
+      for (let i = 0; i < colours.length; i++) {
+        colours[i] = `rgb(${all[3 * i]},${all[3 * i + 1]},${all[3 * i + 2]})`;
+      }
+      return colours;
+    },
+  };
+
+  // "$name" becomes the page's colour of that name, packed numbers become arrays.
+  const ready = (x, colour) => {
+    if (typeof x === "string") return x[0] === "$" ? colour(x.slice(1)) : x;
+    if (Array.isArray(x)) return typeof x[0] === "number" ? x : x.map((y) => ready(y, colour));
+    if (x === null || typeof x !== "object") return x;
+    if (x.packed) return (x.unpacked ??= unpack[x.packed](x));
+    return Object.fromEntries(Object.entries(x).map(([k, v]) => [k, ready(v, colour)]));
+  };
+  const colours = () => {
+    const style = getComputedStyle(root);
+    return (name) => style.getPropertyValue("--" + name).trim();
+  };
+  // A change is for each of its traces alike, unless it is a list of as many values; plotly wants a list.
+  const listed = (change) =>
+    Object.fromEntries(Object.entries(change).map(([k, v]) =>
+      [k, k === "visible" && Array.isArray(v) ? v : Array.isArray(v) || ArrayBuffer.isView(v) ? [v] : v]));
+
+  // plotly measures letters by reading its canvas back; the browser warns that this should have been said.
+  const context = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, options) {
+    return context.call(this, kind, kind === "2d" ? { ...options, willReadFrequently: true } : options);
+  };
+
+  const drawn = new Map();
+  const choose = (figure, index) => {
+    const div = document.getElementById(figure.id);
+    const choice = figure.choices[index];
+    figure.chosen = index;
+    for (const button of document.querySelectorAll(`[data-for="${figure.id}"] button`)) {
+      button.setAttribute("aria-pressed", String(button.dataset.choice === String(index)));
+    }
+    return Plotly.restyle(div, listed(ready(choice.change, colours())), choice.traces);
+  };
+  const draw = async (figure) => {
+    const div = document.getElementById(figure.id);
+    const colour = colours();
+    await Plotly.newPlot(div, ready(figure.data, colour), ready(figure.layout, colour), settings);
+    drawn.set(figure.id, div);
+    const choices = document.querySelector(`[data-for="${figure.id}"]`);
+    if (choices) {
+      choices.hidden = false;
+      choices.addEventListener("click", (event) => {
+        const button = event.target.closest("button");
+        if (button) choose(figure, Number(button.dataset.choice));
+      });
+    }
+  };
+  const recolour = () => {
+    for (const figure of figures) {
+      const div = drawn.get(figure.id);
+      if (!div) continue;
+      const layout = ready(figure.layout, colours());
+      // As the reader has turned it.
+      if (figure.space) layout.scene.camera = div._fullLayout.scene.camera;
+      Plotly.react(div, ready(figure.data, colours()), layout, settings);
+      if (figure.chosen) choose(figure, figure.chosen);
+    }
+  };
+  // The browser prints what is drawn on the page; a picture of what is in space is kept ready.
+  const photograph = async (figure) => {
+    const div = drawn.get(figure.id);
+    const width = 1000, height = 700;
+    const url = await Plotly.toImage(div, { format: "jpeg", width, height });
+    let picture = div.querySelector(".printed");
+    if (!picture) {
+      picture = new Image();
+      picture.className = "printed";
+      picture.alt = "";
+      div.prepend(picture);
+    }
+    picture.src = url;
+  };
+  const pause = () => new Promise((next) => requestAnimationFrame(() => setTimeout(next)));
+
+  const all = async () => {
+    await pause();
+    for (const figure of figures) {
+      await draw(figure);
+      await pause();
+    }
+    root.dataset.drawn = "all";
+    performance.mark("drawn");
+  };
+
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
+  for (const listing of document.querySelectorAll(".listing")) {
+    const button = listing.querySelector(".copy");
+    if (!navigator.clipboard) continue;
+    button.hidden = false;
+    button.addEventListener("click", async () => {
+      await navigator.clipboard.writeText(listing.querySelector("code").textContent);
+      button.textContent = "Copied";
+      setTimeout(() => (button.textContent = "Copy"), 2000);
+    });
+  }
+  all();
+})();

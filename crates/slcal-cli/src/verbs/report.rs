@@ -1,0 +1,174 @@
+//! `slcal report`: a rig, and a cloud made with it, as one HTML file.
+
+use std::path::{Path, PathBuf};
+
+use image::DynamicImage;
+use slcal_core::detect::{DetectConfig, observe};
+use slcal_core::format::read_ply;
+use slcal_core::photo::PhotoView;
+use slcal_core::{Observations, Rig, ViewResiduals, residuals};
+
+use crate::args::ReportArgs;
+use crate::exit::{Exit, Failure, InFile as _, Outcome};
+use crate::io::{
+    Destination, check_panel, check_spares, input_name, is_dash, load_checker, load_observations, load_photo,
+    load_rig, read_bytes, write_all,
+};
+use crate::output::Printer;
+use crate::report::{CommandLine, ShownCloud, Subject, html};
+
+pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> Outcome {
+    let place = Destination::prepare(&args.output, args.force)?;
+    let inputs = || {
+        args.photo.iter().chain(&args.observations).chain(&args.pattern).chain(&args.cloud).chain([&args.rig])
+    };
+    check_spares([&place], inputs().map(PathBuf::as_path))?;
+    if inputs().filter(|p| is_dash(p)).count() > 1 {
+        return Err(Failure::usage("stdin (-) can be one input only; give the others as files"));
+    }
+    let rig = load_rig(&args.rig)?;
+    let photos = photos(args, &rig, printer)?;
+    let observations = observations(args, &rig, &photos, printer)?;
+    let residuals = match observations {
+        Ok(seen) => fits(args, &rig, &seen)?,
+        Err(why) => Err(why),
+    };
+    let cloud = match &args.cloud {
+        Some(path) => {
+            Some((path, read_ply(read_bytes(path, "a point cloud as PLY")?.as_slice()).in_file(path)?))
+        }
+        None => None,
+    };
+    let subject = Subject {
+        rig: &rig,
+        rig_name: input_name(&args.rig),
+        residuals,
+        checker_name: args.pattern.as_deref().map(input_name),
+        cloud: cloud.as_ref().map(|(path, cloud)| ShownCloud { name: input_name(path), cloud }),
+        made_by: vec![typed.typed()],
+    };
+    write_all(&[(place, html(&subject))])
+}
+
+/// A photograph and where it came from.
+struct Photo {
+    path: PathBuf,
+    picture: DynamicImage,
+}
+
+/// The photographs of the rig's views, as far as they are at hand.
+fn photos(args: &ReportArgs, rig: &Rig, printer: Printer) -> Outcome<Vec<Option<Photo>>> {
+    let views = rig.views.len();
+    if !args.photo.is_empty() && args.photo.len() != views {
+        return Err(Failure::usage(format!(
+            "--photo: expected one for each of the {views} views of {}, in their order, or none; found {}",
+            input_name(&args.rig),
+            args.photo.len()
+        )));
+    }
+    let mut photos = Vec::new();
+    for (i, view) in rig.views.iter().enumerate() {
+        let given = args.photo.get(i);
+        let Some(path) = given.cloned().or_else(|| at_hand(&args.rig, view.photo.as_deref()?)) else {
+            let name = view.photo.as_deref().unwrap_or("without a name");
+            printer.note(format!(
+                "photograph {name}: not at hand, so it is not shown; --photo says where it is"
+            ));
+            photos.push(None);
+            continue;
+        };
+        let loaded = load_photo(&path, printer).and_then(|picture| sized(&path, picture, rig));
+        match loaded {
+            Ok(picture) => {
+                if given.is_none() {
+                    printer.note(format!("{}: shown", input_name(&path)));
+                }
+                photos.push(Some(Photo { path, picture }));
+            }
+            // One that was only happened upon may be something else.
+            Err(failure) if given.is_none() => {
+                printer.note(format!("{failure}; it is not shown"));
+                photos.push(None);
+            }
+            Err(failure) => return Err(failure),
+        }
+    }
+    Ok(photos)
+}
+
+/// Where a photograph of that name is: beside the rig, or in the current folder.
+fn at_hand(rig: &Path, name: &str) -> Option<PathBuf> {
+    let name = Path::new(name);
+    let beside = rig.parent().unwrap_or(Path::new(""));
+    let file = name.file_name()?;
+    [beside.join(name), name.to_owned(), beside.join(file), PathBuf::from(file)]
+        .into_iter()
+        .find(|p| p.is_file())
+}
+
+fn sized(path: &Path, picture: DynamicImage, rig: &Rig) -> Outcome<DynamicImage> {
+    let (expected, found) =
+        ([rig.camera.model.width, rig.camera.model.height], [picture.width(), picture.height()]);
+    if expected == found {
+        return Ok(picture);
+    }
+    Err(Failure::new(
+        Exit::Input,
+        format!(
+            "{}: expected a photograph of the rig's camera, {}x{} px, found {}x{}",
+            input_name(path),
+            expected[0],
+            expected[1],
+            found[0],
+            found[1]
+        ),
+    ))
+}
+
+/// What was seen: from a file, or from the photographs once more; why not, where neither is at hand.
+fn observations(
+    args: &ReportArgs,
+    rig: &Rig,
+    photos: &[Option<Photo>],
+    printer: Printer,
+) -> Outcome<Result<Observations, String>> {
+    if let Some(path) = &args.observations {
+        return Ok(Ok(load_observations(path)?.observations));
+    }
+    let pattern = args.pattern.as_deref().map(load_checker).transpose()?;
+    if let Some((pattern, path)) = pattern.as_ref().zip(args.pattern.as_ref()) {
+        check_panel(path, pattern.projector, &args.rig, rig)?;
+    }
+    if rig.projector.is_some() && pattern.is_none() {
+        return Ok(Err("give what was measured (--observations) or the checkerboard (--pattern)".to_owned()));
+    }
+    if photos.is_empty() || photos.iter().any(Option::is_none) {
+        return Ok(Err(
+            "the photographs are not all at hand (--photo), nor what was measured (--observations)"
+                .to_owned(),
+        ));
+    }
+    let detect = DetectConfig { encoding: args.gamma.gamma, ..DetectConfig::default() };
+    let mut views = Vec::new();
+    for (photo, view) in photos.iter().flatten().zip(&rig.views) {
+        let seen = PhotoView::try_from(&photo.picture).in_file(&photo.path)?;
+        match observe(seen, None, view.size, pattern.as_ref(), &detect).in_file(&photo.path) {
+            Ok(found) => views.push(found.observation),
+            Err(failure) => {
+                printer.note(format!("{failure}; residuals are not shown"));
+                return Ok(Err(failure.to_string()));
+            }
+        }
+    }
+    let size = [rig.camera.model.width, rig.camera.model.height];
+    Ok(Ok(Observations { camera: size, projector: pattern.map(|p| p.projector), views }))
+}
+
+/// The residuals; observations that were given must belong to the rig, those that were made anew may not fit.
+fn fits(args: &ReportArgs, rig: &Rig, seen: &Observations) -> Outcome<Result<Vec<ViewResiduals>, String>> {
+    match (residuals(rig, seen), &args.observations) {
+        (Ok(views), _) => Ok(Ok(views)),
+        (Err(error), Some(path)) => Err(Failure::in_file(path, &error)),
+        (Err(error), None) => Ok(Err(error.to_string())),
+    }
+}
