@@ -11,6 +11,7 @@ mod io;
 mod output;
 mod picture;
 mod report;
+mod similar;
 mod size;
 mod summary;
 mod verbs;

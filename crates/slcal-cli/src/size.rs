@@ -3,6 +3,8 @@
 use nalgebra::Point2;
 use slcal_core::geometry::RectangleSize;
 
+use crate::similar::did_you_mean;
+
 /// What `--size` accepts.
 const SIZE_FORMS: &str = "expected a width and a height with a unit (594x420mm, 59.4x42cm, 11x8.5in) or a name (A0 to A6, \
      letter, legal, upright; A4-landscape for the paper turned)";
@@ -39,7 +41,7 @@ pub(crate) fn parse_size(text: &str) -> Result<RectangleSize, String> {
     let (number, millimetres) = [("mm", 1.0), ("cm", 10.0), ("in", 25.4)]
         .iter()
         .find_map(|&(unit, mm)| Some((lower.strip_suffix(unit)?, mm)))
-        .ok_or_else(|| wrong("the size has no unit and is no known name"))?;
+        .ok_or_else(|| wrong(&format!("{}the size has no unit and is no known name", meant(&lower))))?;
     let sides: Vec<f64> = number
         .split(['x', '×'])
         .map(|side| side.trim().parse::<f64>().map(|v| v * millimetres))
@@ -52,6 +54,19 @@ pub(crate) fn parse_size(text: &str) -> Result<RectangleSize, String> {
         return Err(wrong("a side is not between 1 mm and 100 m"));
     }
     RectangleSize::new(width, height).map_err(|e| e.to_string())
+}
+
+/// What was probably meant by a size without a unit, as a question.
+fn meant(text: &str) -> String {
+    if parse_pair(text).is_ok() {
+        return format!("did you mean {text}mm? ");
+    }
+    let names = NAMED_SIZES.iter().flat_map(|(name, ..)| {
+        // As papers are called.
+        let name = name.strip_prefix('a').map_or((*name).to_owned(), |n| format!("A{n}"));
+        [format!("{name}-landscape"), format!("{name}-portrait"), name]
+    });
+    did_you_mean(text, names)
 }
 
 /// Parses a length with its unit, mm.
@@ -144,6 +159,15 @@ mod tests {
         ] {
             let message = parse_size(text).unwrap_err();
             assert!(message.contains("594x420mm"), "{text}: {message}");
+        }
+        for (text, meant) in [
+            ("A44", "A4?"),
+            ("a3-landscpe", "A3-landscape?"),
+            ("300x200", "300x200mm?"),
+            ("leter", "letter?"),
+        ] {
+            let message = parse_size(text).unwrap_err();
+            assert!(message.starts_with(&format!("did you mean {meant}")), "{text}: {message}");
         }
     }
 

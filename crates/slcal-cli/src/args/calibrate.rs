@@ -7,6 +7,7 @@ use nalgebra::Point2;
 use slcal_core::geometry::RectangleSize;
 
 use super::photo::GammaArg;
+use crate::similar::did_you_mean;
 use crate::size::{Corners, parse_corners, parse_point, parse_size};
 
 #[derive(Debug, Args)]
@@ -130,8 +131,9 @@ pub(super) fn parse_projector_pp(text: &str) -> Result<PrincipalPointArg, String
         "prior" => PrincipalPointArg::Prior,
         "centre" | "center" => PrincipalPointArg::Centre,
         "free" => PrincipalPointArg::Free,
-        point => PrincipalPointArg::At(
-            parse_point(point).map_err(|e| format!("expected prior, centre, free or X,Y: {e}"))?,
-        ),
+        point => PrincipalPointArg::At(parse_point(point).map_err(|e| {
+            let meant = did_you_mean(point, ["prior", "centre", "free"]);
+            format!("{meant}expected prior, centre, free or X,Y: {e}")
+        })?),
     })
 }

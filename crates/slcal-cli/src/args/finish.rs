@@ -2,10 +2,10 @@
 
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
-use clap::{Arg, ArgAction, Command, CommandFactory as _};
+use clap::{Arg, ArgAction, Command, CommandFactory as _, ValueHint};
 
 use super::Cli;
-use crate::output::HELP;
+use crate::output::{HELP, MAX_WIDTH, columns_of, glued, wrapped};
 
 /// Where the options of any verb stand in its help, by their names. What is not here is an input or a choice.
 const HEADINGS: [(&str, &[&str]); 4] = [
@@ -62,6 +62,7 @@ const HEADINGS: [(&str, &[&str]); 4] = [
             "white",
             "raw",
             "size",
+            "photo",
             "projector",
             "cloud",
             "as_drawn",
@@ -70,6 +71,11 @@ const HEADINGS: [(&str, &[&str]); 4] = [
 ];
 /// Options that are in none of them.
 const OTHERS: &str = "Choices";
+
+/// What "Usage: " takes.
+const USAGE_INDENT: usize = 7;
+/// Options that take a folder; other paths are those of files.
+const FOLDERS: [&str; 2] = ["out", "out_dir"];
 
 /// The command line with everything that its verbs share.
 pub(crate) fn command() -> Command {
@@ -87,12 +93,48 @@ fn finished(command: Command) -> Command {
         .help("Print help; -h a summary, --help all of it, with examples")
         .display_order(1003);
     let command = command.disable_help_flag(true).arg(help).styles(HELP).max_term_width(80);
-    let command = command.mut_args(headed).mut_subcommands(finished);
+    let command = narrow(command.mut_args(headed));
+    let path = command.get_bin_name().unwrap_or(command.get_name()).to_owned();
+    let command = command.mut_subcommands(|verb| {
+        let path = format!("{path} {}", verb.get_name());
+        finished(verb.bin_name(path))
+    });
     let Some(text) = command.get_after_help().map(ToString::to_string) else { return command };
     command.after_help("--help says more, with examples.").after_long_help(painted(&text))
 }
 
+/// Breaks a usage that is wider than [`MAX_WIDTH`], as clap does not.
+fn narrow(command: Command) -> Command {
+    let usage = command.clone().render_usage().to_string();
+    let usage = usage.trim_start_matches("Usage:").trim();
+    if usage.contains('\n') || columns_of(usage) + USAGE_INDENT <= MAX_WIDTH {
+        return command;
+    }
+    command.override_usage(wrapped(&options_whole(usage), MAX_WIDTH, USAGE_INDENT))
+}
+
+/// An option and its value, or alternatives, as one word.
+fn options_whole(usage: &str) -> String {
+    let mut out = String::new();
+    let mut previous = "";
+    for word in usage.split(' ') {
+        if !out.is_empty() {
+            let value = word.starts_with('<') && previous.starts_with("--");
+            out.push_str(&if value { glued(" ") } else { " ".to_owned() });
+        }
+        out.push_str(word);
+        previous = word;
+    }
+    out
+}
+
 fn headed(arg: Arg) -> Arg {
+    let hint = match arg.get_value_hint() {
+        ValueHint::AnyPath if FOLDERS.contains(&arg.get_id().as_str()) => ValueHint::DirPath,
+        ValueHint::AnyPath => ValueHint::FilePath,
+        other => other,
+    };
+    let arg = arg.value_hint(hint);
     if arg.is_positional() || arg.get_help_heading().is_some() {
         return arg;
     }

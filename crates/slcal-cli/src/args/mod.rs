@@ -6,12 +6,14 @@ mod cloud;
 mod decode;
 mod demo;
 mod evaluate;
+mod examples;
 mod finish;
 mod pattern;
 mod photo;
 mod reconstruct;
 mod rectify;
 mod report;
+mod shell;
 mod simulate;
 mod triangulate;
 mod verify;
@@ -29,6 +31,7 @@ pub(crate) use pattern::{CheckerArgs, PatternOutput, PatternVerb, StripesArgs};
 pub(crate) use reconstruct::ReconstructArgs;
 pub(crate) use rectify::RectifyArgs;
 pub(crate) use report::ReportArgs;
+pub(crate) use shell::{CompletionsArgs, ManArgs};
 pub(crate) use simulate::{
     Crosstalk, LightArgs, MeshFrameArg, NoiseArgs, PlaceArgs, PrincipalPointsArg, RigArgs, SceneArgs,
     SimulateVerb, ViewsArgs, WallArg,
@@ -47,8 +50,7 @@ use crate::output::ColorArg;
     name = "slcal",
     version,
     arg_required_else_help = true,
-    after_help = "Exit codes: 0 done; 2 wrong command line; 3 input unreadable or malformed; 4 sheet, pattern or stripes \
-                  not found;\n5 geometry degenerate; 1 anything else.\n\nStart with `slcal demo`."
+    after_help = examples::ALL
 )]
 pub(crate) struct Cli {
     /// Say more on stderr.
@@ -75,74 +77,47 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     /// Run the whole chain on built-in photographs.
-    #[command(
-        after_help = "Example:\n  slcal demo --out demo\n\nwrites the patterns, the photographs, rig.json, cloud.ply \
-                            and pictures of what was found into demo/."
-    )]
+    #[command(after_help = examples::DEMO)]
     Demo(DemoArgs),
     /// Draw the pattern to project.
     #[command(subcommand)]
     Pattern(PatternVerb),
     /// Calibrate from photographs of a sheet with the checkerboard projected onto it.
-    #[command(
-        after_help = "Examples:\n  slcal calibrate photo.jpg --size A2-landscape --pattern checker.json -o rig.json\n  \
-                            slcal calibrate photo.jpg --size A2-landscape --pattern checker.json --camera ost.yaml -o rig.json\n  \
-                            slcal calibrate *.jpg --size A4 --pattern checker.json -o rig.json --save-observations seen.json\n  \
-                            slcal calibrate --observations seen.json -o rig.json\n\nThe width is the side that runs most nearly \
-                            along the image's x axis. Without --pattern the camera alone\nis calibrated. docs/conventions.md \
-                            has the format of observations."
-    )]
+    #[command(after_help = examples::CALIBRATE)]
     Calibrate(CalibrateArgs),
     /// Predict how well the focal lengths would be known from given tilts, and say which photograph to take next.
-    #[command(
-        after_help = "Examples:\n  slcal advise --rig rig.json\n  slcal advise --image 4000x3000 --focal-35mm 28 --size A2-landscape \
-                            --projector 1920x1080 --throw 1.5\n\nNothing is photographed: the numbers come from the Jacobian of the \
-                            calibration itself."
-    )]
+    #[command(after_help = examples::ADVISE)]
     Advise(AdviseArgs),
     /// Draw the picture that appears as an upright rectangle on the sheet.
-    #[command(
-        after_help = "Examples:\n  slcal rectify --rig rig.json --pattern checker.json -o straight.png\n  \
-                            slcal rectify --rig rig.json --image poster.jpg -o straight.png"
-    )]
+    #[command(after_help = examples::RECTIFY)]
     Rectify(RectifyArgs),
     /// Measure how square a rectified projection is now, and whether the rig has moved.
-    #[command(
-        after_help = "Examples:\n  slcal rectify --rig rig.json --pattern checker.json -o straight.png    (project it, photograph it)\n  \
-                            slcal verify --rig rig.json --pattern checker.json photo.jpg\n  \
-                            slcal verify --rig rig.json --pattern checker.json --as-drawn photo.jpg --fail-if-moved"
-    )]
+    #[command(after_help = examples::VERIFY)]
     Verify(VerifyArgs),
     /// Find the projected stripes in a photograph.
-    #[command(
-        after_help = "Example:\n  slcal decode --pattern stripes.json object.jpg -o matches.csv --overlay seen.png\n\n\
-                            matches.csv: u,v,projector_column,slit,confidence,sigma_px; one row per stripe and image row."
-    )]
+    #[command(after_help = examples::DECODE)]
     Decode(DecodeArgs),
     /// Turn matches of any decoder into points.
-    #[command(after_help = "Example:\n  slcal triangulate --rig rig.json matches.csv -o cloud.ply\n\n\
-                            The table needs the columns u, v and projector_column or projector_row (or both).")]
+    #[command(after_help = examples::TRIANGULATE)]
     Triangulate(TriangulateArgs),
     /// Photographs of an object under the stripes in, point clouds out.
-    #[command(
-        after_help = "Examples:\n  slcal reconstruct --rig rig.json --pattern stripes.json object.jpg -o cloud.ply --mesh\n  \
-                            slcal reconstruct --rig rig.json --pattern stripes.json *.jpg --out-dir clouds --resume\n  \
-                            ffmpeg -i scan.mkv -f rawvideo -pix_fmt rgb24 - | slcal reconstruct --rig rig.json \\\n    \
-                            --pattern stripes.json --raw 1280x960:rgb24 --out-dir clouds"
-    )]
+    #[command(after_help = examples::RECONSTRUCT)]
     Reconstruct(ReconstructArgs),
     /// Fit a plane or a sphere to a cloud and say how far the points lie from it.
-    #[command(after_help = "Example:\n  slcal evaluate plane cloud.ply")]
+    #[command(after_help = examples::EVALUATE)]
     Evaluate(EvaluateArgs),
     /// Show a rig, and a cloud that was made with it, as one HTML file.
-    #[command(after_help = "Examples:\n  slcal report --rig rig.json -o report.html\n  \
-                            slcal report --rig rig.json --pattern checker.json --photo sheet.jpg --cloud cloud.ply -o report.html\n\n\
-                            The file needs no network and no other file: open it in a browser, send it, print it. What is not at \
-                            hand\nis left out, and the report says so.")]
+    #[command(after_help = examples::REPORT)]
     Report(ReportArgs),
     /// Experiments on rigs whose truth is known.
     #[command(subcommand)]
     Simulate(SimulateVerb),
+    /// Print a script that completes verbs, options and file names in a shell.
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write one for each verb.
+    #[command(after_help = examples::MAN)]
+    Man(ManArgs),
 }
 
 #[cfg(test)]

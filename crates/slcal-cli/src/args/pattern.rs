@@ -4,21 +4,16 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
+use super::examples;
 use crate::size::parse_pair;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum PatternVerb {
     /// The checkerboard that calibration needs.
-    #[command(
-        after_help = "Example:\n  slcal pattern checker --projector 1024x768 -o checker.png\n\nwrites checker.png, to \
-                            be shown full screen at the projector's native resolution, and checker.json."
-    )]
+    #[command(after_help = examples::CHECKER)]
     Checker(CheckerArgs),
     /// The coloured stripes that reconstruction needs.
-    #[command(
-        after_help = "Example:\n  slcal pattern stripes --projector 1024x768 -o stripes.png\n\nwrites stripes.png, to \
-                            be shown full screen at the projector's native resolution, and stripes.json."
-    )]
+    #[command(after_help = examples::STRIPES)]
     Stripes(StripesArgs),
 }
 

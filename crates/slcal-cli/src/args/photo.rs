@@ -3,6 +3,8 @@
 use clap::Args;
 use slcal_core::photo::Encoding;
 
+use crate::similar::did_you_mean;
+
 /// How code values become light.
 #[derive(Debug, Args)]
 pub(crate) struct GammaArg {
@@ -16,9 +18,10 @@ fn parse_encoding(text: &str) -> Result<Encoding, String> {
     let encoding = match text {
         "srgb" => Encoding::Srgb,
         "linear" => Encoding::Linear,
-        number => Encoding::Gamma(
-            number.parse().map_err(|_| "expected srgb, linear or a number from 0.1 to 10".to_owned())?,
-        ),
+        number => Encoding::Gamma(number.parse().map_err(|_| {
+            let meant = did_you_mean(number, ["srgb", "linear"]);
+            format!("{meant}expected srgb, linear or a number from 0.1 to 10")
+        })?),
     };
     encoding.validate().map_err(|e| e.to_string())?;
     Ok(encoding)

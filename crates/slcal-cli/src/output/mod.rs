@@ -9,7 +9,7 @@ use std::io::{self, ErrorKind, Write};
 
 use serde::Serialize;
 
-pub(crate) use self::page::{Page, Table, glued, plain, shown};
+pub(crate) use self::page::{MAX_WIDTH, Page, Table, columns_of, glued, plain, shown, wrapped};
 pub(crate) use self::paint::{BAD, BOLD, ColorArg, FAIR, GOOD, HELP, paint, set_color};
 pub(crate) use self::progress::{Progress, clear_on_interrupt};
 use crate::exit::{Exit, Failure, Outcome};

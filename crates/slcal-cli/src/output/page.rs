@@ -95,7 +95,7 @@ fn belong(word: &str, next: &str) -> bool {
 }
 
 /// Breaks a text between words, all lines but the first indented; a word that is longer than a line stays whole.
-fn wrapped(text: &str, width: usize, indent: usize) -> String {
+pub(crate) fn wrapped(text: &str, width: usize, indent: usize) -> String {
     let words: Vec<&str> = text.split(' ').filter(|w| !w.is_empty()).collect();
     let (mut out, mut at) = (String::new(), indent);
     for part in words.chunk_by(|a, b| belong(a, b)) {

@@ -26,6 +26,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
         return Err(Failure::usage("--json and -o - both print to stdout; give one of them"));
     }
     let pattern = load_stripes(&args.input.pattern)?;
+    let busy = printer.busy(format!("decoding {}", input_name(&args.image)));
     let frames = Frames::load(&args.input, printer)?;
     let photo = load_photo(&args.image, printer)?;
     let decoding =
@@ -38,6 +39,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
         files.push((place, draw(&photo, &input_name(&args.image), &decoding)?));
     }
     write_all(&files)?;
+    drop(busy);
 
     if args.json {
         return print_json(&report_json::decoding(&decoding.report));

@@ -9,6 +9,7 @@ mod pattern;
 mod reconstruct;
 mod rectify;
 mod report;
+mod shell;
 mod simulate;
 mod triangulate;
 mod verify;
@@ -31,6 +32,8 @@ pub(crate) fn run(verb: Verb, typed: &CommandLine, printer: Printer) -> Outcome 
         Verb::Reconstruct(args) => reconstruct::run(&args, printer),
         Verb::Evaluate(args) => evaluate::run(&args, printer),
         Verb::Report(args) => report::run(&args, typed, printer),
+        Verb::Completions(args) => shell::completions(&args),
+        Verb::Man(args) => shell::man(&args, printer),
         Verb::Simulate(verb) => simulate::run(&verb, printer),
     }
 }

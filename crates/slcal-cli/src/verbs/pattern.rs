@@ -58,6 +58,7 @@ impl Places {
     }
 
     fn write(self, picture: RgbImage, pattern: &Pattern, printer: Printer) -> Outcome {
+        let busy = printer.busy("writing the picture");
         let mut files = vec![(self.picture, png_bytes(&DynamicImage::ImageRgb8(picture))?)];
         if let Some(description) = self.description {
             files.push((description, pattern_bytes(pattern)?));
@@ -66,6 +67,7 @@ impl Places {
                 .note("the picture alone goes to stdout; give -o FILE.png to have its description as well");
         }
         write_all(&files)?;
+        drop(busy);
         for (place, _) in &files {
             printer.detail(format!("wrote {}", place.name()));
         }

@@ -17,6 +17,7 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
     let inputs = [Some(&args.rig), args.pattern.as_ref(), args.image.as_ref()];
     check_spares([&output], inputs.into_iter().flatten().map(PathBuf::as_path))?;
     let rig = load_rig(&args.rig)?;
+    let busy = printer.busy("drawing the picture");
     let (picture, place) = match (&args.pattern, &args.image) {
         (Some(path), _) => {
             let pattern = load_checker(path)?;
@@ -30,6 +31,7 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
         (None, None) => return Err(Failure::usage("expected --pattern or --image")),
     };
     write_all(&[(output.clone(), png_bytes(&DynamicImage::ImageRgb8(picture))?)])?;
+    drop(busy);
     let mut page = Page::new();
     let placed = format!(
         "{:.1} x {:.1} mm on the sheet, {:.1} mm from its left and {:.1} mm from its top",

@@ -6,7 +6,9 @@ use slcal_core::reconstruct::{ReconstructConfig, cloud_from_matches};
 use super::reconstruct::{cull_rule, frame, with_projector};
 use crate::args::TriangulateArgs;
 use crate::exit::{InFile as _, Outcome};
-use crate::io::{Destination, check_spares, cloud_bytes, cloud_format_of, load_rig, read_bytes, write_all};
+use crate::io::{
+    Destination, check_spares, cloud_bytes, cloud_format_of, input_name, load_rig, read_bytes, write_all,
+};
 use crate::output::{Printer, print_result};
 use crate::summary;
 
@@ -16,6 +18,7 @@ pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
     check_spares([&output], [args.rig.as_path(), &args.matches])?;
     let rig = load_rig(&args.rig)?;
     with_projector(&rig, &args.rig)?;
+    let busy = printer.busy(format!("triangulating {}", input_name(&args.matches)));
     let matches =
         read_matches(read_bytes(&args.matches, "matches as CSV")?.as_slice()).in_file(&args.matches)?;
     let config = ReconstructConfig {
@@ -26,6 +29,7 @@ pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
     };
     let result = cloud_from_matches(&rig, &matches, &config).in_file(&args.matches)?;
     write_all(&[(output.clone(), cloud_bytes(format, &result.cloud)?)])?;
+    drop(busy);
     let text = summary::cloud(&result);
     if output == Destination::Stdout {
         printer.result(&text);

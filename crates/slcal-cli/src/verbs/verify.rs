@@ -36,11 +36,13 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     check_panel(&args.pattern, pattern.projector, &args.rig, &rig)?;
     check_size(args, &rig)?;
     let verifier = PhotoVerifier::new(&rig, &pattern, &config).in_file(&args.rig)?;
+    let busy = printer.busy(format!("finding the sheet in {}", input_name(&args.photo)));
     let photo = load_photo(&args.photo, printer)?;
     check_camera(args, &photo, &rig)?;
     let view = PhotoView::try_from(&photo).in_file(&args.photo)?;
     let VerifiedPhoto { detection: found, verification: result } =
         verifier.verify(view).in_file(&args.photo)?;
+    drop(busy);
     for note in &found.notes {
         printer.note(format!("{}: {note}", input_name(&args.photo)));
     }

@@ -10,34 +10,19 @@ use slcal_core::geometry::RectangleSize;
 
 pub(crate) use scene::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs, WallArg};
 
+use super::examples;
 use crate::size::{parse_pair, parse_point, parse_size};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SimulateVerb {
     /// Calibrate again and again under rising noise, by both methods, and compare with the truth.
-    #[command(
-        after_help = "Example:\n  slcal simulate noise --levels 0.1,0.2,0.5 --tilt 25,28 --csv noise.csv\n\nprints, per level \
-                      and method, reprojection errors, the 3D error in per cent of a reference cube, focal lengths\nand \
-                      translation against the truth, and the Cramér–Rao bound, which no unbiased estimator can beat."
-    )]
+    #[command(after_help = examples::NOISE)]
     Noise(Box<NoiseArgs>),
     /// Observations of a sheet in several poses, with noise, and the rig that is the truth behind them.
-    #[command(
-        after_help = "Example:\n  slcal simulate views --poses 10 --noise 0.1 -o seen.json --truth truth.json\n  \
-                      slcal calibrate --observations seen.json -o rig.json\n\nwrites what a camera would see of ten poses, \
-                      and the true rig to compare rig.json with."
-    )]
+    #[command(after_help = examples::VIEWS)]
     Views(Box<ViewsArgs>),
     /// Photographs of a plane, a sphere, a step, a sheet or a mesh under the projector's light, with the truth of every pixel.
-    #[command(after_help = "Examples:\n  slcal simulate scene --surface sheet --out sheet\n  \
-                      slcal calibrate sheet/photo.png --size 594x420mm --pattern sheet/pattern.json -o rig.json\n  \
-                      slcal simulate scene --surface sphere --noise 3 --crosstalk 0.2 --out ball\n  \
-                      slcal reconstruct --rig rig.json --pattern ball/pattern.json ball/photo.png -o cloud.ply\n  \
-                      slcal triangulate --rig ball/rig.json ball/truth_matches.csv -o truth.ply\n\nThe folder then holds \
-                      photo.png, white.png and black.png (full and no light), pattern.png and pattern.json, rig.json (the \
-                      truth), truth_matches.csv (where the camera sees each slit or corner, without error), truth_cloud.ply (those \
-                      points), and for every pixel truth_column.pfm, truth_row.pfm (projector px, NaN where its light does not fall), \
-                      truth_depth.pfm (mm) and truth_surface.png (0 nothing, 1 the first surface, ...).")]
+    #[command(after_help = examples::SCENE)]
     Scene(Box<SceneArgs>),
 }
 

@@ -49,7 +49,9 @@ pub(super) fn run(args: &CalibrateArgs, printer: Printer) -> Outcome {
         write_all(&[(place.clone(), observations_bytes(&external)?)])?;
     }
     let inputs = args.observations.iter().chain(&args.photos).map(|p| input_name(p)).collect::<Vec<_>>();
+    let busy = printer.busy("calibrating");
     let done = calibrate_external(&external, &config).in_file(Path::new(&inputs.join(", ")))?;
+    drop(busy);
     for noise in &done.noise {
         printer.note(noise_in_words(noise));
     }

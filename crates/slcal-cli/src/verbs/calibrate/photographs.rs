@@ -36,7 +36,9 @@ pub(super) fn observe_all(
     let pattern = pattern.as_ref();
     let (mut size, mut lens) = (None, Lens::default());
     let mut views: Vec<ViewObservation> = Vec::new();
+    let busy = printer.progress("photographs", Some(args.photos.len()));
     for (i, path) in args.photos.iter().enumerate() {
+        busy.say(format!("finding the sheet in {}", input_name(path)));
         let (photo, file) = load_photo_and_file(path, printer)?;
         check_size(
             path,
@@ -73,7 +75,9 @@ pub(super) fn observe_all(
             printer.note(format!("{}: {note}", input_name(path)));
         }
         views.push(found.observation);
+        busy.step();
     }
+    drop(busy);
     let camera = size.unwrap_or_default();
     let observations = Observations { camera, projector: pattern.map(|p| p.projector), views };
     let photos = args.photos.iter().map(|p| Some(input_name(p))).collect();

@@ -4,8 +4,8 @@ use super::report::{ErrorReport, FrameResult, Report, print_reports};
 use super::source::Frame;
 use crate::args::ReconstructArgs;
 use crate::exit::{Failure, Outcome};
-use crate::io::is_dash;
-use crate::output::{Printer, Progress, Remarks, print_result};
+use crate::io::{input_name, is_dash};
+use crate::output::{Printer, Progress, Remarks, print_result, shown};
 
 /// A frame that was worked on.
 pub(super) struct Done {
@@ -34,6 +34,9 @@ pub(super) struct Told<'a> {
 impl<'a> Told<'a> {
     pub(super) fn new(args: &'a ReconstructArgs, printer: Printer, count: Option<usize>) -> Self {
         let progress = printer.progress("frames", count);
+        if let ([image], None) = (args.images.as_slice(), args.raw) {
+            progress.say(format!("reconstructing {}", input_name(image)));
+        }
         Self {
             args,
             printer,
@@ -85,7 +88,9 @@ impl<'a> Told<'a> {
     fn tell(&self, heading: &str, result: &FrameResult) -> Outcome {
         match (result, &self.args.output) {
             (FrameResult::Cloud(_), _) if self.args.json || self.unheard => Ok(()),
-            (FrameResult::Cloud(report), None) => print_result(&format!("{heading}: {}", report.line)),
+            (FrameResult::Cloud(report), None) => {
+                print_result(&format!("{}: {}", shown(heading), report.line))
+            }
             (FrameResult::Cloud(report), Some(output)) if is_dash(output) => {
                 self.printer.result(&report.text);
                 Ok(())

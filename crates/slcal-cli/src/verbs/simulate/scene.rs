@@ -15,10 +15,12 @@ use crate::io::{Destination, check_panel, check_spares, load_mesh, load_pattern,
 use crate::output::{Printer, print_json, print_result};
 
 pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
+    let busy = printer.busy("setting the scene up");
     let stage = setup(args)?.set_up()?;
     let places = places(args)?;
     let [w, h] = [stage.rig.camera.model.width, stage.rig.camera.model.height];
     printer.detail(format!("{w} x {h} pixels ..."));
+    busy.say(format!("taking photographs of {w}x{h} pixels"));
     let scene = stage.photograph()?;
     if scene.matches.items.is_empty() {
         printer.note(
@@ -26,8 +28,10 @@ pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
              --tilt)",
         );
     }
+    busy.say("writing the truth of every pixel");
     let made = Made::of(&scene);
     write_all(&places.into_iter().zip(contents(&scene)?).collect::<Vec<_>>())?;
+    drop(busy);
     if args.json {
         return print_json(&made);
     }

@@ -1,0 +1,165 @@
+//! Worked examples for the help of each verb. Lines have at most 80 columns; a test runs the commands one after the other, in the
+//! order of the verbs, in a folder that holds the demonstration's photographs.
+
+/// At the end of `slcal --help`.
+pub(super) const ALL: &str = "\
+Exit codes: 0 done; 2 wrong command line; 3 input unreadable or malformed;
+4 sheet, pattern or stripes not found; 5 geometry degenerate; 1 anything else.
+
+Start with `slcal demo`.";
+
+pub(super) const DEMO: &str = "\
+Example:
+    slcal demo --out demo
+
+writes the patterns, the photographs, rig.json, clouds and pictures of what was
+found into demo/, and says how close all of it came to the truth.";
+
+pub(super) const CHECKER: &str = "\
+Example:
+    slcal pattern checker --projector 1024x768 -o checker.png
+
+writes checker.png, to be shown full screen at the projector's native
+resolution, and checker.json, which `slcal calibrate` needs.";
+
+pub(super) const STRIPES: &str = "\
+Example:
+    slcal pattern stripes --projector 1024x768 -o stripes.png
+
+writes stripes.png, to be shown full screen at the projector's native
+resolution, and stripes.json, which `slcal reconstruct` needs.";
+
+pub(super) const CALIBRATE: &str = "\
+Examples:
+  From one photograph of a sheet of A2, on its side, under the checkerboard:
+    slcal calibrate sheet.jpg --size A2-landscape --pattern checker.json \\
+        -o rig.json
+  From several, which is far better, keeping what was found:
+    slcal calibrate a.jpg b.jpg c.jpg --size 594x420mm --pattern checker.json \\
+        -o rig.json --save-observations seen.json
+  With a camera that is known:
+    slcal calibrate sheet.jpg --size A2-landscape --pattern checker.json \\
+        --camera rig.json -o known.json
+  The camera alone, and a look at what was found:
+    slcal calibrate sheet.jpg --size A2-landscape -o camera.json \\
+        --overlay seen.png
+
+The width is the side that runs most nearly along the image's x axis.";
+
+pub(super) const ADVISE: &str = "\
+Examples:
+  What one more photograph would bring:
+    slcal advise --rig rig.json --pattern checker.json
+  Before the first one, for a phone and a projector of throw ratio 1.5:
+    slcal advise --image 4000x3000 --focal-35mm 28 --size A2-landscape \\
+        --projector 1920x1080 --throw 1.5
+
+Nothing is photographed: the numbers come from the Jacobian of the calibration
+itself.";
+
+pub(super) const RECTIFY: &str = "\
+Examples:
+    slcal rectify --rig rig.json --pattern checker.json -o straight.png
+    slcal rectify --rig rig.json --image head.jpg -o poster.png";
+
+pub(super) const VERIFY: &str = "\
+Examples:
+  Has the rig moved? The checkerboard as it was drawn tells at any time:
+    slcal verify --rig rig.json --pattern checker.json --as-drawn sheet.jpg \\
+        --fail-if-moved
+  How square is a rectified projection? Project this, and photograph it:
+    slcal rectify --rig rig.json --pattern checker.json -o upright.png
+    slcal verify --rig rig.json --pattern checker.json photo.jpg";
+
+pub(super) const DECODE: &str = "\
+Example:
+    slcal decode --pattern stripes.json board.jpg -o matches.csv \\
+        --overlay stripes_seen.png
+
+matches.csv: u,v,projector_column,slit,confidence,sigma_px; one row per stripe
+and image row.";
+
+pub(super) const TRIANGULATE: &str = "\
+Example:
+    slcal triangulate --rig rig.json matches.csv -o points.ply
+
+The table needs the columns u, v and projector_column or projector_row (or
+both).";
+
+pub(super) const RECONSTRUCT: &str = "\
+Examples:
+  One photograph, with triangles between the points:
+    slcal reconstruct --rig rig.json --pattern stripes.json board.jpg \\
+        -o cloud.ply --mesh
+  Many, into a folder; run it again to go on after an interruption:
+    slcal reconstruct --rig rig.json --pattern stripes.json board.jpg head.jpg \\
+        --out-dir clouds --resume
+  A video, as raw frames:
+    ffmpeg -i scan.mkv -f rawvideo -pix_fmt rgb24 - | \\
+        slcal reconstruct --rig rig.json --pattern stripes.json \\
+        --raw 1280x960:rgb24 --out-dir video";
+
+pub(super) const EVALUATE: &str = "\
+Example:
+    slcal evaluate plane cloud.ply
+
+The cloud may hold other things as well, such as a wall.";
+
+pub(super) const REPORT: &str = "\
+Examples:
+    slcal report --rig rig.json -o report.html
+    slcal report --rig rig.json --pattern checker.json --photo sheet.jpg \\
+        --cloud cloud.ply -o with_cloud.html
+
+The file needs no network and no other file: open it in a browser, send it,
+print it. What is not at hand is left out, and the report says so.";
+
+pub(super) const NOISE: &str = "\
+Example:
+    slcal simulate noise --levels 0.1,0.5 --draws 20 --csv noise.csv
+
+prints, per level and method, reprojection errors, the 3D error in per cent of a
+reference cube, focal lengths and translation against the truth, and the
+Cramér–Rao bound, which no unbiased estimator can beat.";
+
+pub(super) const VIEWS: &str = "\
+Example:
+    slcal simulate views --poses 10 --noise 0.1 -o ten.json --truth truth.json
+    slcal calibrate --observations ten.json -o ten_rig.json
+
+writes what a camera would see of ten poses, and the true rig to compare
+ten_rig.json with.";
+
+pub(super) const SCENE: &str = "\
+Examples:
+  A sheet under the checkerboard:
+    slcal simulate scene --surface sheet --out paper
+    slcal calibrate paper/photo.png --size 594x420mm \\
+        --pattern paper/pattern.json -o paper_rig.json
+  A sphere under the stripes, with noise and colours that mix:
+    slcal simulate scene --surface sphere --noise 3 --crosstalk 0.2 --out ball
+    slcal reconstruct --rig paper_rig.json --pattern ball/pattern.json \\
+        ball/photo.png -o ball.ply
+    slcal triangulate --rig ball/rig.json ball/truth_matches.csv -o true.ply
+
+The folder then holds photo.png, white.png and black.png (full and no light),
+pattern.png and pattern.json, rig.json (the truth), truth_matches.csv (where the
+camera sees each slit or corner, without error), truth_cloud.ply (those points),
+and for every pixel truth_column.pfm, truth_row.pfm (projector px, NaN where its
+light does not fall), truth_depth.pfm (mm) and truth_surface.png (0 nothing, 1
+the first surface, ...).";
+
+pub(super) const COMPLETIONS: &str = "\
+Examples:
+  For bash, zsh (its fpath must hold ~/.zfunc) and fish:
+    slcal completions bash > ~/.local/share/bash-completion/completions/slcal
+    slcal completions zsh > ~/.zfunc/_slcal
+    slcal completions fish > ~/.config/fish/completions/slcal.fish";
+
+pub(super) const MAN: &str = "\
+Examples:
+    slcal man | man -l -
+    slcal man --out manual
+
+The second one writes a page for each verb; `man` finds them in
+~/.local/share/man/man1.";
