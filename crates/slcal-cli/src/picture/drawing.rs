@@ -94,6 +94,8 @@ pub(crate) struct Drawing {
     pub(crate) title: String,
     /// Whether the photograph loses light and colour, so that the colours of the drawing tell.
     pub(crate) dimmed: bool,
+    /// How much coarser lines, marks and words are than usual.
+    coarseness: f64,
     pub(crate) items: Vec<Item>,
     pub(crate) legend: Option<Legend>,
 }
@@ -101,7 +103,12 @@ pub(crate) struct Drawing {
 impl Drawing {
     /// An empty drawing for a photograph of the given size, px.
     pub(crate) fn new(size: [u32; 2], title: impl Into<String>) -> Self {
-        Self { size, title: title.into(), dimmed: false, items: Vec::new(), legend: None }
+        Self { size, title: title.into(), dimmed: false, coarseness: 1.0, items: Vec::new(), legend: None }
+    }
+
+    /// The same with lines, marks and words this many times as large: for a picture that is shown small.
+    pub(crate) fn coarser(self, coarseness: f64) -> Self {
+        Self { coarseness, ..self }
     }
 
     fn longer_side(&self) -> f64 {
@@ -115,7 +122,8 @@ impl Drawing {
 
     /// The width of a line, px of the photograph; letters and marks are measured in it.
     pub(crate) fn unit(&self) -> f64 {
-        (self.longer_side() / UNITS_PER_SIDE).max(LEAST_UNIT_PX / f64::from(self.enlarged()))
+        self.coarseness
+            * (self.longer_side() / UNITS_PER_SIDE).max(LEAST_UNIT_PX / f64::from(self.enlarged()))
     }
 
     /// From edge to edge of the photograph.
@@ -159,10 +167,10 @@ impl Drawing {
         self.push(Shape::Rings(centres, radius * self.unit()), pen);
     }
 
-    /// Lines with a head at their end; what is shorter than a line is wide is a dot.
+    /// Lines with a head at their end; what is shorter than a line is wide is left out.
     pub(crate) fn arrows(&mut self, arrows: impl IntoIterator<Item = (Point2<f64>, Point2<f64>)>, pen: Pen) {
         let reach = self.reach();
-        let (mut shafts, mut heads, mut stubs) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut shafts, mut heads) = (Vec::new(), Vec::new());
         for (from, to) in arrows {
             let along = to - from;
             let length = along.norm();
@@ -170,7 +178,6 @@ impl Drawing {
                 continue;
             }
             if length < pen.width * self.unit() {
-                stubs.push(from);
                 continue;
             }
             let head = (HEAD * self.unit()).min(HEAD_SHARE * length);
@@ -183,7 +190,6 @@ impl Drawing {
         }
         self.push(Shape::Lines(shafts), pen);
         self.push(Shape::Areas(heads), Pen { dashed: false, ..pen });
-        self.push(Shape::Dots(stubs, 0.7 * pen.width * self.unit()), pen);
     }
 
     /// A word at a point, of the usual size times `scale`; nothing when the point is outside the frame.
@@ -197,9 +203,13 @@ impl Drawing {
     ) {
         let text = text.into();
         if self.frame().holds(at) && !text.is_empty() {
-            let size = LABEL * scale * self.unit();
-            self.push(Shape::Text { at, text, size, anchor }, Pen::new(color));
+            self.words(at, text, LABEL * scale * self.unit(), anchor, Pen::new(color));
         }
+    }
+
+    /// A text of a size in pixels at a point that is finite.
+    pub(crate) fn words(&mut self, at: Point2<f64>, text: String, size: f64, anchor: Anchor, pen: Pen) {
+        self.push(Shape::Text { at, text, size, anchor }, pen);
     }
 
     fn within_reach(&self, points: impl IntoIterator<Item = Point2<f64>>) -> Vec<Point2<f64>> {

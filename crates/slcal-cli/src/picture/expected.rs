@@ -8,7 +8,7 @@ use slcal_core::verify::{Verification, expected_corner};
 use super::color::GREEN;
 use super::drawing::{Drawing, Pen};
 use super::legend::Swatch;
-use super::{magnify, sheet};
+use super::{magnify, sheet, short};
 
 /// The verdict on a photograph called `name`: what was seen, arrows to where the rig expects it, and `verdict` in words.
 pub(crate) fn compared(
@@ -19,9 +19,9 @@ pub(crate) fn compared(
     rig: &Rig,
     result: &Verification,
 ) -> Drawing {
-    let view = &found.observation;
+    let (name, view) = (short(name), &found.observation);
     let mut drawing = Drawing::new(size, format!("{name}: {verdict}"));
-    sheet::draw_view(&mut drawing, view);
+    sheet::draw_sheet(&mut drawing, view);
     let pose = &result.camera_from_sheet;
     let pairs: Vec<(Point2<f64>, Point2<f64>)> = view
         .pairs
@@ -31,7 +31,8 @@ pub(crate) fn compared(
     let factor = magnify::factor(pairs.iter().map(|(seen, there)| (there - seen).norm()), drawing.unit());
     let pen = Pen::new(GREEN).width(1.3);
     drawing.arrows(pairs.iter().map(|(seen, there)| (*seen, magnify::end(*seen, there - seen, factor))), pen);
-    let mut legend = sheet::legend(format!("{name}: {verdict}"), view);
+    sheet::draw_marks(&mut drawing, view);
+    let mut legend = sheet::legend(format!("{name}: {verdict}"), [view]);
     if !pairs.is_empty() {
         let lengthened =
             if factor > 1.0 { format!(", lengthened ×{}", magnify::plain(factor)) } else { String::new() };

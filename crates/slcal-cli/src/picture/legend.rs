@@ -16,17 +16,42 @@ const PADDING: f64 = 9.0;
 const MARGIN: f64 = 8.0;
 const SWATCH: f64 = 34.0;
 const GAP: f64 = 8.0;
-/// Longer lines are wrapped: about sixty letters, or this share of a narrow photograph.
+/// Wider columns are wrapped: about sixty letters.
 const WIDEST: f64 = 440.0;
-const WIDEST_SHARE: f64 = 0.85;
-/// The panel takes no more than this share of the frame either way; its letters shrink for it.
-const LARGEST_SHARE: f64 = 0.96;
+const COLUMNS: usize = 3;
+/// The panel takes no more than this share of the frame either way.
+const LARGEST_SHARE: f64 = 0.97;
+/// Sizes that are tried, and how much more marks one of usual size may hide: a smaller panel is taken only when it hides
+/// less by more than its area is less.
+const SIZES: [(f64, f64); 3] = [(1.0, 0.0), (0.85, 0.5), (0.72, 1.2)];
+/// As many hidden marks are no reason for small letters.
+const WELCOME: f64 = 10.0;
+/// Where the panel may stand, as shares of the room that it leaves.
+const PLACES: [[f64; 2]; 16] = [
+    [0.0, 0.0],
+    [1.0, 0.0],
+    [0.0, 1.0],
+    [1.0, 1.0],
+    [0.5, 1.0],
+    [0.5, 0.0],
+    [0.25, 1.0],
+    [0.75, 1.0],
+    [0.25, 0.0],
+    [0.75, 0.0],
+    [0.0, 0.5],
+    [1.0, 0.5],
+    [0.0, 0.25],
+    [0.0, 0.75],
+    [1.0, 0.25],
+    [1.0, 0.75],
+];
 /// Of the panel's black.
 const PANEL_OPACITY: f64 = 0.72;
 /// Colours in the picture of a ramp.
 const RAMP_STEPS: usize = 24;
-/// How much worse it is to hide a word than a point of a line.
+/// How much worse it is to hide a word, or a mark of its own, than a point of a line.
 const WORD_WEIGHT: f64 = 60.0;
+const RING_WEIGHT: f64 = 3.0;
 
 /// What stands before an entry.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +62,7 @@ pub(crate) enum Swatch {
     Dot(Pen),
     Ring(Pen),
     Arrow(Pen),
+    Cross(Pen),
     /// A scale: a bar of this length, px of the photograph.
     Bar(Pen, f64),
     /// Several colours side by side.
@@ -69,6 +95,16 @@ impl Legend {
         self
     }
 
+    /// The same for a picture that is shown at a scale: bars are as long as what they stand for is shown.
+    pub(crate) fn with_bars(mut self, scale: f64) -> Self {
+        for entry in &mut self.entries {
+            if let Swatch::Bar(_, length) = &mut entry.swatch {
+                *length *= scale;
+            }
+        }
+        self
+    }
+
     pub(crate) fn note(self, text: impl Into<String>) -> Self {
         self.entry(Swatch::Note, text)
     }
@@ -80,30 +116,63 @@ pub(crate) struct Placed {
     pub(crate) items: Vec<Item>,
 }
 
-/// Lays the legend out and puts it where it hides least of the drawing.
+/// Lays the legend out and puts it where it hides least of the drawing: along the frame, in one column or more, smaller if
+/// that helps a good deal.
 pub(crate) fn place(drawing: &Drawing, legend: &Legend) -> Placed {
     let unit = drawing.unit();
-    let [w, h] = drawing.size.map(f64::from);
-    let mut layout = Layout::new(legend, unit, (WIDEST * unit).min(WIDEST_SHARE * w));
-    let shrink = (LARGEST_SHARE * w / layout.size.x).min(LARGEST_SHARE * h / layout.size.y).min(1.0);
-    if shrink < 1.0 {
-        layout = Layout::new(legend, unit * shrink, (WIDEST * unit).min(WIDEST_SHARE * w) * shrink);
+    let most = (drawing.frame().high - drawing.frame().low) * LARGEST_SHARE;
+    let marks = marks(drawing);
+    let mut best: Option<(f64, Placed)> = None;
+    for (size, dislike) in SIZES {
+        for columns in 1..=COLUMNS {
+            let layout = Layout::new(legend, size * unit, most.x, columns);
+            let fits = layout.size.x <= most.x && layout.size.y <= most.y;
+            // The smallest in one column is made to fit, should nothing else.
+            if !fits && (best.is_some() || size > SIZES[SIZES.len() - 1].0 || columns < COLUMNS) {
+                continue;
+            }
+            let layout = if fits { layout } else { squeezed(legend, size * unit, most) };
+            let (hidden, corner) = best_corner(drawing, &marks, layout.size);
+            let cost = (hidden + WELCOME) * (1.0 + dislike);
+            if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                best = Some((cost, layout.at(corner)));
+            }
+        }
     }
-    let corner = best_corner(drawing, layout.size);
-    layout.at(corner)
+    best.map_or_else(|| Layout::new(legend, unit, most.x, 1).at(drawing.frame().low), |(_, placed)| placed)
 }
 
-/// Of the places along the frame, the one over the fewest marks; corners before others.
-fn best_corner(drawing: &Drawing, size: Vector2<f64>) -> Point2<f64> {
+/// Lays the legend out at a corner of one's own choice, no wider than `widest`, as low as it can be.
+pub(crate) fn at(legend: &Legend, unit: f64, widest: f64, corner: Point2<f64>) -> Placed {
+    let layouts = (1..=COLUMNS).map(|columns| Layout::new(legend, unit, widest, columns));
+    let fitting = layouts.filter(|l| l.size.x <= widest);
+    let lowest = fitting.min_by(|a, b| a.size.y.total_cmp(&b.size.y));
+    lowest.unwrap_or_else(|| squeezed(legend, unit, Vector2::new(widest, f64::INFINITY))).at(corner)
+}
+
+/// In one column, with letters as small as they must be.
+fn squeezed(legend: &Legend, mut unit: f64, most: Vector2<f64>) -> Layout {
+    let mut layout = Layout::new(legend, unit, most.x, 1);
+    // Smaller letters are wrapped anew: a few rounds come to rest.
+    for _ in 0..8 {
+        let shrink = (most.x / layout.size.x).min(most.y / layout.size.y);
+        if shrink >= 1.0 {
+            break;
+        }
+        unit *= shrink.max(0.25);
+        layout = Layout::new(legend, unit, most.x, 1);
+    }
+    layout
+}
+
+/// Of the places along the frame, the one over the fewest marks, and how many; corners before others.
+fn best_corner(drawing: &Drawing, marks: &[(Point2<f64>, f64)], size: Vector2<f64>) -> (f64, Point2<f64>) {
     let frame = drawing.frame();
     let room = frame.high - frame.low - size;
     let margin = room.map(|r| (MARGIN * drawing.unit()).min(0.5 * r.max(0.0)));
     let at = |k: usize, share: f64| frame.low[k] + margin[k] + share * (room[k] - 2.0 * margin[k]);
-    let shares =
-        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.5, 1.0], [0.5, 0.0], [0.0, 0.5], [1.0, 0.5]];
-    let marks = marks(drawing);
     let mut best = (f64::INFINITY, frame.low);
-    for [x, y] in shares {
+    for [x, y] in PLACES {
         let corner = Point2::new(at(0, x), at(1, y));
         let panel = Rect { low: corner, high: corner + size };
         let hidden: f64 = marks.iter().filter(|(p, _)| panel.holds(*p)).map(|(_, weight)| weight).sum();
@@ -111,7 +180,7 @@ fn best_corner(drawing: &Drawing, size: Vector2<f64>) -> Point2<f64> {
             best = (hidden, corner);
         }
     }
-    best.1
+    best
 }
 
 /// Points of everything drawn, with their weight.
@@ -130,9 +199,8 @@ fn marks(drawing: &Drawing) -> Vec<(Point2<f64>, f64)> {
                     marks.extend((0..steps).map(|i| (point(i), weight)));
                 }
             }
-            Shape::Dots(centres, _) | Shape::Rings(centres, _) => {
-                marks.extend(centres.iter().map(|p| (*p, 1.0)));
-            }
+            Shape::Dots(centres, _) => marks.extend(centres.iter().map(|p| (*p, 1.0))),
+            Shape::Rings(centres, _) => marks.extend(centres.iter().map(|p| (*p, RING_WEIGHT))),
             Shape::Text { at, .. } => marks.push((*at, WORD_WEIGHT)),
         }
     }
@@ -146,36 +214,33 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(legend: &Legend, unit: f64, widest: f64) -> Self {
-        let font = Font::embedded();
-        let padding = PADDING * unit;
-        let mut items = Vec::new();
-        let (mut y, mut right) = (padding, 0.0_f64);
-        let mut text = |text: &str, left: f64, size: f64, y: &mut f64, items: &mut Vec<Item>| {
-            for line in font.wrap(text, size, widest - left) {
-                let at = Point2::new(left, *y + 0.5 * LEADING * size);
-                right = right.max(left + font.width(&line, size));
-                let shape = Shape::Text { at, text: line, size, anchor: Anchor::Start };
-                items.push(Item { shape, pen: Pen::new(WHITE).plain() });
-                *y += LEADING * size;
-            }
-        };
+    /// The headline and the notes run over the whole width, the other entries stand in columns.
+    fn new(legend: &Legend, unit: f64, widest: f64, columns: usize) -> Self {
+        let (notes, marks): (Vec<_>, Vec<_>) = legend.entries.iter().partition(|e| e.swatch == Swatch::Note);
+        let [padding, between] = [PADDING * unit, 2.0 * PADDING * unit];
+        let inner = (widest - 2.0 * padding).min(columns as f64 * WIDEST * unit);
+        let columns = columns.clamp(1, marks.len().max(1));
+        let column = (inner - between * (columns - 1) as f64) / columns as f64;
+        let mut block = Writer { unit, at: Vector2::zeros(), ..Writer::default() };
+        let (mut left, mut bottom) = (0.0, 0.0_f64);
+        for entries in marks.chunks(marks.len().div_ceil(columns).max(1)) {
+            block.at = Vector2::new(left, 0.0);
+            entries.iter().for_each(|entry| block.entry(entry, left + column));
+            bottom = bottom.max(block.at.y);
+            left = block.right + between;
+        }
+        let width = block.right.max(inner);
+        let mut whole = Writer { unit, at: Vector2::new(padding, padding), ..Writer::default() };
         if !legend.title.is_empty() {
-            text(&legend.title, padding, TITLE * unit, &mut y, &mut items);
+            whole.text(&legend.title, TITLE, padding + width);
+            whole.at.y += 0.3 * padding;
         }
-        for entry in &legend.entries {
-            let indent = match &entry.swatch {
-                Swatch::Note => 0.0,
-                Swatch::Bar(_, length) => (SWATCH * unit).max(*length) + GAP * unit,
-                Swatch::Ramp => (3.0 * SWATCH + GAP) * unit,
-                _ => (SWATCH + GAP) * unit,
-            };
-            let middle = Point2::new(padding, y + 0.5 * LEADING * TEXT * unit);
-            items.extend(swatch(&entry.swatch, middle, unit));
-            text(&entry.text, padding + indent, TEXT * unit, &mut y, &mut items);
-        }
-        let size = Vector2::new(right + padding, y + padding);
-        Self { size, items }
+        let shift = whole.at;
+        whole.items.extend(block.items.into_iter().map(|item| shifted(item, shift)));
+        whole.right = whole.right.max(padding + block.right);
+        whole.at.y += bottom;
+        notes.iter().for_each(|note| whole.text(&note.text, TEXT, padding + width));
+        Self { size: Vector2::new(whole.right + padding, whole.at.y + padding), items: whole.items }
     }
 
     fn at(self, corner: Point2<f64>) -> Placed {
@@ -185,6 +250,46 @@ impl Layout {
         let mut items = vec![Item { shape: back, pen: Pen::new(BLACK).opacity(PANEL_OPACITY).plain() }];
         items.extend(self.items.into_iter().map(|item| shifted(item, shift)));
         Placed { panel, items }
+    }
+}
+
+/// Writes downwards.
+#[derive(Default)]
+struct Writer {
+    unit: f64,
+    at: Vector2<f64>,
+    /// As far as anything reaches.
+    right: f64,
+    items: Vec<Item>,
+}
+
+impl Writer {
+    /// A text of a size in units that is wrapped at `end`.
+    fn text(&mut self, text: &str, size: f64, end: f64) {
+        let (font, size) = (Font::embedded(), size * self.unit);
+        for line in font.wrap(text, size, end - self.at.x) {
+            let at = Point2::from(self.at) + Vector2::new(0.0, 0.5 * LEADING * size);
+            self.right = self.right.max(self.at.x + font.width(&line, size));
+            let shape = Shape::Text { at, text: line, size, anchor: Anchor::Start };
+            self.items.push(Item { shape, pen: Pen::new(WHITE).plain() });
+            self.at.y += LEADING * size;
+        }
+    }
+
+    /// A swatch and what it means.
+    fn entry(&mut self, entry: &Entry, end: f64) {
+        let unit = self.unit;
+        let indent = match &entry.swatch {
+            Swatch::Note => 0.0,
+            Swatch::Bar(_, length) => (SWATCH * unit).max(*length) + GAP * unit,
+            Swatch::Ramp => (3.0 * SWATCH + GAP) * unit,
+            _ => (SWATCH + GAP) * unit,
+        };
+        let middle = Point2::from(self.at) + Vector2::new(0.0, 0.5 * LEADING * TEXT * unit);
+        self.items.extend(swatch(&entry.swatch, middle, unit));
+        self.at.x += indent;
+        self.text(&entry.text, TEXT, end);
+        self.at.x -= indent;
     }
 }
 
@@ -223,6 +328,11 @@ fn swatch(swatch: &Swatch, left: Point2<f64>, unit: f64) -> Vec<Item> {
                 item(Shape::Lines(vec![vec![left, back]]), *pen),
                 item(Shape::Areas(vec![vec![tip, back + half, back - half]]), Pen { dashed: false, ..*pen }),
             ]
+        }
+        Swatch::Cross(pen) => {
+            let centre = along(0.5 * SWATCH);
+            let arms = [Vector2::new(4.5, 4.5), Vector2::new(4.5, -4.5)].map(|d| d * unit);
+            vec![item(Shape::Lines(arms.iter().map(|d| vec![centre - d, centre + d]).collect()), *pen)]
         }
         Swatch::Bar(pen, length) => {
             let (end, tick) = (left + Vector2::new(*length, 0.0), Vector2::new(0.0, 3.5 * unit));

@@ -1,12 +1,14 @@
 //! Pictures of what was found and how well it fits: made once as a drawing of vectors (`drawing`), written twice, as SVG
-//! for pages (`svg`) and painted upon the photograph (`raster`). `sheet`, `stripes` and `expected` say what is drawn.
+//! for pages (`svg`) and painted upon the photograph (`raster`). `sheet`, `fit`, `stripes` and `expected` say what is drawn, `tiles` puts several on one sheet.
 
 mod clip;
 mod color;
 mod drawing;
 pub(crate) mod expected;
+pub(crate) mod fit;
 mod font;
-mod legend;
+pub(crate) mod legend;
+mod light;
 mod magnify;
 mod raster;
 pub(crate) mod sheet;
@@ -14,5 +16,13 @@ pub(crate) mod stripes;
 mod style;
 #[allow(dead_code, reason = "pages are written by another part of the command")]
 mod svg;
+pub(crate) mod tiles;
 
 pub(crate) use drawing::Drawing;
+pub(crate) use light::as_seen;
+
+/// The name of a file without its folders, which would fill the headline.
+pub(crate) fn short(name: &str) -> &str {
+    let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    if last.is_empty() { name } else { last }
+}

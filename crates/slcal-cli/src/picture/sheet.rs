@@ -7,6 +7,7 @@ use slcal_core::{CornerPair, SheetObservation, ViewObservation};
 use super::color::{ORANGE, PINK, SKY, WHITE, YELLOW};
 use super::drawing::{Anchor, Drawing, Pen};
 use super::legend::{Legend, Swatch};
+use super::short;
 
 /// Radius of a corner's mark, units; no more than this share of the distance between corners.
 const RING: f64 = 4.0;
@@ -31,56 +32,75 @@ fn first_pen() -> Pen {
 
 /// What was found in a photograph called `name`, with a legend.
 pub(crate) fn found(size: [u32; 2], name: &str, detection: &Detection) -> Drawing {
-    let view = &detection.observation;
+    let name = short(name);
     let mut drawing = Drawing::new(size, format!("{name}: what was found"));
-    draw_view(&mut drawing, view);
-    let title = if detection.pattern_corners == 0 {
-        format!("{name}: the sheet was found")
-    } else {
-        let (seen, all) = (view.pairs.len(), detection.pattern_corners);
-        format!("{name}: the sheet and {seen} of {all} corners of the pattern were found")
-    };
-    drawing.legend = Some(legend(title, view));
+    draw_view(&mut drawing, &detection.observation);
+    let title = format!("{name}: {}", found_in_words(detection));
+    drawing.legend = Some(legend(title, [&detection.observation]));
     drawing
 }
 
-/// What could be drawn of a photograph in which not everything was found, and why.
-pub(crate) fn not_found(
-    size: [u32; 2],
-    name: &str,
-    why: &str,
-    sheet: Option<&ViewObservation>,
-    given: Option<&[Point2<f64>; 4]>,
-) -> Drawing {
+pub(crate) fn found_in_words(detection: &Detection) -> String {
+    match (detection.observation.pairs.len(), detection.pattern_corners) {
+        (_, 0) => "the sheet was found".to_owned(),
+        (seen, all) => format!("the sheet and {seen} of {all} corners of the pattern were found"),
+    }
+}
+
+/// What there is to see where not everything was found.
+#[derive(Debug, Clone, Default)]
+pub(crate) enum Partly {
+    #[default]
+    Nothing,
+    /// The corners that were given by hand.
+    Given([Point2<f64>; 4]),
+    /// The sheet that would be taken without a pattern.
+    Sheet(ViewObservation),
+}
+
+/// A photograph called `name` in which not everything was found, and why, with a legend.
+pub(crate) fn not_found(size: [u32; 2], name: &str, why: &str, partly: &Partly) -> Drawing {
+    // The headline names the file.
+    let why = why.strip_prefix(name).and_then(|w| w.strip_prefix(": ")).unwrap_or(why);
+    let name = short(name);
     let mut drawing = Drawing::new(size, format!("{name}: not everything was found"));
-    let title = format!("{name}: not found");
-    drawing.legend = Some(match (given, sheet) {
-        (Some(corners), _) => {
-            draw_outline(&mut drawing, corners);
+    draw_partly(&mut drawing, partly);
+    let title = format!("{name}: not everything was found");
+    let legend = match partly {
+        Partly::Nothing => Legend::new(title),
+        Partly::Given(_) => {
             Legend::new(title).entry(Swatch::Line(sheet_pen()), "the sheet by the corners that were given")
         }
-        (None, Some(view)) => {
-            draw_view(&mut drawing, view);
-            legend(title, view)
-        }
-        (None, None) => Legend::new(title),
-    });
-    if let Some(legend) = drawing.legend.take() {
-        drawing.legend = Some(legend.note(why));
-    }
+        Partly::Sheet(view) => legend(title, [view]),
+    };
+    drawing.legend = Some(legend.note(why));
     drawing
 }
 
-/// What the marks of [`draw_view`] mean.
-pub(crate) fn legend(title: String, view: &ViewObservation) -> Legend {
-    let mut legend = Legend::new(title).entry(Swatch::Line(sheet_pen()), "sheet, by its sides");
-    if let SheetObservation::Edges(sides) = &view.sheet {
-        let count = sides.iter().map(Vec::len).sum::<usize>();
-        legend = legend.entry(Swatch::Dot(edge_pen()), format!("{count} points measured on its sides"));
+pub(crate) fn draw_partly(drawing: &mut Drawing, partly: &Partly) {
+    match partly {
+        Partly::Nothing => {}
+        Partly::Given(corners) => draw_outline(drawing, corners),
+        Partly::Sheet(view) => draw_view(drawing, view),
     }
-    if !view.pairs.is_empty() {
+}
+
+/// What the marks of [`draw_view`] mean in one or more views.
+pub(crate) fn legend<'a>(title: String, views: impl IntoIterator<Item = &'a ViewObservation>) -> Legend {
+    let (mut edge_points, mut corners) = (0, 0);
+    for view in views {
+        corners += view.pairs.len();
+        if let SheetObservation::Edges(sides) = &view.sheet {
+            edge_points += sides.iter().map(Vec::len).sum::<usize>();
+        }
+    }
+    let mut legend = Legend::new(title).entry(Swatch::Line(sheet_pen()), "the sheet");
+    if edge_points > 0 {
+        legend = legend.entry(Swatch::Dot(edge_pen()), format!("{edge_points} points measured on its sides"));
+    }
+    if corners > 0 {
         legend = legend
-            .entry(Swatch::Ring(corner_pen()), format!("{} projected corners", view.pairs.len()))
+            .entry(Swatch::Ring(corner_pen()), format!("{corners} projected corners"))
             .entry(Swatch::Ring(first_pen()), "the first of them (top left on the panel)");
     }
     legend
@@ -89,9 +109,19 @@ pub(crate) fn legend(title: String, view: &ViewObservation) -> Legend {
 /// The sheet's outline with its corners named, the edge points that were measured, and the pattern's corners: a circle
 /// each, the first one in another colour, joined along the rows of the panel.
 pub(crate) fn draw_view(drawing: &mut Drawing, view: &ViewObservation) {
+    draw_sheet(drawing, view);
+    draw_marks(drawing, view);
+}
+
+/// The sheet's outline with its corners named.
+pub(crate) fn draw_sheet(drawing: &mut Drawing, view: &ViewObservation) {
     if let Some(corners) = view.sheet.corners() {
         draw_outline(drawing, &corners);
     }
+}
+
+/// The points that were measured.
+pub(crate) fn draw_marks(drawing: &mut Drawing, view: &ViewObservation) {
     if let SheetObservation::Edges(sides) = &view.sheet {
         drawing.dots(sides.iter().flatten().map(|p| p.position), 1.2, edge_pen());
     }

@@ -10,6 +10,7 @@ use slcal_core::reconstruct::Reconstruction;
 use super::color::{Color, WHITE, ramp, slit_color};
 use super::drawing::{Anchor, Drawing, Pen};
 use super::legend::{Legend, Swatch};
+use super::short;
 
 /// Points of one slit are joined over this many lines of the photograph at most, so that small gaps close and others show.
 const JOINED_LINES: i64 = 3;
@@ -28,6 +29,7 @@ const NUMBERED_LENGTH: f64 = 30.0;
 
 /// The matches of a photograph called `name`, a colour per slit, with a legend.
 pub(crate) fn decoded(size: [u32; 2], name: &str, decoding: &Decoding) -> Drawing {
+    let name = short(name);
     let mut drawing = dimmed(size, format!("{name}: the stripes that were decoded"));
     let points: Vec<_> = decoding
         .matches
@@ -53,7 +55,7 @@ pub(crate) fn decoded(size: [u32; 2], name: &str, decoding: &Decoding) -> Drawin
 
 /// The points of a cloud in their photograph called `name`, coloured by their distance from the camera, with a legend.
 pub(crate) fn reconstructed(size: [u32; 2], name: &str, result: &Reconstruction) -> Drawing {
-    let cloud = &result.cloud;
+    let (name, cloud) = (short(name), &result.cloud);
     let mut drawing = dimmed(size, format!("{name}: the points that were reconstructed"));
     let distances = distances(cloud);
     let (near, far) = range(&distances);

@@ -14,7 +14,7 @@ use crate::io::{
     write_all,
 };
 use crate::output::{Printer, print_json, print_result};
-use crate::picture::stripes;
+use crate::picture::{as_seen, stripes};
 use crate::summary;
 
 pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
@@ -36,7 +36,10 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     write_matches(&decoding.matches, &mut bytes)?;
     let mut files = vec![(output.clone(), bytes)];
     if let Some(place) = overlay {
-        files.push((place, draw(&photo, &input_name(&args.image), &decoding)?));
+        files.push((
+            place,
+            draw(&as_seen(photo, frames.config.encoding), &input_name(&args.image), &decoding)?,
+        ));
     }
     write_all(&files)?;
     drop(busy);

@@ -9,7 +9,9 @@ use slcal_core::geometry::RectangleSize;
 use slcal_core::pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
 use slcal_core::photo::PhotoView;
 use slcal_core::reconstruct::{ReconstructConfig, Reconstruction, reconstruct};
-use slcal_core::{CalibrateConfig, Calibration, Device, Observations, Rig, calibrate_observations};
+use slcal_core::{
+    CalibrateConfig, Calibration, Device, Observations, Rig, calibrate_observations, residuals,
+};
 
 use super::calibrate::rig_bytes;
 use super::pattern::pattern_bytes;
@@ -18,6 +20,7 @@ use crate::args::DemoArgs;
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{Destination, cloud_bytes, decode_photo, png_bytes, write_all};
 use crate::output::{BOLD, Page, Printer, Table, glued, paint, print_result, shown};
+use crate::picture::fit::{self, Fit};
 use crate::picture::sheet;
 use crate::summary;
 
@@ -73,8 +76,7 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
     let head = cloud(rig, &stripes, &head_photo)?;
     let flatness = fit_plane(&board.cloud, &FitConfig::default())?.report;
 
-    let seen = sheet::found([sheet_photo.width(), sheet_photo.height()], "sheet.jpg", &detection)
-        .over(&sheet_photo)?;
+    let seen = draw_sheet(&sheet_photo, &detection, &calibration)?;
     let contents = [
         png_bytes(&DynamicImage::ImageRgb8(checker.image()?))?,
         pattern_bytes(&Pattern::Checker(checker))?,
@@ -98,16 +100,31 @@ fn calibrate(sheet: &DynamicImage, checker: &CheckerPattern) -> Outcome<(Detecti
     let size = RectangleSize::new(SHEET_SIZE_MM[0], SHEET_SIZE_MM[1])?;
     let detection =
         observe(PhotoView::try_from(sheet)?, None, size, Some(checker), &DetectConfig::default())?;
-    let observations = Observations {
-        camera: [sheet.width(), sheet.height()],
-        projector: Some(PANEL),
-        views: vec![detection.observation.clone()],
-    };
+    let observations = observations([sheet.width(), sheet.height()], &detection);
     let mut calibration = calibrate_observations(&observations, &CalibrateConfig::default())?;
     if let Some(view) = calibration.rig.views.first_mut() {
         view.photo = Some("sheet.jpg".to_owned());
     }
     Ok((detection, calibration))
+}
+
+/// What was found on the sheet and how well it fits.
+fn draw_sheet(photo: &DynamicImage, found: &Detection, calibration: &Calibration) -> Outcome<DynamicImage> {
+    let size = [photo.width(), photo.height()];
+    let observations = observations(size, found);
+    let misses = residuals(&calibration.rig, &observations)?;
+    let drawing = match (calibration.rig.views.first(), misses.first()) {
+        (Some(view), Some(residuals)) => {
+            let fit = Fit { observed: &found.observation, residuals, view };
+            fit::calibrated(size, "sheet.jpg", &format!("sheet.jpg: {}", fit.in_words()), fit)
+        }
+        _ => sheet::found(size, "sheet.jpg", found),
+    };
+    drawing.over(photo)
+}
+
+fn observations(camera: [u32; 2], found: &Detection) -> Observations {
+    Observations { camera, projector: Some(PANEL), views: vec![found.observation.clone()] }
 }
 
 fn cloud(rig: &Rig, stripes: &StripePattern, photo: &DynamicImage) -> Outcome<Reconstruction> {

@@ -16,7 +16,7 @@ use crate::io::{
     write_all,
 };
 use crate::output::{Printer, plain, print_json, print_result};
-use crate::picture::expected;
+use crate::picture::{as_seen, expected};
 use crate::summary;
 
 pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
@@ -47,7 +47,8 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
         printer.note(format!("{}: {note}", input_name(&args.photo)));
     }
     if let Some(place) = overlay {
-        let picture = draw(&photo, &input_name(&args.photo), &found, &rig, &result)?;
+        let seen = as_seen(photo, config.encoding);
+        let picture = draw(&seen, &input_name(&args.photo), &found, &rig, &result)?;
         write_all(&[(place, png_bytes(&picture)?)])?;
     }
     if args.json {
@@ -103,6 +104,7 @@ fn draw(
     rig: &Rig,
     result: &Verification,
 ) -> Outcome<DynamicImage> {
-    let verdict = plain(&format!("the rig {}", summary::rig_in_words(result)));
+    let beginning = if result.rig.moved { "the rig has moved:" } else { "the rig" };
+    let verdict = plain(&format!("{beginning} {}", summary::rig_in_words(result)));
     expected::compared([photo.width(), photo.height()], name, &verdict, found, rig, result).over(photo)
 }

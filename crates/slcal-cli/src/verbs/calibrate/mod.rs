@@ -1,5 +1,6 @@
 //! `slcal calibrate`: photographs of the sheet, or the observations of any detector, in; rig out.
 
+mod overlay;
 mod photographs;
 
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use slcal_core::{
     PrincipalPointRule, Rig, calibrate_external,
 };
 
+use self::overlay::{Calibrated, Gallery};
 use self::photographs::observe_all;
 use crate::args::{CalibrateArgs, DistortionArg, MethodArg, PrincipalPointArg};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
@@ -22,6 +24,26 @@ use crate::summary;
 
 pub(super) fn run(args: &CalibrateArgs, printer: Printer) -> Outcome {
     let places = Places::prepare(args)?;
+    let mut gallery = places.overlay.is_some().then(|| Gallery::new(args.photos.len()));
+    let done = calibrate(args, &places, gallery.as_mut(), printer);
+    if let Some((place, gallery)) = places.overlay.as_ref().zip(gallery) {
+        let shown = done.as_ref().ok().map(|(c, o)| Calibrated { rig: &c.rig, observations: o });
+        let drawn = gallery.write(place, shown, done.as_ref().err());
+        // Why there is no rig matters more than why there is no picture.
+        let (calibration, _) = done?;
+        drawn?;
+        return finish(args, &calibration, places, printer);
+    }
+    finish(args, &done?.0, places, printer)
+}
+
+/// The calibration and what it was computed from.
+fn calibrate(
+    args: &CalibrateArgs,
+    places: &Places,
+    gallery: Option<&mut Gallery>,
+    printer: Printer,
+) -> Outcome<(Calibration, Observations)> {
     let mut config = config(args)?;
     let known = match args.camera.as_deref() {
         Some(path) => Some((path, load_camera(path)?)),
@@ -30,7 +52,7 @@ pub(super) fn run(args: &CalibrateArgs, printer: Printer) -> Outcome {
     let external = if let Some(path) = &args.observations {
         load_observations(path)?
     } else {
-        let seen = observe_all(args, known.as_ref().map(|k| &k.1), &places, printer)?;
+        let seen = observe_all(args, known.as_ref().map(|k| &k.1), gallery, printer)?;
         config.focal_prior = seen.focal_prior;
         seen.observations
     };
@@ -64,7 +86,7 @@ pub(super) fn run(args: &CalibrateArgs, printer: Printer) -> Outcome {
     for (view, photo) in calibration.rig.views.iter_mut().zip(external.photos) {
         view.photo = photo;
     }
-    finish(args, &calibration, places, printer)
+    Ok((calibration, done.observations))
 }
 
 /// The known camera, if it can be that of an image of this size.

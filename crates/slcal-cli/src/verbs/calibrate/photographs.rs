@@ -9,14 +9,14 @@ use slcal_core::pattern::CheckerPattern;
 use slcal_core::photo::PhotoView;
 use slcal_core::{ExternalObservations, FocalPrior, Observations, ViewObservation};
 
-use super::{Places, for_image};
+use super::for_image;
+use super::overlay::Gallery;
 use crate::args::CalibrateArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
-use crate::io::{
-    Destination, focal_35mm, input_name, load_checker, load_photo, load_photo_and_file, png_bytes, write_all,
-};
+use crate::io::{focal_35mm, input_name, load_checker, load_photo, load_photo_and_file};
 use crate::output::Printer;
-use crate::picture::sheet;
+use crate::picture::as_seen;
+use crate::picture::sheet::Partly;
 
 /// What the photographs show and say.
 pub(super) struct Seen {
@@ -25,11 +25,11 @@ pub(super) struct Seen {
     pub(super) focal_prior: Option<FocalPrior>,
 }
 
-/// Finds sheet and pattern in every photograph.
+/// Finds sheet and pattern in every photograph, and puts what was found into the gallery.
 pub(super) fn observe_all(
     args: &CalibrateArgs,
     known: Option<&KnownCamera>,
-    places: &Places,
+    mut gallery: Option<&mut Gallery>,
     printer: Printer,
 ) -> Outcome<Seen> {
     let pattern = args.pattern.as_deref().map(load_checker).transpose()?;
@@ -67,8 +67,9 @@ pub(super) fn observe_all(
         detect.validate()?;
         printer.detail(format!("{}: looking for the sheet", input_name(path)));
         let found = detect_one(path, &photo, screen.as_ref(), args, pattern, &detect);
-        if let (0, Some(place)) = (i, &places.overlay) {
-            draw(path, &photo, found.as_ref(), args, place)?;
+        if let Some(gallery) = gallery.as_deref_mut() {
+            let partly = found.is_err().then(|| partly(i, path, &photo, args)).unwrap_or_default();
+            gallery.add(path, as_seen(photo, args.gamma.gamma), found.as_ref(), partly);
         }
         let found = found?;
         for note in &found.notes {
@@ -128,26 +129,15 @@ fn detect_one(
     observe(view, screen, size, pattern, config).in_file(path)
 }
 
-/// Draws what was found. When that is not everything: the corners that were given by hand, or the sheet that would be
-/// taken without a pattern.
-fn draw(
-    path: &Path,
-    photo: &DynamicImage,
-    found: Result<&Detection, &Failure>,
-    args: &CalibrateArgs,
-    place: &Destination,
-) -> Outcome {
-    let (size, name) = ([photo.width(), photo.height()], input_name(path));
-    let drawing = match (found, args.corners.first()) {
-        (Ok(found), _) => sheet::found(size, &name, found),
-        (Err(why), Some(corners)) => sheet::not_found(size, &name, &why.to_string(), None, Some(corners)),
-        (Err(why), None) => {
-            let detect = DetectConfig { encoding: args.gamma.gamma, ..DetectConfig::default() };
-            let alone = detect_one(path, photo, None, args, None, &detect).ok();
-            sheet::not_found(size, &name, &why.to_string(), alone.as_ref().map(|a| &a.observation), None)
-        }
-    };
-    write_all(&[(place.clone(), png_bytes(&drawing.over(photo)?)?)])
+/// What can be drawn when not everything was found: the corners that were given by hand, or the sheet that would be taken
+/// without a pattern.
+fn partly(i: usize, path: &Path, photo: &DynamicImage, args: &CalibrateArgs) -> Partly {
+    if let Some(corners) = args.corners.get(i) {
+        return Partly::Given(*corners);
+    }
+    let detect = DetectConfig { encoding: args.gamma.gamma, ..DetectConfig::default() };
+    detect_one(path, photo, None, args, None, &detect)
+        .map_or(Partly::Nothing, |alone| Partly::Sheet(alone.observation))
 }
 
 fn check_size(path: &Path, photo: &DynamicImage, expected: [u32; 2], like: &Path, what: &str) -> Outcome {

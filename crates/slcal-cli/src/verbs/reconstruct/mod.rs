@@ -26,7 +26,7 @@ use crate::io::{
     input_name, is_dash, load_rig, load_stripes, png_bytes, read_photo, write_all,
 };
 use crate::output::{Printer, Remarks};
-use crate::picture::stripes;
+use crate::picture::{as_seen, stripes};
 
 pub(super) fn run(args: &ReconstructArgs, printer: Printer) -> Outcome {
     check_usage(args)?;
@@ -195,8 +195,11 @@ impl Job<'_> {
         };
         let result = scanner.reconstruct_frames(&input).in_file(&name)?;
         let mut files = vec![(output.clone(), cloud_bytes(self.format, &result.cloud)?)];
-        if let Some((place, photo)) = self.overlay.as_ref().zip(photo.as_ref()) {
-            files.push((place.clone(), draw(photo, &frame.name(), result)?));
+        if let Some((place, photo)) = self.overlay.as_ref().zip(photo) {
+            files.push((
+                place.clone(),
+                draw(&as_seen(photo, self.scene.config().encoding), &frame.name(), result)?,
+            ));
         }
         let report = CloudReport::of(result);
         write_all(&files)?;

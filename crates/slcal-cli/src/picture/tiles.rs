@@ -1,0 +1,97 @@
+//! Several photographs on one sheet, each with its drawing and its name.
+
+use image::{DynamicImage, GenericImage as _, Rgb, RgbImage};
+use nalgebra::{Point2, Vector2};
+
+use super::color::{Color, VERMILLION, WHITE};
+use super::drawing::{Anchor, Drawing, Pen};
+use super::font::Font;
+use super::legend::{self, Legend};
+use crate::exit::{Exit, Failure, Outcome};
+
+/// The longer side of the whole, about, px: what a large screen shows.
+const WHOLE_PX: u32 = 2400;
+/// But each photograph has at least this width, px, however many there are.
+const LEAST_WIDTH_PX: u32 = 320;
+const GREY: Color = [34, 34, 34];
+/// Between and around the photographs, as a share of their width.
+const GAP_SHARE: f64 = 0.02;
+/// Letters under a photograph as a share of its width.
+const TEXT_SHARE: f64 = 0.034;
+/// More lines than this would hide the next photograph.
+const LINES: usize = 4;
+const LEADING: f64 = 1.35;
+
+/// A photograph on the sheet.
+pub(crate) struct Tile {
+    /// With its drawing upon it; all tiles have one size.
+    pub(crate) picture: DynamicImage,
+    /// What stands beneath: name, residuals.
+    pub(crate) caption: Vec<String>,
+    /// Why this one stands out, when it does.
+    pub(crate) odd: Option<String>,
+}
+
+fn columns(count: usize) -> usize {
+    (count as f64).sqrt().ceil().max(1.0) as usize
+}
+
+/// The size in which `count` photographs of a size are put on the sheet, and how much coarser lines are drawn on them so
+/// that they show there.
+pub(crate) fn tile_size(size: [u32; 2], count: usize) -> ([u32; 2], f64) {
+    let columns = columns(count);
+    let width = (WHOLE_PX / columns as u32).max(LEAST_WIDTH_PX).min(size[0].max(1));
+    let height = (f64::from(size[1]) * f64::from(width) / f64::from(size[0].max(1))).round().max(1.0) as u32;
+    ([width, height], (0.6 * columns as f64).max(1.0))
+}
+
+/// All photographs, row by row, and a legend for all of them beneath.
+pub(crate) fn sheet(tiles: &[Tile], title: &str, legend: &Legend) -> Outcome<DynamicImage> {
+    let [w, h] = tiles.first().map_or([1, 1], |t| [t.picture.width(), t.picture.height()]);
+    let columns = columns(tiles.len());
+    let rows = tiles.len().div_ceil(columns);
+    let gap = (GAP_SHARE * f64::from(w)).ceil() as u32;
+    let text = TEXT_SHARE * f64::from(w);
+    let captions: Vec<_> = tiles.iter().map(|tile| caption(tile, f64::from(w), text)).collect();
+    let lines = captions.iter().map(Vec::len).max().unwrap_or(0);
+    let below = (LEADING * text * (lines as f64 + 0.5)).ceil() as u32;
+    let width = columns as u32 * (w + gap) + gap;
+    let above_legend = rows as u32 * (h + below + gap) + gap;
+    // Its unit follows the width alone, which is known already.
+    let unit = Drawing::new([width, 1], "").unit();
+    let corner = Point2::new(f64::from(gap), f64::from(above_legend));
+    let placed = legend::at(legend, unit, f64::from(width - 2 * gap), corner);
+    let height = (placed.panel.high.y + f64::from(gap)).ceil() as u32;
+
+    let mut canvas = RgbImage::from_pixel(width, height, Rgb(GREY));
+    let mut drawing = Drawing::new([width, height], title);
+    for (i, tile) in tiles.iter().enumerate() {
+        let at = [(i % columns) as u32 * (w + gap) + gap, (i / columns) as u32 * (h + below + gap) + gap];
+        canvas.copy_from(&tile.picture.to_rgb8(), at[0], at[1]).map_err(|e| {
+            Failure::new(Exit::Other, format!("photographs of one size do not fit a sheet: {e}"))
+        })?;
+        let low = Point2::from(at.map(f64::from)) - Vector2::new(0.5, 0.5);
+        let size = Vector2::new(f64::from(w), f64::from(h));
+        if tile.odd.is_some() {
+            let corners =
+                [low, Point2::new(low.x + size.x, low.y), low + size, Point2::new(low.x, low.y + size.y)];
+            drawing.outline(&corners, Pen::new(VERMILLION).width(3.0));
+        }
+        for (k, (line, color)) in captions[i].iter().enumerate() {
+            let at = low + Vector2::new(0.0, size.y + LEADING * text * (k as f64 + 0.75));
+            drawing.words(at, line.clone(), text, Anchor::Start, Pen::new(*color).plain());
+        }
+    }
+    drawing.items.extend(placed.items);
+    drawing.over(&DynamicImage::ImageRgb8(canvas))
+}
+
+/// The lines beneath a photograph, each with its colour.
+fn caption(tile: &Tile, width: f64, size: f64) -> Vec<(String, Color)> {
+    let font = Font::embedded();
+    let odd = tile.odd.iter().map(|t| (t, VERMILLION));
+    let lines = tile.caption.iter().map(|t| (t, WHITE)).chain(odd);
+    let wrapped = lines
+        .flat_map(|(text, color)| font.wrap(text, size, width).into_iter().map(move |line| (line, color)));
+    wrapped.take(LINES).collect()
+}

@@ -1,0 +1,205 @@
+//! The picture of a calibration: what was found in the photographs, and how well it fits when they were calibrated from.
+
+use std::path::Path;
+
+use image::DynamicImage;
+use image::imageops::FilterType;
+use slcal_core::detect::Detection;
+use slcal_core::{Observations, Rig, Verdict, ViewResiduals, residuals};
+
+use crate::exit::{Failure, Outcome};
+use crate::io::{Destination, input_name, png_bytes, write_all};
+use crate::picture::fit::{self, Fit};
+use crate::picture::sheet::{self, Partly};
+use crate::picture::tiles::{self, Tile};
+use crate::picture::{Drawing, short};
+
+/// The photographs as they will be drawn upon.
+pub(super) struct Gallery {
+    /// How many there will be.
+    expected: usize,
+    shots: Vec<Shot>,
+}
+
+struct Shot {
+    name: String,
+    /// As taken, px.
+    size: [u32; 2],
+    /// As large as it will be shown.
+    photo: DynamicImage,
+    seen: Seen,
+}
+
+enum Seen {
+    All(Box<Detection>),
+    Not { why: String, partly: Partly },
+}
+
+/// A rig and what it was calibrated from.
+#[derive(Clone, Copy)]
+pub(super) struct Calibrated<'a> {
+    pub(super) rig: &'a Rig,
+    pub(super) observations: &'a Observations,
+}
+
+impl Gallery {
+    pub(super) fn new(expected: usize) -> Self {
+        Self { expected, shots: Vec::new() }
+    }
+
+    /// Takes a photograph as a screen shows it; `partly` says what there is to see when not everything was found.
+    pub(super) fn add(
+        &mut self,
+        path: &Path,
+        photo: DynamicImage,
+        found: Result<&Detection, &Failure>,
+        partly: Partly,
+    ) {
+        let size = [photo.width(), photo.height()];
+        let seen = match found {
+            Ok(found) => Seen::All(Box::new(found.clone())),
+            Err(why) => Seen::Not { why: why.to_string(), partly },
+        };
+        let ([w, h], _) = tiles::tile_size(size, self.expected);
+        // A single photograph keeps all of its pixels; memory holds small copies of many.
+        let photo = if self.expected > 1 && [w, h] != size {
+            photo.resize_exact(w, h, FilterType::Triangle)
+        } else {
+            photo
+        };
+        self.shots.push(Shot { name: input_name(path), size, photo, seen });
+    }
+
+    /// Draws and writes; `failed` says why there is no rig.
+    pub(super) fn write(
+        &self,
+        place: &Destination,
+        calibrated: Option<Calibrated<'_>>,
+        failed: Option<&Failure>,
+    ) -> Outcome {
+        let misses = calibrated.and_then(|c| residuals(c.rig, c.observations).ok()).unwrap_or_default();
+        let fits = calibrated.map_or_else(Vec::new, |c| fits(c, &misses));
+        let picture = match self.shots.as_slice() {
+            [] => return Ok(()),
+            [one] => one.drawing(fits.first().copied(), calibrated, failed).over(&one.photo)?,
+            all => sheet_of(all, self.expected, &fits, calibrated, failed)?,
+        };
+        write_all(&[(place.clone(), png_bytes(&picture)?)])
+    }
+}
+
+/// Views, their observations and their residuals; none when they do not belong together.
+fn fits<'a>(c: Calibrated<'a>, misses: &'a [ViewResiduals]) -> Vec<Fit<'a>> {
+    let views = c.rig.views.iter().zip(&c.observations.views).zip(misses);
+    views.map(|((view, observed), residuals)| Fit { observed, residuals, view }).collect()
+}
+
+impl Shot {
+    /// The only photograph, with a legend.
+    fn drawing(
+        &self,
+        fit: Option<Fit<'_>>,
+        calibrated: Option<Calibrated<'_>>,
+        failed: Option<&Failure>,
+    ) -> Drawing {
+        let mut drawing = match (&self.seen, fit.zip(calibrated)) {
+            (Seen::All(_), Some((fit, c))) => {
+                let title = format!("{}: {}; {}", short(&self.name), verdict(c.rig), fit.in_words());
+                fit::calibrated(self.size, &self.name, title.trim_end_matches([';', ' ']), fit)
+            }
+            (Seen::All(found), None) => sheet::found(self.size, &self.name, found),
+            (Seen::Not { why, partly }, _) => sheet::not_found(self.size, &self.name, why, partly),
+        };
+        if let (Seen::All(_), Some(why)) = (&self.seen, failed) {
+            drawing.legend =
+                drawing.legend.map(|l| l.note(format!("not calibrated: {}", self.without_name(why))));
+        }
+        drawing
+    }
+
+    /// A message without the name of the file, which the headline has.
+    fn without_name(&self, why: &Failure) -> String {
+        let why = why.to_string();
+        why.strip_prefix(&format!("{}: ", self.name)).map_or_else(|| why.clone(), str::to_owned)
+    }
+
+    /// Without a legend, for a sheet of many.
+    fn tile(&self, fit: Option<Fit<'_>>, factor: f64, coarseness: f64) -> Outcome<Tile> {
+        let mut drawing = Drawing::new(self.size, &*self.name).coarser(coarseness);
+        let mut odd = None;
+        let mut caption = vec![short(&self.name).to_owned()];
+        match (&self.seen, fit) {
+            (Seen::All(_), Some(fit)) => {
+                fit::draw(&mut drawing, fit, factor);
+                caption.extend(Some(fit.in_words()).filter(|t| !t.is_empty()));
+                odd = fit.odd_in_words();
+            }
+            (Seen::All(found), None) => {
+                sheet::draw_view(&mut drawing, &found.observation);
+                caption.push(sheet::found_in_words(found));
+            }
+            (Seen::Not { partly, .. }, _) => {
+                sheet::draw_partly(&mut drawing, partly);
+                odd = Some("not everything was found".to_owned());
+            }
+        }
+        Ok(Tile { picture: drawing.over(&self.photo)?, caption, odd })
+    }
+}
+
+/// How good the calibration is, as a part of a headline.
+fn verdict(rig: &Rig) -> &'static str {
+    match rig.quality.as_ref().map(|q| q.verdict) {
+        Some(Verdict::Good) => "a good calibration",
+        Some(Verdict::Fair) => "a fair calibration",
+        Some(Verdict::Weak) => "a weak calibration",
+        Some(Verdict::Degenerate) => "a degenerate calibration",
+        None => "calibrated",
+    }
+}
+
+/// All photographs on one sheet.
+fn sheet_of(
+    shots: &[Shot],
+    expected: usize,
+    fits: &[Fit<'_>],
+    calibrated: Option<Calibrated<'_>>,
+    failed: Option<&Failure>,
+) -> Outcome<DynamicImage> {
+    let (_, coarseness) = tiles::tile_size(shots[0].size, expected);
+    let like = Drawing::new(shots[0].size, "").coarser(coarseness);
+    let factor = fit::magnification(fits.iter().copied(), like.unit());
+    let tiles = shots
+        .iter()
+        .enumerate()
+        .map(|(i, shot)| shot.tile(fits.get(i).copied(), factor, coarseness))
+        .collect::<Outcome<Vec<_>>>()?;
+    let shown_as = f64::from(shots[0].photo.width()) / f64::from(shots[0].size[0]);
+    let mut legend = match calibrated {
+        Some(c) if !fits.is_empty() => {
+            let title = format!("{} photographs: {}", shots.len(), verdict(c.rig));
+            let legend =
+                fit::legend(&like, title.trim_end_matches([';', ' ', ':']), fits.iter().copied(), factor);
+            legend.with_bars(shown_as)
+        }
+        _ => {
+            let found = shots.iter().filter_map(|s| match &s.seen {
+                Seen::All(found) => Some(&found.observation),
+                Seen::Not { partly: Partly::Sheet(view), .. } => Some(view),
+                Seen::Not { .. } => None,
+            });
+            sheet::legend(format!("{} of {expected} photographs were looked at", shots.len()), found)
+        }
+    };
+    let why = shots.iter().find_map(|s| match &s.seen {
+        Seen::Not { why, .. } => {
+            let bare = why.strip_prefix(&format!("{}: ", s.name)).unwrap_or(why);
+            Some(format!("{}: {bare}", short(&s.name)))
+        }
+        Seen::All(_) => None,
+    });
+    if let Some(why) = why.or_else(|| failed.map(|f| format!("not calibrated: {f}"))) {
+        legend = legend.note(why);
+    }
+    tiles::sheet(&tiles, "the photographs of a calibration", &legend)
+}
