@@ -61,6 +61,25 @@ fn one_photograph_gives_a_rig() {
 }
 
 #[test]
+fn several_photographs_are_drawn_on_one_sheet() {
+    let bench = with_photo(&Scene::default());
+    let other = Scene { tilt_deg: [-18.0, 22.0], ..Scene::default() };
+    bench.put("other.png", encoded(other.photograph(Some(&checker())), ImageFormat::Png));
+    let line = LINE.replace("photo.png", "photo.png other.png");
+    let _ = bench.run(&format!("{line} --overlay all.png")).ok();
+    let drawn = image::open(bench.path("all.png")).unwrap();
+    assert!(drawn.width() > 2 * 960 && drawn.height() > 720, "{}x{}", drawn.width(), drawn.height());
+
+    // What was found is drawn though the second photograph shows nothing.
+    bench.put("none.png", encoded(RgbImage::from_pixel(960, 720, image::Rgb([90; 3])), ImageFormat::Png));
+    let line = LINE.replace("photo.png", "photo.png none.png").replace("rig.json", "no.json");
+    bench.run(&format!("{line} --overlay part.png")).fails(4, &["none.png"]);
+    let part = image::open(bench.path("part.png")).unwrap();
+    assert!(part.width() > 2 * 960, "{}", part.width());
+    assert!(!bench.names().contains(&"no.json".to_owned()));
+}
+
+#[test]
 fn json_is_the_rig_and_nothing_else() {
     let bench = with_photo(&Scene::default());
     let printed = bench.run(&format!("{LINE} --json")).ok();

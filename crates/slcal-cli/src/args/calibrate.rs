@@ -67,7 +67,7 @@ pub(crate) struct CalibrateArgs {
     /// Where to write the rig; `-` for stdout.
     #[arg(short, long, value_name = "RIG.json", required_unless_present = "json")]
     pub(crate) output: Option<PathBuf>,
-    /// Draw what was found on the (first) photograph, also when something was not found.
+    /// Draw what was found on the photographs and how well it fits, also when something was not found.
     #[arg(long, value_name = "FILE.png")]
     pub(crate) overlay: Option<PathBuf>,
     /// Write what was found in the photographs, to look at, to edit and to calibrate from with --observations.

@@ -51,7 +51,7 @@ pub(crate) struct ReconstructArgs {
     /// Leave out frames whose cloud is in DIR already, complete.
     #[arg(long, conflicts_with_all = ["force", "output"])]
     pub(crate) resume: bool,
-    /// Draw the stripes that were decoded on the photograph (one IMAGE only).
+    /// Draw the points on the photograph, coloured by their distance (one IMAGE only).
     #[arg(long, value_name = "FILE.png")]
     pub(crate) overlay: Option<PathBuf>,
     /// Print the report as JSON instead of a summary.

@@ -76,7 +76,7 @@ mod tests {
         let cut = FRAME.segment(Point2::new(-100.0, 15.0), Point2::new(100.0, 15.0));
         assert_eq!(cut, Some([Point2::new(0.0, 15.0), Point2::new(40.0, 15.0)]));
         assert_eq!(FRAME.segment(Point2::new(-5.0, -1.0), Point2::new(60.0, -1.0)), None);
-        assert_eq!(FRAME.segment(Point2::new(-5.0, 20.0), Point2::new(20.0, 60.0)), None);
+        assert_eq!(FRAME.segment(Point2::new(-5.0, 28.0), Point2::new(20.0, 60.0)), None);
         let inside = [Point2::new(0.1, 0.2), Point2::new(0.3, 29.7)];
         assert_eq!(FRAME.segment(inside[0], inside[1]), Some(inside));
     }

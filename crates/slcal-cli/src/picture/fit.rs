@@ -179,3 +179,121 @@ fn draw_vanishing_points(drawing: &mut Drawing, view: &View) {
         drawing.label(room.nearest(leaves - back + beside), text, 0.85, anchor, PINK);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+    use slcal_core::geometry::{Pose, RectangleSize, VanishingPoints};
+    use slcal_core::{CornerPair, PairResidual, SheetObservation, ViewRms};
+
+    use super::*;
+    use crate::picture::drawing::Shape;
+
+    const CORNERS: [[f64; 2]; 4] = [[200.0, 100.0], [700.0, 150.0], [650.0, 500.0], [250.0, 450.0]];
+
+    fn view(vanishing: [Vector3<f64>; 2]) -> View {
+        View {
+            photo: None,
+            size: RectangleSize::new(594.0, 420.0).unwrap(),
+            camera_from_sheet: Pose::identity(),
+            projector_from_sheet: None,
+            camera_vanishing_points: VanishingPoints {
+                x: ProjectivePoint(vanishing[0]),
+                y: ProjectivePoint(vanishing[1]),
+            },
+            projector_vanishing_points: None,
+            corners_px: CORNERS.map(Point2::from),
+            rms_px: Some(ViewRms { edges: 0.0512, corners: Some(0.5), projector: None }),
+        }
+    }
+
+    fn observed() -> ViewObservation {
+        let pair = |x: f64| CornerPair {
+            camera: Point2::new(x, 300.0),
+            projector: Point2::new(x, 7.0),
+            sigma_px: 0.1,
+        };
+        ViewObservation {
+            size: RectangleSize::new(594.0, 420.0).unwrap(),
+            sheet: SheetObservation::Corners { corners: CORNERS.map(Point2::from), sigma_px: 0.1 },
+            pairs: vec![pair(400.0), pair(450.0)],
+        }
+    }
+
+    fn residuals() -> ViewResiduals {
+        let point = |x: f64, dx: f64, kept: bool| PairResidual {
+            camera: PointResidual {
+                seen: Point2::new(x, 300.0),
+                expected: Point2::new(x + dx, 300.0),
+                sigma_px: 0.1,
+                kept,
+            },
+            drawn: Point2::new(x, 7.0),
+            on_panel: None,
+        };
+        ViewResiduals {
+            sheet: Vec::new(),
+            pairs: vec![point(400.0, 0.1, true), point(450.0, 33.0, false)],
+            sheet_scatter: 1.0,
+            pair_scatter: None,
+            times_others: Some(4.21),
+        }
+    }
+
+    const FAR: [Vector3<f64>; 2] = [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 1e-9)];
+
+    #[test]
+    fn residuals_are_drawn_magnified_and_outliers_crossed() {
+        let (observed, residuals, view) = (observed(), residuals(), view(FAR));
+        let fit = Fit { observed: &observed, residuals: &residuals, view: &view };
+        let drawing = calibrated([900, 600], "a/b.jpg", "b.jpg", fit);
+        // 0.1 px becomes 20 of the 24 units that the longer ones are to have.
+        assert_eq!(magnification([fit], 1.0), 200.0);
+        let tip = |p: &Point2<f64>| (p - Point2::new(420.0, 300.0)).norm() < 1e-9;
+        let heads = drawing.items.iter().filter_map(|i| match &i.shape {
+            Shape::Areas(areas) => Some(areas),
+            _ => None,
+        });
+        assert_eq!(heads.flatten().filter(|a| tip(&a[0])).count(), 1);
+        let words: Vec<_> =
+            drawing.legend.as_ref().unwrap().entries.iter().map(|e| e.text.as_str()).collect();
+        assert!(words.iter().any(|w| w.contains("×200")), "{words:?}");
+        assert!(words.contains(&"1 point left out, too far off"), "{words:?}");
+        assert!(!words.iter().any(|w| w.contains("vanishing")), "{words:?}");
+        assert_eq!(fit.in_words(), "sides 0.051 px, corners 0.50 px (rms)");
+        assert_eq!(fit.odd_in_words().as_deref(), Some("fits 4.2 times worse than the others"));
+    }
+
+    #[test]
+    fn vanishing_points_that_are_near_are_pointed_at() {
+        let (observed, residuals) = (observed(), residuals());
+        // One to the right of the frame, one in it; then one that is too far, and one at infinity.
+        let near = view([Vector3::new(1500.0, 320.0, 1.0), Vector3::new(-800.0, -40.0, -2.0)]);
+        let fit = Fit { observed: &observed, residuals: &residuals, view: &near };
+        let drawing = calibrated([900, 600], "b.jpg", "", fit);
+        let labels: Vec<_> = drawing
+            .items
+            .iter()
+            .filter_map(|i| match &i.shape {
+                Shape::Text { at, text, .. } if text.contains("vanishing") => Some((*at, text.as_str())),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(
+            labels.iter().map(|l| l.1).collect::<Vec<_>>(),
+            ["vanishing point of its width", "vanishing point of its height"]
+        );
+        assert!(labels.iter().all(|(at, _)| drawing.frame().holds(*at)), "{labels:?}");
+        assert!((labels[1].0 - Point2::new(400.0, 20.0)).norm() < 20.0, "{labels:?}");
+        let rings = drawing
+            .items
+            .iter()
+            .any(|i| matches!(&i.shape, Shape::Rings(c, _) if c == &[Point2::new(400.0, 20.0)]));
+        assert!(rings);
+        let dashed = drawing.items.iter().filter(|i| i.pen.dashed).count();
+        assert_eq!(dashed, 2);
+        let far = view([Vector3::new(9000.0, 320.0, 1.0), FAR[0]]);
+        let fit = Fit { observed: &observed, residuals: &residuals, view: &far };
+        assert!(calibrated([900, 600], "", "", fit).items.iter().all(|i| !i.pen.dashed));
+    }
+}

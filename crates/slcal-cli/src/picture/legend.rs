@@ -225,7 +225,9 @@ impl Layout {
         let (mut left, mut bottom) = (0.0, 0.0_f64);
         for entries in marks.chunks(marks.len().div_ceil(columns).max(1)) {
             block.at = Vector2::new(left, 0.0);
-            entries.iter().for_each(|entry| block.entry(entry, left + column));
+            for entry in entries {
+                block.entry(entry, left + column);
+            }
             bottom = bottom.max(block.at.y);
             left = block.right + between;
         }
@@ -239,7 +241,9 @@ impl Layout {
         whole.items.extend(block.items.into_iter().map(|item| shifted(item, shift)));
         whole.right = whole.right.max(padding + block.right);
         whole.at.y += bottom;
-        notes.iter().for_each(|note| whole.text(&note.text, TEXT, padding + width));
+        for note in notes {
+            whole.text(&note.text, TEXT, padding + width);
+        }
         Self { size: Vector2::new(whole.right + padding, whole.at.y + padding), items: whole.items }
     }
 
@@ -350,6 +354,90 @@ fn swatch(swatch: &Swatch, left: Point2<f64>, unit: f64) -> Vec<Item> {
             // Each reaches under the next, so that no seams show.
             let last = |i: usize| ((i + 2).min(RAMP_STEPS)) as f64 * wide;
             (0..RAMP_STEPS).map(|i| block(i as f64 * wide, last(i), color(i))).collect()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn legend() -> Legend {
+        let pen = Pen::new(WHITE);
+        Legend::new("photo.jpg: the sheet and 70 of 70 corners of the pattern were found")
+            .entry(Swatch::Line(pen), "the sheet")
+            .entry(Swatch::Dot(pen), "179 points measured on its sides")
+            .entry(Swatch::Bar(pen, 50.0), "0.1 px in the photograph")
+            .entry(Swatch::Ramp, "2000 … 900 mm from the camera")
+            .note("a note that says something about the photograph, at some length, so that it takes two lines or more")
+    }
+
+    /// Everything that is drawn, as points; of a text both ends and its height.
+    fn reach(items: &[Item]) -> Vec<Point2<f64>> {
+        let font = Font::embedded();
+        let mut points = Vec::new();
+        for item in items {
+            match &item.shape {
+                Shape::Lines(parts) | Shape::Areas(parts) => points.extend(parts.iter().flatten()),
+                Shape::Dots(centres, r) | Shape::Rings(centres, r) => {
+                    let d = Vector2::new(*r, *r);
+                    points.extend(centres.iter().flat_map(|c| [c - d, c + d]));
+                }
+                Shape::Text { at, text, size, .. } => {
+                    let wide = Vector2::new(font.width(text, *size), 0.0);
+                    let high = Vector2::new(0.0, 0.5 * size);
+                    points.extend([at - high, at + wide + high]);
+                }
+            }
+        }
+        points
+    }
+
+    #[test]
+    fn it_stays_inside_of_every_photograph() {
+        for size in [
+            [64, 48],
+            [320, 240],
+            [640, 480],
+            [480, 640],
+            [1920, 1080],
+            [6000, 4000],
+            [4000, 300],
+            [300, 4000],
+        ] {
+            let drawing = Drawing::new(size, "");
+            let placed = place(&drawing, &legend());
+            let inside = placed.panel.grown(1e-6);
+            assert!(reach(&placed.items).iter().all(|p| inside.holds(*p)), "{size:?}");
+            let frame = drawing.frame().grown(1e-6);
+            assert!(
+                frame.holds(placed.panel.low) && frame.holds(placed.panel.high),
+                "{size:?} {:?}",
+                placed.panel
+            );
+        }
+    }
+
+    #[test]
+    fn it_stands_where_it_hides_nothing() {
+        let size = [1200, 900];
+        for free in 0..4 {
+            let mut drawing = Drawing::new(size, "");
+            let quarter = |p: &Point2<f64>| usize::from(p.x > 600.0) + 2 * usize::from(p.y > 450.0);
+            let grid =
+                (0..40).flat_map(|i| (0..30).map(move |j| Point2::new(f64::from(i), f64::from(j)) * 30.0));
+            drawing.dots(grid.filter(|p| quarter(p) != free), 2.0, Pen::new(WHITE));
+            let panel = place(&drawing, &legend()).panel;
+            assert_eq!(quarter(&nalgebra::center(&panel.low, &panel.high)), free, "{panel:?}");
+        }
+    }
+
+    #[test]
+    fn a_legend_without_words_is_no_trouble() {
+        let drawing = Drawing::new([640, 480], "");
+        for legend in [Legend::default(), Legend::new("写真.jpg"), Legend::new("x".repeat(5000))] {
+            let placed = place(&drawing, &legend);
+            assert!(drawing.frame().holds(placed.panel.low) && drawing.frame().holds(placed.panel.high));
         }
     }
 }

@@ -191,3 +191,154 @@ impl OutlinePen for Outline {
         self.0.close();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use image::{GrayImage, ImageBuffer, Luma, Rgb, RgbaImage};
+
+    use super::*;
+    use crate::picture::color::{ORANGE, WHITE};
+    use crate::picture::legend::{Legend, Swatch};
+
+    fn black(w: u32, h: u32) -> DynamicImage {
+        DynamicImage::new_rgb8(w, h)
+    }
+
+    fn plain() -> Pen {
+        Pen::new(WHITE).plain()
+    }
+
+    /// The centre of all light, pixel centres at integers.
+    fn centroid(picture: &DynamicImage) -> Point2<f64> {
+        let grey = picture.to_luma8();
+        let (mut sum, mut at) = (0.0, [0.0, 0.0]);
+        for (x, y, p) in grey.enumerate_pixels() {
+            let weight = f64::from(p.0[0]);
+            sum += weight;
+            at = [at[0] + weight * f64::from(x), at[1] + weight * f64::from(y)];
+        }
+        Point2::new(at[0] / sum, at[1] / sum)
+    }
+
+    #[test]
+    fn a_dot_lands_where_it_was_put() {
+        for [w, h] in [[64, 48], [320, 240], [640, 480], [1921, 1083], [480, 3000]] {
+            let mut drawing = Drawing::new([w, h], "");
+            let at = Point2::new(0.35 * f64::from(w) + 0.3, 0.6 * f64::from(h) + 0.7);
+            drawing.dots([at], 3.0, plain());
+            let picture = drawing.over(&black(w, h)).unwrap();
+            let k = drawing.enlarged();
+            assert_eq!([picture.width(), picture.height()], [k * w, k * h]);
+            let found = centroid(&picture);
+            // Pixel x of the photograph spans k pixels around (x + 0.5) k - 0.5.
+            let found = found.coords.map(|c| (c + 0.5) / f64::from(k) - 0.5);
+            assert!((found - at.coords).norm() < 0.05, "{w}x{h}: {found} {at}");
+        }
+    }
+
+    #[test]
+    fn only_tiny_photographs_are_enlarged() {
+        let enlarged = |w, h| Drawing::new([w, h], "").enlarged();
+        assert_eq!(
+            [enlarged(64, 48), enlarged(320, 240), enlarged(480, 100), enlarged(6000, 4000)],
+            [8, 2, 1, 1]
+        );
+        // Letters are at least ten pixels high in the picture.
+        for size in [[64, 48], [320, 240], [479, 20], [640, 480]] {
+            let drawing = Drawing::new(size, "");
+            assert!(14.0 * drawing.unit() * f64::from(drawing.enlarged()) > 10.0);
+        }
+    }
+
+    #[test]
+    fn lines_have_soft_edges() {
+        let mut drawing = Drawing::new([300, 200], "");
+        drawing.polyline(&[Point2::new(20.0, 30.0), Point2::new(280.0, 155.0)], plain().width(3.0));
+        let picture = drawing.over(&black(300, 200)).unwrap().to_luma8();
+        let between = picture.pixels().filter(|p| (40..215).contains(&p.0[0])).count();
+        assert!(between > 300, "{between}");
+        assert!(picture.pixels().any(|p| p.0[0] == 255));
+    }
+
+    #[test]
+    fn a_line_shows_on_white_and_on_black() {
+        for ground in [0_u8, 255] {
+            let photo = DynamicImage::ImageLuma8(GrayImage::from_pixel(900, 600, Luma([ground])));
+            let mut drawing = Drawing::new([900, 600], "");
+            drawing
+                .polyline(&[Point2::new(-50.0, 300.0), Point2::new(2e9, 300.0)], Pen::new(ORANGE).width(2.0));
+            let picture = drawing.over(&photo).unwrap().to_rgb8();
+            // On the line its colour, right across; beside it the dark outline; far from it the photograph.
+            assert!((0..900).all(|x| picture.get_pixel(x, 300).0 == ORANGE));
+            assert!(picture.get_pixel(450, 301).0.iter().all(|c| *c < 200));
+            assert_eq!(picture.get_pixel(450, 310).0, [ground; 3]);
+        }
+    }
+
+    #[test]
+    fn photographs_of_every_kind_come_out_as_they_look() {
+        let kinds = [
+            DynamicImage::ImageLuma8(GrayImage::from_pixel(500, 9, Luma([77]))),
+            DynamicImage::ImageLuma16(ImageBuffer::from_pixel(500, 9, Luma([77 * 257]))),
+            DynamicImage::ImageRgb16(ImageBuffer::from_pixel(500, 9, Rgb([77 * 257; 3]))),
+            // Transparent, but the camera saw it.
+            DynamicImage::ImageRgba8(RgbaImage::from_pixel(500, 9, image::Rgba([77, 77, 77, 0]))),
+            DynamicImage::ImageLumaA8(ImageBuffer::from_pixel(500, 9, image::LumaA([77, 9]))),
+        ];
+        for photo in kinds {
+            let picture = Drawing::new([500, 9], "").over(&photo).unwrap();
+            assert_eq!(picture.color(), image::ColorType::Rgb8);
+            assert!(picture.to_rgb8().pixels().all(|p| p.0 == [77; 3]), "{:?}", photo.color());
+        }
+    }
+
+    #[test]
+    fn nothing_is_drawn_outside_or_at_no_number() {
+        let mut drawing = Drawing::new([500, 400], "");
+        let far = [[f64::NAN, 3.0], [1e300, -1e300], [f64::INFINITY, 0.0], [-1e9, 2e9]].map(Point2::from);
+        drawing.polyline(&far, Pen::new(WHITE));
+        drawing.outline(&far, Pen::new(WHITE));
+        drawing.dots(far, 3.0, Pen::new(WHITE));
+        drawing.rings(far, 3.0, Pen::new(WHITE));
+        drawing.arrows(far.iter().zip(far.iter().rev()).map(|(a, b)| (*a, *b)), Pen::new(WHITE));
+        drawing.label(far[0], "?", 1.0, Anchor::Middle, WHITE);
+        drawing.polyline(&[], plain());
+        assert!(drawing.items.is_empty(), "{:?}", drawing.items);
+        let picture = drawing.over(&black(500, 400)).unwrap().to_rgb8();
+        assert!(picture.pixels().all(|p| p.0 == [0; 3]));
+    }
+
+    #[test]
+    fn a_large_photograph_is_drawn_upon_in_a_moment() {
+        let size = [6000, 4000];
+        let mut drawing = Drawing::new(size, "large");
+        drawing.dimmed = true;
+        let at = Point2::new(4321.0, 1234.0);
+        drawing.dots([at], 3.0, plain());
+        drawing.legend = Some(Legend::new("A legend").entry(Swatch::Ring(plain()), "that is in the frame"));
+        let picture = drawing.over(&black(size[0], size[1])).unwrap();
+        assert_eq!([picture.width(), picture.height()], size);
+        assert_eq!(picture.to_rgb8().get_pixel(4321, 1234).0, WHITE);
+    }
+
+    #[test]
+    fn a_smaller_copy_of_the_photograph_is_drawn_upon_at_its_scale() {
+        let mut drawing = Drawing::new([1200, 800], "");
+        drawing.dots([Point2::new(600.0, 200.0)], 4.0, plain());
+        let found = centroid(&drawing.over(&black(600, 400)).unwrap());
+        let expected = Point2::new(600.5 / 2.0 - 0.5, 200.5 / 2.0 - 0.5);
+        assert!((found - expected).norm() < 0.05, "{found}");
+    }
+
+    #[test]
+    fn words_stand_where_they_should() {
+        for (anchor, middle) in [(Anchor::Start, 1.0), (Anchor::Middle, 0.0), (Anchor::End, -1.0)] {
+            let mut drawing = Drawing::new([900, 600], "");
+            drawing.words(Point2::new(450.0, 300.0), "HHHH".to_owned(), 40.0, anchor, plain());
+            let found = centroid(&drawing.over(&black(900, 600)).unwrap());
+            let half = 0.5 * Font::embedded().width("HHHH", 40.0);
+            assert!((found.x - (450.0 + middle * half)).abs() < 2.0, "{anchor:?}: {found}");
+            assert!((found.y - 300.0).abs() < 1.0, "{anchor:?}: {found}");
+        }
+    }
+}

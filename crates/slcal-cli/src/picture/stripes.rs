@@ -123,7 +123,7 @@ pub(crate) fn thousands(n: usize) -> String {
     let digits = n.to_string();
     let mut text = String::new();
     for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i) % 3 == 0 {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
             text.push(',');
         }
         text.push(digit);
@@ -166,18 +166,15 @@ struct Curve {
 fn draw_curves(drawing: &mut Drawing, marks: &[Mark]) -> Vec<Curve> {
     let curves = curves(marks);
     let width = (MIN_CURVE_WIDTH_PX / drawing.unit()).max(1.0);
-    let mut by_color: BTreeMap<Color, (Vec<&[Point2<f64>]>, Vec<Point2<f64>>)> = BTreeMap::new();
+    let mut by_color: BTreeMap<Color, Vec<&[Point2<f64>]>> = BTreeMap::new();
     for curve in &curves {
-        let (lines, dots) = by_color.entry(curve.color).or_default();
-        match curve.points.as_slice() {
-            [alone] => dots.push(*alone),
-            points => lines.push(points),
-        }
+        by_color.entry(curve.color).or_default().push(&curve.points);
     }
-    for (color, (lines, dots)) in by_color {
+    for (color, all) in by_color {
         let pen = Pen::new(color).width(width).plain();
+        let (alone, lines): (Vec<_>, Vec<_>) = all.into_iter().partition(|points| points.len() == 1);
         drawing.lines(lines, pen);
-        drawing.dots(dots, 0.6 * width, pen);
+        drawing.dots(alone.into_iter().flatten().copied(), 0.6 * width, pen);
     }
     curves
 }

@@ -196,3 +196,68 @@ pub(super) fn escaped(text: &str) -> String {
     }
     safe
 }
+
+#[cfg(test)]
+mod tests {
+    use roxmltree::Document;
+
+    use super::*;
+    use crate::picture::color::{ORANGE, WHITE};
+    use crate::picture::legend::Legend;
+
+    const NASTY: &str = "<b onload=\"x('y')\"> & Größe \u{1}\u{7f} 写真 \u{ffff}]]>.jpg";
+
+    fn drawn() -> Drawing {
+        let mut drawing = Drawing::new([640, 480], NASTY);
+        drawing.dots([Point2::new(10.25, 20.5)], 2.0, Pen::new(ORANGE).plain());
+        drawing.polyline(&[Point2::new(1.0, 2.0), Point2::new(3.123_456, 4.0)], Pen::new(WHITE).dashed());
+        drawing.label(Point2::new(100.0, 100.0), NASTY, 1.0, Anchor::End, WHITE);
+        drawing.legend = Some(Legend::new(NASTY));
+        drawing
+    }
+
+    #[test]
+    fn any_text_is_only_text() {
+        let text = drawn().svg(Some("data:image/png;base64,AA\"><script>"));
+        let page = Document::parse(&text).unwrap();
+        let names: std::collections::BTreeSet<_> =
+            page.descendants().filter(roxmltree::Node::is_element).map(|n| n.tag_name().name()).collect();
+        assert_eq!(names.into_iter().collect::<Vec<_>>(), ["g", "image", "path", "svg", "text", "title"]);
+        let safe = "<b onload=\"x('y')\"> & Größe    写真  ]]>.jpg";
+        assert_eq!(page.root_element().attribute("aria-label"), Some(safe));
+        let words: Vec<_> =
+            page.descendants().filter(|n| n.has_tag_name("text")).filter_map(|n| n.text()).collect();
+        assert_eq!(words[0], safe);
+        // Nothing to collide with, to run or to fetch.
+        assert!(
+            page.descendants()
+                .all(|n| n.attributes().all(|a| a.name() != "id" && !a.name().starts_with("on")))
+        );
+        assert_eq!(text.matches("href").count(), 1);
+    }
+
+    #[test]
+    fn coordinates_are_the_photographs() {
+        let text = drawn().svg(None);
+        let page = Document::parse(&text).unwrap();
+        assert_eq!(page.root_element().attribute("viewBox"), Some("0 0 640 480"));
+        let group = page.descendants().find(|n| n.has_tag_name("g")).unwrap();
+        assert_eq!(group.attribute("transform"), Some("translate(.5 .5)"));
+        let path = |color: &str| {
+            let of = |n: &roxmltree::Node| {
+                n.attribute("fill") == Some(color) || n.attribute("stroke") == Some(color)
+            };
+            page.descendants().filter(|n| n.has_tag_name("path")).find(of).unwrap().attribute("d").unwrap()
+        };
+        // A radius of two units of 0.75 px.
+        assert_eq!(path("#e69f00"), "M8.75 20.5a1.5 1.5 0 1 0 3 0a1.5 1.5 0 1 0-3 0");
+        assert_eq!(path("#ffffff"), "M1 2L3.12 4");
+    }
+
+    #[test]
+    fn numbers_are_short_and_never_nan() {
+        let words = [0.0, -0.001, 1.0, 100.0, 2.50, -3.456, 1e7, f64::NAN, f64::INFINITY];
+        let texts = words.map(|x| Number(x).to_string());
+        assert_eq!(texts, ["0", "0", "1", "100", "2.5", "-3.46", "10000000", "0", "0"]);
+    }
+}

@@ -95,3 +95,38 @@ fn caption(tile: &Tile, width: f64, size: f64) -> Vec<(String, Color)> {
         .flat_map(|(text, color)| font.wrap(text, size, width).into_iter().map(move |line| (line, color)));
     wrapped.take(LINES).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn photographs_stand_in_rows_and_the_odd_one_is_framed() {
+        let colors = [[200, 0, 0], [0, 200, 0], [0, 0, 200]];
+        let tile = |i: usize| Tile {
+            picture: DynamicImage::ImageRgb8(RgbImage::from_pixel(400, 300, Rgb(colors[i]))),
+            caption: vec![format!("{i}.jpg"), "sides 0.05 px".to_owned()],
+            odd: (i == 1).then(|| "fits 4 times worse than the others".to_owned()),
+        };
+        let tiles: Vec<_> = (0..3).map(tile).collect();
+        let legend = Legend::new("3 photographs").note("n");
+        let picture = sheet(&tiles, "t", &legend).unwrap().to_rgb8();
+        let middle = |column: u32, y: u32| picture.get_pixel(8 + column * 408 + 200, y).0;
+        assert_eq!([middle(0, 150), middle(1, 150)], [colors[0], colors[1]]);
+        assert_eq!(picture.width(), 2 * 408 + 8);
+        assert!((300..700).any(|y| middle(0, y) == colors[2]));
+        let frame = |x: u32| picture.get_pixel(x, 150).0;
+        assert!((410..420).any(|x| frame(x) == VERMILLION) && (2..12).all(|x| frame(x) != VERMILLION));
+    }
+
+    #[test]
+    fn a_hundred_large_photographs_stay_a_picture_that_can_be_opened() {
+        for count in [1, 2, 3, 9, 100] {
+            let ([w, h], coarser) = tile_size([6000, 4000], count);
+            assert!(u64::from(w) * u64::from(h) * count as u64 <= 12_000_000, "{count}: {w}x{h}");
+            assert!(coarser >= 1.0);
+        }
+        assert_eq!(tile_size([64, 48], 4), ([64, 48], 1.2));
+        assert!(sheet(&[], "", &Legend::default()).is_ok());
+    }
+}

@@ -68,7 +68,7 @@ pub(super) fn observe_all(
         printer.detail(format!("{}: looking for the sheet", input_name(path)));
         let found = detect_one(path, &photo, screen.as_ref(), args, pattern, &detect);
         if let Some(gallery) = gallery.as_deref_mut() {
-            let partly = found.is_err().then(|| partly(i, path, &photo, args)).unwrap_or_default();
+            let partly = if found.is_err() { partly(i, path, &photo, args) } else { Partly::default() };
             gallery.add(path, as_seen(photo, args.gamma.gamma), found.as_ref(), partly);
         }
         let found = found?;
