@@ -60,7 +60,8 @@ pub(crate) fn shown(text: &str) -> String {
 
 /// A text as it is without paint, for other places than a terminal.
 pub(crate) fn plain(text: &str) -> String {
-    anstream::adapter::strip_str(text).to_string().replace(GLUE, " ")
+    // First, since glue is a control character, which would be stripped.
+    anstream::adapter::strip_str(&text.replace(GLUE, " ")).to_string()
 }
 
 /// A text that is not broken at its spaces.

@@ -167,16 +167,14 @@ fn draw_vanishing_points(drawing: &mut Drawing, view: &View) {
         let reach = (leaves - start).norm().min(40.0 * unit);
         let Some(direction) = (leaves - start).try_normalize(0.0) else { continue };
         drawing.arrows([(leaves - direction * reach, leaves)], Pen::new(PINK).width(1.6));
-        let room = drawing.frame().grown(-14.0 * unit);
-        let anchor = match leaves.x {
-            x if x > room.high.x => Anchor::End,
-            x if x < room.low.x => Anchor::Start,
+        // Its words begin where the arrow does.
+        let anchor = match direction.x {
+            x if x > 0.5 => Anchor::End,
+            x if x < -0.5 => Anchor::Start,
             _ => Anchor::Middle,
         };
-        let beside =
-            if anchor == Anchor::Middle { Vector2::new(0.0, 0.0) } else { Vector2::new(0.0, 14.0 * unit) };
-        let back = direction * (if anchor == Anchor::Middle { reach + 10.0 * unit } else { 0.0 });
-        drawing.label(room.nearest(leaves - back + beside), text, 0.85, anchor, PINK);
+        let room = drawing.frame().grown(-14.0 * unit);
+        drawing.label(room.nearest(leaves - direction * (reach + 10.0 * unit)), text, 0.85, anchor, PINK);
     }
 }
 

@@ -49,8 +49,8 @@ const PLACES: [[f64; 2]; 16] = [
 const PANEL_OPACITY: f64 = 0.72;
 /// Colours in the picture of a ramp.
 const RAMP_STEPS: usize = 24;
-/// How much worse it is to hide a word, or a mark of its own, than a point of a line.
-const WORD_WEIGHT: f64 = 60.0;
+/// How much worse it is to hide a corner of a word, or a mark of its own, than a point of a line.
+const WORD_WEIGHT: f64 = 30.0;
 const RING_WEIGHT: f64 = 3.0;
 
 /// What stands before an entry.
@@ -201,7 +201,13 @@ fn marks(drawing: &Drawing) -> Vec<(Point2<f64>, f64)> {
             }
             Shape::Dots(centres, _) => marks.extend(centres.iter().map(|p| (*p, 1.0))),
             Shape::Rings(centres, _) => marks.extend(centres.iter().map(|p| (*p, RING_WEIGHT))),
-            Shape::Text { at, .. } => marks.push((*at, WORD_WEIGHT)),
+            Shape::Text { at, text, size, .. } => {
+                // Their anchors matter little: they are short.
+                let half = 0.5 * Vector2::new(Font::embedded().width(text, *size), *size);
+                let corners = [[-1.0, -1.0], [1.0, -1.0], [0.0, 0.0], [-1.0, 1.0], [1.0, 1.0]];
+                let point = |[x, y]: [f64; 2]| at + half.component_mul(&Vector2::new(x, y));
+                marks.extend(corners.map(|c| (point(c), WORD_WEIGHT)));
+            }
         }
     }
     marks

@@ -104,7 +104,6 @@ fn draw(
     rig: &Rig,
     result: &Verification,
 ) -> Outcome<DynamicImage> {
-    let beginning = if result.rig.moved { "the rig has moved:" } else { "the rig" };
-    let verdict = plain(&format!("{beginning} {}", summary::rig_in_words(result)));
+    let verdict = plain(&format!("the rig {}", summary::rig_in_words(result)));
     expected::compared([photo.width(), photo.height()], name, &verdict, found, rig, result).over(photo)
 }

@@ -124,10 +124,10 @@ impl Shot {
     }
 
     /// Without a legend, for a sheet of many.
-    fn tile(&self, fit: Option<Fit<'_>>, factor: f64, coarseness: f64) -> Outcome<Tile> {
+    fn tile(&self, name: &str, fit: Option<Fit<'_>>, factor: f64, coarseness: f64) -> Outcome<Tile> {
         let mut drawing = Drawing::new(self.size, &*self.name).coarser(coarseness);
         let mut odd = None;
-        let mut caption = vec![short(&self.name).to_owned()];
+        let mut caption = vec![name.to_owned()];
         match (&self.seen, fit) {
             (Seen::All(_), Some(fit)) => {
                 fit::draw(&mut drawing, fit, factor);
@@ -158,6 +158,13 @@ fn verdict(rig: &Rig) -> &'static str {
     }
 }
 
+/// The name under which a photograph stands among others: with its folders where it takes them to tell.
+fn name_among(shots: &[Shot], i: usize) -> &str {
+    let name = short(&shots[i].name);
+    let unique = shots.iter().enumerate().all(|(j, other)| j == i || short(&other.name) != name);
+    if unique { name } else { &shots[i].name }
+}
+
 /// All photographs on one sheet.
 fn sheet_of(
     shots: &[Shot],
@@ -172,7 +179,7 @@ fn sheet_of(
     let tiles = shots
         .iter()
         .enumerate()
-        .map(|(i, shot)| shot.tile(fits.get(i).copied(), factor, coarseness))
+        .map(|(i, shot)| shot.tile(name_among(shots, i), fits.get(i).copied(), factor, coarseness))
         .collect::<Outcome<Vec<_>>>()?;
     let shown_as = f64::from(shots[0].photo.width()) / f64::from(shots[0].size[0]);
     let mut legend = match calibrated {
