@@ -100,7 +100,9 @@
   const all = async () => {
     await pause();
     for (const figure of figures) {
+      performance.mark(figure.id);
       await draw(figure);
+      performance.measure(`draw ${figure.id}`, figure.id);
       await pause();
     }
     root.dataset.drawn = "all";

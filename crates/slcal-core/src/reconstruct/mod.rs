@@ -3,6 +3,7 @@
 mod cull;
 mod forecast;
 mod islands;
+mod length;
 mod light;
 mod neighbourhood;
 mod net;
@@ -13,6 +14,7 @@ mod triangulate_tests;
 
 pub use cull::{CullReport, CullRule, Culler, cull};
 pub use forecast::{ExpectedSigma, SigmaForecast};
+pub use length::{LengthSigma, length_sigma};
 pub use triangulate::{TriangulateConfig, TriangulateReport, Triangulator, triangulate};
 
 use nalgebra::Point3;

@@ -1,0 +1,244 @@
+//! What σ a length would have that is measured between two points: how a rig's uncertainty reads for somebody who measures.
+
+use nalgebra::{Point3, Rotation3, Vector3};
+
+use super::triangulate::{TriangulateConfig, Triangulator};
+use crate::cloud::PointCloud;
+use crate::error::{Error, Result};
+use crate::geometry::{Camera, Pose};
+use crate::matches::{Match, Matches};
+use crate::pattern::Axis;
+use crate::rig::Rig;
+
+/// Steps of the derivatives, in σ of the parameter: small enough to be straight, far above rounding.
+const STEP_SIGMAS: f64 = 1e-3;
+
+/// 1σ of a length that is measured between two reconstructed points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LengthSigma {
+    /// By what is not known exactly of the rig, mm: common to all lengths of that place and direction.
+    pub rig_mm: f64,
+    /// By the noise of the two matches, mm.
+    pub noise_mm: f64,
+}
+
+impl LengthSigma {
+    /// Both together, mm.
+    #[must_use]
+    pub fn total_mm(&self) -> f64 {
+        self.rig_mm.hypot(self.noise_mm)
+    }
+}
+
+/// 1σ of the length from `a` to `b` (in the camera's frame, mm), seen under slits along `axis` with a noise of
+/// `match_sigma_px` camera px, to first order in the rig's covariance. The errors of the two points are largely alike, so
+/// that a length is known far better than either end. `None` where an end is not lit or not seen, or where the rig has no
+/// covariance of parameters that are known here.
+///
+/// # Errors
+/// [`Error::Invalid`] for a rig without a projector.
+pub fn length_sigma(
+    rig: &Rig,
+    axis: Axis,
+    match_sigma_px: f64,
+    [a, b]: [Point3<f64>; 2],
+) -> Result<Option<LengthSigma>> {
+    let (Some(projector), Some(stereo)) = (&rig.projector, &rig.stereo) else {
+        return Err(Error::invalid("rig", "a calibrated projector", "a rig that holds the camera alone"));
+    };
+    let seen = |p: &Point3<f64>| {
+        let lit = projector.model.project(&stereo.projector_from_camera.transform(p))?;
+        let camera = rig.camera.model.project(p)?;
+        let (projector_column, projector_row) = match axis {
+            Axis::Columns => (Some(lit.x), None),
+            Axis::Rows => (None, Some(lit.y)),
+        };
+        let (slit, color) = (None, [0; 3]);
+        Some(Match {
+            camera,
+            projector_column,
+            projector_row,
+            slit,
+            confidence: 1.0,
+            sigma_px: match_sigma_px,
+            color,
+        })
+    };
+    let (Some(from), Some(to)) = (seen(&a), seen(&b)) else { return Ok(None) };
+    let matches = Matches { items: vec![from, to] };
+    let Some(points) = ends(rig, &matches)? else { return Ok(None) };
+    let Some(along) = (points[1].0 - points[0].0).try_normalize(0.0) else { return Ok(None) };
+    // Noise moves each end along its ray.
+    let moved = points.map(|(p, noise)| noise * p.coords.normalize().dot(&along));
+    let Some(rig_mm) = rig_share(rig, &matches)? else { return Ok(None) };
+    Ok(Some(LengthSigma { rig_mm, noise_mm: moved[0].hypot(moved[1]) }))
+}
+
+/// Both ends with their noise; `None` where one is no point.
+fn ends(rig: &Rig, matches: &Matches) -> Result<Option<[(Point3<f64>, f64); 2]>> {
+    let mut cloud = PointCloud::default();
+    Triangulator::new(rig, TriangulateConfig::default())?.triangulate(matches, &mut cloud);
+    Ok(match cloud.points.as_slice() {
+        [a, b] => Some([(a.position, a.noise_mm), (b.position, b.noise_mm)]),
+        _ => None,
+    })
+}
+
+/// √(gᵀ C g) with the derivatives g of the length by the rig's parameters, by central differences.
+fn rig_share(rig: &Rig, matches: &Matches) -> Result<Option<f64>> {
+    let Some(covariance) = &rig.covariance else { return Ok(None) };
+    let n = covariance.parameters.len();
+    // Of the bare rig, whose points need no σ of their own.
+    let bare = Rig { covariance: None, ..rig.clone() };
+    let length = |moved: &Rig| -> Result<Option<f64>> {
+        Ok(ends(moved, matches)?.map(|[(a, _), (b, _)]| (b - a).norm()))
+    };
+    let mut gradient = vec![0.0; n];
+    for (i, name) in covariance.parameters.iter().enumerate() {
+        let variance = covariance.matrix.get((i, i)).copied().unwrap_or(f64::NAN);
+        if name.starts_with("views[") || variance == 0.0 {
+            continue;
+        }
+        let step = STEP_SIGMAS * variance.sqrt();
+        let (Some(ahead), Some(behind)) = (moved(&bare, name, step), moved(&bare, name, -step)) else {
+            return Ok(None);
+        };
+        let (Some(longer), Some(shorter)) = (length(&ahead)?, length(&behind)?) else { return Ok(None) };
+        gradient[i] = (longer - shorter) / (2.0 * step);
+    }
+    let term = |i: usize, j: usize| {
+        gradient[i] * gradient[j] * covariance.matrix.get((i, j)).copied().unwrap_or(f64::NAN)
+    };
+    let variance: f64 = (0..n).map(|i| (0..n).map(|j| term(i, j)).sum::<f64>()).sum();
+    Ok(variance.is_finite().then(|| variance.max(0.0).sqrt()))
+}
+
+/// The rig with one parameter of its covariance moved; `None` for names that are not known here.
+fn moved(rig: &Rig, name: &str, by: f64) -> Option<Rig> {
+    let (of, name) = name.split_once('.')?;
+    let mut rig = rig.clone();
+    match of {
+        "camera" => move_lens(&mut rig.camera.model, name, by)?,
+        "projector" => move_lens(&mut rig.projector.as_mut()?.model, name, by)?,
+        "projector_from_camera" => move_pose(&mut rig.stereo.as_mut()?.projector_from_camera, name, by)?,
+        _ => return None,
+    }
+    Some(rig)
+}
+
+fn move_lens(model: &mut Camera, name: &str, by: f64) -> Option<()> {
+    let (k, d) = (&mut model.intrinsics, &mut model.distortion);
+    match name {
+        "focal_px" => {
+            // One focal length of pixels that are as square as they are.
+            let share = 1.0 + by / k.fx;
+            k.fx *= share;
+            k.fy *= share;
+        }
+        "cx_px" => k.cx += by,
+        "cy_px" => k.cy += by,
+        "k1" => d.k1 += by,
+        "k2" => d.k2 += by,
+        "p1" => d.p1 += by,
+        "p2" => d.p2 += by,
+        "k3" => d.k3 += by,
+        _ => return None,
+    }
+    Some(())
+}
+
+/// Rotations are about the projector's axes.
+fn move_pose(pose: &mut Pose, name: &str, by: f64) -> Option<()> {
+    let axis = |i: usize| Vector3::ith(i, by);
+    let (rotation, translation) = match name {
+        "rx_rad" => (axis(0), Vector3::zeros()),
+        "ry_rad" => (axis(1), Vector3::zeros()),
+        "rz_rad" => (axis(2), Vector3::zeros()),
+        "tx_mm" => (Vector3::zeros(), axis(0)),
+        "ty_mm" => (Vector3::zeros(), axis(1)),
+        "tz_mm" => (Vector3::zeros(), axis(2)),
+        _ => return None,
+    };
+    pose.rotation = Rotation3::new(rotation) * pose.rotation;
+    pose.translation += translation;
+    Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::calibrate::tests::scene::{observe, pose, rig, rng, size, with_edges};
+    use crate::calibrate::{CalibrateConfig, calibrate_observations};
+    use crate::reconstruct::SigmaForecast;
+    use crate::rig::Covariance;
+
+    fn calibrated() -> Rig {
+        let truth = rig(700.0, vec![pose(25.0, 28.0)]);
+        let mut rng = rng(3);
+        let seen = observe(&truth, 0.1, 0.1, &mut rng);
+        let seen = with_edges(seen, &truth, 40, 0.1, &mut rng);
+        calibrate_observations(&seen, &CalibrateConfig::default()).unwrap().rig
+    }
+
+    /// The middle of the sheet.
+    fn middle(rig: &Rig) -> Point3<f64> {
+        let on_sheet = Point3::new(size().width_mm / 2.0, size().height_mm / 2.0, 0.0);
+        rig.views[0].camera_from_sheet.transform(&on_sheet)
+    }
+
+    #[test]
+    fn a_length_from_the_camera_has_the_sigma_of_its_far_end() {
+        // As the near end comes close to the camera's centre, which does not move, the error is that of the point.
+        let rig = calibrated();
+        let far = middle(&rig);
+        let pixel = rig.camera.model.project(&far).unwrap();
+        let point = SigmaForecast::new(&rig, Axis::Columns, 0.0).unwrap().at(pixel, far.z).unwrap();
+        let lengths = [0.7, 0.5].map(|share| {
+            let near = Point3::from(far.coords * share);
+            length_sigma(&rig, Axis::Columns, 0.0, [near, far]).unwrap().unwrap()
+        });
+        assert!(
+            lengths[0].rig_mm < lengths[1].rig_mm && lengths[1].rig_mm < point.sigma_mm,
+            "{lengths:?} {point:?}"
+        );
+        assert_eq!(lengths[0].noise_mm, 0.0);
+    }
+
+    #[test]
+    fn a_scale_that_is_unsure_makes_lengths_unsure_in_proportion() {
+        // The translation unsure along itself alone is a scale: σ_L / L = σ_t / t for any length.
+        let mut rig = calibrated();
+        let t = rig.stereo.unwrap().projector_from_camera.translation;
+        let names = ["tx_mm", "ty_mm", "tz_mm"].map(|n| format!("projector_from_camera.{n}")).to_vec();
+        let matrix = t * t.transpose() * 0.02_f64.powi(2);
+        rig.covariance = Some(Covariance {
+            parameters: names,
+            matrix: DMatrix::from_iterator(3, 3, matrix.iter().copied()),
+        });
+        let at = middle(&rig);
+        for step in
+            [Vector3::new(50.0, 0.0, 0.0), Vector3::new(0.0, 20.0, 40.0), at.coords.normalize() * 50.0]
+        {
+            let found = length_sigma(&rig, Axis::Columns, 0.1, [at - step, at + step]).unwrap().unwrap();
+            let expected = 0.02 * 2.0 * step.norm();
+            assert!((found.rig_mm / expected - 1.0).abs() < 1e-4, "{} {expected}", found.rig_mm);
+            assert!(found.noise_mm > 0.0 && found.total_mm() > found.rig_mm);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_told_is_none() {
+        let rig = calibrated();
+        let at = middle(&rig);
+        let behind = Point3::new(0.0, 0.0, -1000.0);
+        assert_eq!(length_sigma(&rig, Axis::Columns, 0.1, [at, behind]), Ok(None));
+        assert_eq!(length_sigma(&rig, Axis::Columns, 0.1, [at, at]), Ok(None));
+        let bare = Rig { covariance: None, ..rig.clone() };
+        let beside = at + Vector3::new(50.0, 0.0, 0.0);
+        assert_eq!(length_sigma(&bare, Axis::Columns, 0.1, [at, beside]), Ok(None));
+        let alone = Rig { projector: None, stereo: None, ..rig };
+        assert!(length_sigma(&alone, Axis::Columns, 0.1, [at, beside]).is_err());
+    }
+}
