@@ -70,6 +70,9 @@ pub(crate) struct CalibrateArgs {
     /// Draw what was found on the photographs and how well it fits, also when something was not found.
     #[arg(long, value_name = "FILE.png")]
     pub(crate) overlay: Option<PathBuf>,
+    /// Write a report to look at: one HTML file with the verdict, the photographs and everything in space.
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) report: Option<PathBuf>,
     /// Write what was found in the photographs, to look at, to edit and to calibrate from with --observations.
     #[arg(long, value_name = "FILE.json", conflicts_with = "observations")]
     pub(crate) save_observations: Option<PathBuf>,

@@ -7,6 +7,7 @@ use slcal_core::format::CloudFormat;
 
 use super::cloud::{CloudArgs, CullArg, parse_cull};
 use super::decode::DecodeInput;
+use super::evaluate::ShapeArg;
 use crate::io::{RawFormat, parse_cloud_format};
 
 #[derive(Debug, Args)]
@@ -54,6 +55,12 @@ pub(crate) struct ReconstructArgs {
     /// Draw the points on the photograph, coloured by their distance (one IMAGE only).
     #[arg(long, value_name = "FILE.png")]
     pub(crate) overlay: Option<PathBuf>,
+    /// Write a report to look at: one HTML file with the photograph, the cloud in space and how it was decoded (one IMAGE only).
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) report: Option<PathBuf>,
+    /// Fit a plane or a sphere to the cloud, for the report.
+    #[arg(long, value_enum, requires = "report")]
+    pub(crate) fit: Option<ShapeArg>,
     /// Print the report as JSON instead of a summary.
     #[arg(long)]
     pub(crate) json: bool,

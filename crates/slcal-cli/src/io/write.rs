@@ -94,11 +94,20 @@ impl Destination {
 
     /// The same for a drawing, if one is asked for: it is a file, as stdout has what is said of the result.
     pub(crate) fn prepare_overlay(path: Option<&PathBuf>, force: bool) -> Outcome<Option<Self>> {
+        Self::prepare_beside("--overlay", path, force)
+    }
+
+    /// The same for a report.
+    pub(crate) fn prepare_report(path: Option<&PathBuf>, force: bool) -> Outcome<Option<Self>> {
+        Self::prepare_beside("--report", path, force)
+    }
+
+    fn prepare_beside(option: &str, path: Option<&PathBuf>, force: bool) -> Outcome<Option<Self>> {
         let place = path.map(|p| Self::prepare(p, force)).transpose()?;
         if place == Some(Self::Stdout) {
-            return Err(Failure::usage(
-                "--overlay: expected a file, found -; the result itself goes to stdout",
-            ));
+            return Err(Failure::usage(format!(
+                "{option}: expected a file, found -; the result itself goes to stdout"
+            )));
         }
         Ok(place)
     }

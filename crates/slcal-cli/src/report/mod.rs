@@ -3,28 +3,39 @@
 //! [`Subject`] is what there is to show; every file here is one section, and says in a line why it is not shown where
 //! something is missing. `maud` escapes every text, `figure` every plot. The same subject gives the same file.
 
+mod cloud;
 mod command;
+mod decoding;
 mod expected;
 mod figure;
 mod next;
 mod number;
 mod page;
 mod parameters;
+mod photographs;
+mod points;
 mod residuals;
 mod space;
 mod verdict;
 
-use slcal_core::{PointCloud, Rig, ViewResiduals};
+use slcal_core::{Observations, PointCloud, Rig, ViewResiduals};
 
+pub(crate) use self::cloud::{CloudSubject, cloud_html};
 pub(crate) use self::command::{CommandLine, quoted};
 use self::figure::Figures;
 use self::page::Section;
+pub(crate) use self::photographs::Photo;
+pub(crate) use self::points::Surface;
 
 /// What a report is about. Names are those that the reader knows: as they were typed.
 pub(crate) struct Subject<'a> {
     pub(crate) rig: &'a Rig,
     /// The rig's file; empty when it has none.
     pub(crate) rig_name: String,
+    /// One entry per view, where it is at hand.
+    pub(crate) photos: Vec<Option<Photo>>,
+    /// What was measured in them.
+    pub(crate) observations: Option<&'a Observations>,
     /// How far the measurements lie from the rig, or why that is not known.
     pub(crate) residuals: Result<Vec<ViewResiduals>, String>,
     /// The checkerboard's file, for the commands to run next.
@@ -52,8 +63,9 @@ pub(crate) fn html(subject: &Subject) -> Vec<u8> {
     let mut figures = Figures::default();
     let sections = [
         Some(parameters::section(subject)),
+        photographs::section(subject),
         residuals::section(subject, &mut figures),
-        Some(space::section(subject, &mut figures)),
+        Some(space::section(subject.rig, subject.cloud.as_ref(), &mut figures)),
         expected::section(subject, &mut figures),
         next::warnings(subject),
         Some(next::commands(subject)),

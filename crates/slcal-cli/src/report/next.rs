@@ -25,15 +25,19 @@ pub(super) fn warnings(subject: &Subject) -> Option<Section> {
 
 /// The commands that led here, and those that lead on.
 pub(super) fn commands(subject: &Subject) -> Section {
-    let next = following(subject);
+    listings(&subject.made_by, &following(subject))
+}
+
+/// Commands to look at and to copy.
+pub(super) fn listings(made_by: &[String], next: &[(&'static str, String)]) -> Section {
     let content = html! {
-        @if !subject.made_by.is_empty() {
+        @if !made_by.is_empty() {
             h3 { "Made by" }
-            (listing(&subject.made_by.join("\n")))
+            (listing(&made_by.join("\n")))
         }
         @if !next.is_empty() {
             h3 { "To go on" }
-            dl.next { @for (what, command) in &next { dt { (what) } dd { (listing(command)) } } }
+            dl.next { @for (what, command) in next { dt { (what) } dd { (listing(command)) } } }
         }
     };
     Section { id: "commands", title: "Commands", content }

@@ -10,6 +10,10 @@ use super::figure::Figures;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
+/// plotly measures letters by reading its canvas back; browsers warn unless this is said beforehand.
+const BEFORE: &str = "(() => { const get = HTMLCanvasElement.prototype.getContext; HTMLCanvasElement.prototype.getContext = function \
+                      (kind, options) { return get.call(this, kind, kind === '2d' ? { ...options, willReadFrequently: true } : \
+                      options); }; })();";
 
 /// A part of the report with a heading of its own.
 pub(super) struct Section {
@@ -21,7 +25,7 @@ pub(super) struct Section {
 /// The whole file: the head of the page is `verdict`.
 pub(super) fn html(title: &str, verdict: &Markup, sections: &[Section], figures: &Figures) -> Vec<u8> {
     let library = if figures.is_empty() { String::new() } else { plotly_js() };
-    let scripts: &[&str] = if figures.is_empty() { &[] } else { &[&library, SCRIPT] };
+    let scripts: &[&str] = if figures.is_empty() { &[] } else { &[BEFORE, &library, SCRIPT] };
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -53,6 +57,7 @@ pub(super) fn html(title: &str, verdict: &Markup, sections: &[Section], figures:
                     p { "Made by slcal " (env!("CARGO_PKG_VERSION")) ". This file needs no network and no other file." }
                 }
                 @if !figures.is_empty() {
+                    noscript { p.note { "The plots need JavaScript; everything else is here without it." } }
                     script type="application/json" id="figures" { (PreEscaped(figures.json())) }
                     @for script in scripts { script { (PreEscaped(script)) } }
                 }

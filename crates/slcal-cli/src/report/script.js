@@ -40,12 +40,6 @@
     Object.fromEntries(Object.entries(change).map(([k, v]) =>
       [k, k === "visible" && Array.isArray(v) ? v : Array.isArray(v) || ArrayBuffer.isView(v) ? [v] : v]));
 
-  // plotly measures letters by reading its canvas back; the browser warns that this should have been said.
-  const context = HTMLCanvasElement.prototype.getContext;
-  HTMLCanvasElement.prototype.getContext = function (kind, options) {
-    return context.call(this, kind, kind === "2d" ? { ...options, willReadFrequently: true } : options);
-  };
-
   const drawn = new Map();
   const choose = (figure, index) => {
     const div = document.getElementById(figure.id);
@@ -81,25 +75,39 @@
       if (figure.chosen) choose(figure, figure.chosen);
     }
   };
-  // The browser prints what is drawn on the page; a picture of what is in space is kept ready.
-  const photograph = async (figure) => {
-    const div = drawn.get(figure.id);
-    const width = 1000, height = 700;
-    const url = await Plotly.toImage(div, { format: "jpeg", width, height });
-    let picture = div.querySelector(".printed");
-    if (!picture) {
-      picture = new Image();
+  // Paper is light and narrow, and has no canvas that is drawn anew: what is in space is printed as a picture.
+  const PAPER_PX = 660;
+  const printed = () => {
+    for (const figure of figures) {
+      const div = drawn.get(figure.id);
+      if (!div) continue;
+      if (!figure.space) {
+        const layout = { ...ready(figure.layout, colours()), width: Math.min(div.clientWidth, PAPER_PX), autosize: false };
+        Plotly.react(div, ready(figure.data, colours()), layout, { ...settings, responsive: false });
+        continue;
+      }
+      const canvas = div.querySelector(".gl-container canvas, canvas");
+      if (!canvas) continue;
+      const scene = div._fullLayout.scene._scene;
+      scene.glplot.redraw();
+      const picture = new Image();
       picture.className = "printed";
       picture.alt = "";
+      picture.src = canvas.toDataURL("image/png");
       div.prepend(picture);
     }
-    picture.src = url;
+  };
+  const unprinted = () => {
+    for (const picture of document.querySelectorAll(".printed")) picture.remove();
+    recolour();
   };
   const pause = () => new Promise((next) => requestAnimationFrame(() => setTimeout(next)));
 
   const all = async () => {
     await pause();
-    for (const figure of figures) {
+    // Plots in space take longest; those that are flat shall not wait for them.
+    const order = [...figures].sort((a, b) => a.space - b.space);
+    for (const figure of order) {
       performance.mark(figure.id);
       await draw(figure);
       performance.measure(`draw ${figure.id}`, figure.id);
@@ -110,6 +118,8 @@
   };
 
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
+  addEventListener("beforeprint", printed);
+  addEventListener("afterprint", unprinted);
   for (const listing of document.querySelectorAll(".listing")) {
     const button = listing.querySelector(".copy");
     if (!navigator.clipboard) continue;

@@ -1,7 +1,9 @@
 //! The head of the page: how good it is, why, what that means and what to do, for somebody who sees it for the first time.
 
 use maud::{Markup, html};
-use slcal_core::{Rig, Verdict};
+use slcal_core::pattern::Axis;
+use slcal_core::reconstruct::length_sigma;
+use slcal_core::{Match, Rig, Verdict};
 
 use super::Subject;
 use super::number::{derived, field, fixed, significant};
@@ -126,12 +128,50 @@ fn meaning(rig: &Rig) -> Markup {
         @if let (Some(sigma), Some(distance)) = (sigma, distance) {
             "A point at the sheet’s distance (" (derived("sheet_distance_mm", distance, &fixed(distance, 0)))
             " mm) comes out within " (significant(sigma, 2)) " mm of its true place along the line of sight, "
-            (significant(100.0 * sigma / distance, 2)) " % of that distance. "
+            (significant(100.0 * sigma / distance, 2)) " % of that distance. Most of that is common to all points, so that sizes and "
+            "shapes are surer: "
+            @match lengths(rig) {
+                Some((length, [across, along])) => {
+                    "a length of " (fixed(length, 0)) " mm there comes out within "
+                    (derived("length_across_sigma_mm", across, &significant(across, 2))) " mm when it lies across the line of sight, and within "
+                    (derived("length_along_sigma_mm", along, &significant(along, 2))) " mm when it lies along it. "
+                }
+                None => "a flat thing comes out flat. ",
+            }
         } @else if rig.projector.is_none() {
             "Directions in the photograph are known; there is no projector in this rig, so no points can be measured. "
         }
         "Every ± on this page is one standard deviation: the truth lies within it about two times in three, and within "
         "twice of it 19 times in 20."
+    }
+}
+
+/// A length in the middle of the first sheet, and its σ across and along the line of sight, mm.
+fn lengths(rig: &Rig) -> Option<(f64, [f64; 2])> {
+    let view = rig.views.first()?;
+    let (w, h) = (view.size.width_mm, view.size.height_mm);
+    let middle = view.camera_from_sheet.transform(&nalgebra::Point3::new(w / 2.0, h / 2.0, 0.0));
+    // As long as things are that one measures there: a quarter of the sheet, in round numbers.
+    let length = [1000.0, 100.0, 10.0].into_iter().find(|l| *l <= w.max(h) / 2.0)?;
+    let along = middle.coords.try_normalize(0.0)?;
+    let across = nalgebra::Vector3::y().cross(&along).try_normalize(0.0)?;
+    let sigma = |direction: nalgebra::Vector3<f64>| {
+        let step = direction * (length / 2.0);
+        let ends = [middle - step, middle + step];
+        let found = length_sigma(rig, Axis::Columns, Match::DEFAULT_SIGMA_PX, ends).ok()??;
+        Some(found.total_mm())
+    };
+    Some((length, [sigma(across)?, sigma(along)?]))
+}
+
+/// The rig behind a cloud.
+pub(super) fn in_a_line(rig: &Rig, name: &str) -> Markup {
+    let look = look(rig);
+    html! {
+        span class=(look.class) { strong.mark { (look.symbol) " " (look.word) } }
+        @if !name.is_empty() { " (" span.file { (name) } ")" }
+        ": " (look.lead)
+        @if let Some(quality) = rig.quality.as_ref().filter(|q| !q.cause.is_empty()) { " " (sentence(&quality.cause)) }
     }
 }
 

@@ -57,7 +57,7 @@ pub(super) fn told(page: &mut Page, report: &DecodeReport) {
 }
 
 /// What the user should know or do about a photograph of stripes: "warning" or "note", and the sentence.
-fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
+pub(crate) fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
     let mut remarks = Vec::new();
     if report.saturated > SATURATED_SHARE {
         let percent = 100.0 * report.saturated;

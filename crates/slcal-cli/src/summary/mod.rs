@@ -15,7 +15,7 @@ use crate::output::{BAD, FAIR, GOOD, paint};
 pub(crate) use advice::advice;
 pub(crate) use calibration::calibration;
 pub(crate) use cloud::{cloud, cloud_in_a_line, reconstruction};
-pub(crate) use decoding::decoding;
+pub(crate) use decoding::{decoding, remarks};
 pub(crate) use fit::{plane_fit, sphere_fit};
 pub(crate) use noise::noise;
 pub(crate) use verification::{rig_in_words, verification};

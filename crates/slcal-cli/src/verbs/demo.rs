@@ -22,6 +22,7 @@ use crate::io::{Destination, cloud_bytes, decode_photo, png_bytes, write_all};
 use crate::output::{BOLD, Page, Printer, Table, glued, paint, print_result, shown};
 use crate::picture::fit::{self, Fit};
 use crate::picture::sheet;
+use crate::report::{Photo, ShownCloud, Subject, html};
 use crate::summary;
 
 /// The photographs; `demo/README.md` says where they come from.
@@ -42,7 +43,7 @@ const PANEL: [u32; 2] = [1024, 768];
 const SHEET_SIZE_MM: [f64; 2] = [594.0, 420.0];
 
 /// Files of the demonstration, in the order in which the work makes them.
-const NAMES: [&str; 12] = [
+const NAMES: [&str; 13] = [
     "checker.png",
     "checker.json",
     "stripes.png",
@@ -55,6 +56,7 @@ const NAMES: [&str; 12] = [
     "board.ply",
     "cloud.ply",
     "head_found.png",
+    "report.html",
 ];
 
 pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
@@ -90,6 +92,7 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
         cloud_bytes(CloudFormat::Ply, &board.cloud)?,
         cloud_bytes(CloudFormat::Ply, &head.cloud)?,
         draw(&head_photo, "head.jpg", &head)?,
+        report(&sheet_photo, &detection, &calibration, &head)?,
     ];
     write_all(&places.into_iter().zip(contents).collect::<Vec<_>>())?;
     drop(busy);
@@ -121,6 +124,27 @@ fn draw_sheet(photo: &DynamicImage, found: &Detection, calibration: &Calibration
         _ => sheet::found(size, "sheet.jpg", found),
     };
     drawing.over(photo)
+}
+
+/// The calibration and the head, to look at.
+fn report(
+    photo: &DynamicImage,
+    found: &Detection,
+    calibration: &Calibration,
+    head: &Reconstruction,
+) -> Outcome<Vec<u8>> {
+    let observations = observations([photo.width(), photo.height()], found);
+    let subject = Subject {
+        rig: &calibration.rig,
+        rig_name: "rig.json".to_owned(),
+        checker_name: Some("checker.json".to_owned()),
+        photos: vec![Some(Photo::new(photo, 1)?)],
+        observations: Some(&observations),
+        residuals: residuals(&calibration.rig, &observations).map_err(|e| e.to_string()),
+        cloud: Some(ShownCloud { name: "cloud.ply".to_owned(), cloud: &head.cloud }),
+        made_by: BY_HAND.map(str::to_owned).to_vec(),
+    };
+    Ok(html(&subject))
 }
 
 fn observations(camera: [u32; 2], found: &Detection) -> Observations {
@@ -220,6 +244,7 @@ fn against_truth(rig: &Rig) -> Outcome<Table> {
 fn files() -> Table {
     let mut table = Table::new(["", ""]);
     for row in [
+        ["  report.html", "open it in a browser: how good, why, what next"],
         ["  checker.png, checker.json", "the pattern for calibration"],
         ["  stripes.png, stripes.json", "the pattern for reconstruction"],
         ["  sheet.jpg, board.jpg, head.jpg", "the photographs"],

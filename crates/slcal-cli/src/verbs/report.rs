@@ -15,7 +15,8 @@ use crate::io::{
     load_rig, read_bytes, write_all,
 };
 use crate::output::Printer;
-use crate::report::{CommandLine, ShownCloud, Subject, html};
+use crate::picture::as_seen;
+use crate::report::{CommandLine, Photo as Shown, ShownCloud, Subject, html};
 
 pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> Outcome {
     let place = Destination::prepare(&args.output, args.force)?;
@@ -29,9 +30,9 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
     let rig = load_rig(&args.rig)?;
     let photos = photos(args, &rig, printer)?;
     let observations = observations(args, &rig, &photos, printer)?;
-    let residuals = match observations {
-        Ok(seen) => fits(args, &rig, &seen)?,
-        Err(why) => Err(why),
+    let residuals = match &observations {
+        Ok(seen) => fits(args, &rig, seen)?,
+        Err(why) => Err(why.clone()),
     };
     let cloud = match &args.cloud {
         Some(path) => {
@@ -39,9 +40,16 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
         }
         None => None,
     };
+    let count = photos.len();
+    let gamma = args.gamma.gamma;
+    // The photograph itself, which may be large, is not needed any more.
+    let shown =
+        |photo: Option<Photo>| photo.map(|p| Shown::new(&as_seen(p.picture, gamma), count)).transpose();
     let subject = Subject {
         rig: &rig,
         rig_name: input_name(&args.rig),
+        photos: photos.into_iter().map(shown).collect::<Outcome<_>>()?,
+        observations: observations.as_ref().ok(),
         residuals,
         checker_name: args.pattern.as_deref().map(input_name),
         cloud: cloud.as_ref().map(|(path, cloud)| ShownCloud { name: input_name(path), cloud }),

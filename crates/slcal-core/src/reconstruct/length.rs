@@ -74,8 +74,11 @@ pub fn length_sigma(
     Ok(Some(LengthSigma { rig_mm, noise_mm: moved[0].hypot(moved[1]) }))
 }
 
-/// Both ends with their noise; `None` where one is no point.
-fn ends(rig: &Rig, matches: &Matches) -> Result<Option<[(Point3<f64>, f64); 2]>> {
+/// A point and its noise along its ray, mm.
+type End = (Point3<f64>, f64);
+
+/// Both ends; `None` where one is no point.
+fn ends(rig: &Rig, matches: &Matches) -> Result<Option<[End; 2]>> {
     let mut cloud = PointCloud::default();
     Triangulator::new(rig, TriangulateConfig::default())?.triangulate(matches, &mut cloud);
     Ok(match cloud.points.as_slice() {

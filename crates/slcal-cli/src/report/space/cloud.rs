@@ -82,7 +82,8 @@ impl Shown {
         let mut trace = json!({
             "type": "scatter3d", "mode": "markers", "name": "points", "x": axis(0), "y": axis(1), "z": axis(2),
             "marker": {
-                "size": 2, "line": { "width": 0 }, "opacity": 1, "color": first["marker.color"], "showscale": false,
+                // Squares have two triangles, circles dozens.
+                "symbol": "square", "size": 2, "line": { "width": 0 }, "opacity": 1, "color": first["marker.color"], "showscale": false,
                 "colorbar": { "thickness": 12, "len": 0.6, "outlinewidth": 0, "tickcolor": "$line" },
             },
             "hovertemplate": "%{x:.1f} right, %{y:.1f} deep, %{z:.1f} up<extra></extra>",

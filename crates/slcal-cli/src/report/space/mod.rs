@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use slcal_core::geometry::{Camera, Pose};
 use slcal_core::{Rig, View};
 
-use super::Subject;
+use super::ShownCloud;
 use super::figure::{Figures, packed};
 use super::page::Section;
 use super::verdict::sheet_distance_mm;
@@ -18,9 +18,8 @@ const PYRAMID: f64 = 0.22;
 /// Distance that is assumed where a rig shows nothing, mm.
 const NOTHING_SEEN_MM: f64 = 1000.0;
 
-pub(super) fn section(subject: &Subject, figures: &mut Figures) -> Section {
-    let rig = subject.rig;
-    let shown = subject.cloud.as_ref().map(|c| cloud::Shown::new(rig, c.cloud));
+pub(super) fn section(rig: &Rig, beside: Option<&ShownCloud>, figures: &mut Figures) -> Section {
+    let shown = beside.map(|c| cloud::Shown::new(rig, c.cloud));
     let distance = match (rig.views.is_empty(), &shown) {
         (false, _) => sheet_distance_mm(rig),
         (true, Some(cloud)) => cloud.median_depth_mm().unwrap_or(NOTHING_SEEN_MM),
@@ -46,18 +45,17 @@ pub(super) fn section(subject: &Subject, figures: &mut Figures) -> Section {
     if let Some(shown) = &shown {
         choices = shown.add_to(&mut traces);
     }
-    let alt = alt(subject);
+    let alt = alt(rig, beside);
     let plot = figures.space("space", &alt, traces, layout(), choices);
     let content = html! {
         p { (alt) span.screen-only { " Drag to turn, scroll or pinch to come nearer, double-click to turn back." } }
         (plot)
-        @if let (Some(shown), Some(cloud)) = (&shown, &subject.cloud) { p.note { (shown.note(&cloud.name)) } }
+        @if let (Some(shown), Some(cloud)) = (&shown, beside) { p.note { (shown.note(&cloud.name)) } }
     };
     Section { id: "in-space", title: "In space", content }
 }
 
-fn alt(subject: &Subject) -> String {
-    let rig = subject.rig;
+fn alt(rig: &Rig, beside: Option<&ShownCloud>) -> String {
     let mut parts = vec!["the camera".to_owned()];
     if let Some(baseline) = rig.baseline_mm() {
         parts.push(format!("the projector, {baseline:.0} mm from it"));
@@ -70,7 +68,7 @@ fn alt(subject: &Subject) -> String {
             sheet_distance_mm(rig)
         )),
     }
-    if let Some(cloud) = &subject.cloud {
+    if let Some(cloud) = beside {
         parts.push(format!("the points of {}", cloud.name));
     }
     let last = parts.pop().unwrap_or_default();
@@ -170,7 +168,7 @@ fn layout() -> Value {
         "scene": {
             "aspectmode": "data",
             "xaxis": axis("right, mm"), "yaxis": axis("depth, mm"), "zaxis": axis("up, mm"),
-            "camera": { "eye": { "x": -1.1, "y": -1.5, "z": 0.9 }, "up": { "x": 0, "y": 0, "z": 1 } },
+            "camera": { "eye": { "x": -1.35, "y": -1.05, "z": 0.75 }, "up": { "x": 0, "y": 0, "z": 1 } },
             "dragmode": "orbit",
         },
     })

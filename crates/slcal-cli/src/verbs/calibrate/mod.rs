@@ -9,7 +9,7 @@ use slcal_core::format::{KnownCamera, write_observations, write_rig};
 use slcal_core::geometry::Camera;
 use slcal_core::{
     CalibrateConfig, Calibration, DistortionModel, ExternalObservations, Method, NoiseFound, Observations,
-    PrincipalPointRule, Rig, calibrate_external,
+    PrincipalPointRule, Rig, calibrate_external, residuals,
 };
 
 use self::overlay::{Calibrated, Gallery};
@@ -20,21 +20,54 @@ use crate::io::{
     Destination, check_distinct, check_spares, input_name, is_dash, load_camera, load_observations, write_all,
 };
 use crate::output::{Printer, print_json, print_result};
+use crate::report::{CommandLine, Photo, Subject, html};
 use crate::summary;
 
-pub(super) fn run(args: &CalibrateArgs, printer: Printer) -> Outcome {
+pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -> Outcome {
     let places = Places::prepare(args)?;
-    let mut gallery = places.overlay.is_some().then(|| Gallery::new(args.photos.len()));
+    let pictured = places.overlay.is_some() || places.report.is_some();
+    let mut gallery = pictured.then(|| Gallery::new(args.photos.len()));
     let done = calibrate(args, &places, gallery.as_mut(), printer);
-    if let Some((place, gallery)) = places.overlay.as_ref().zip(gallery) {
-        let shown = done.as_ref().ok().map(|(c, o)| Calibrated { rig: &c.rig, observations: o });
-        let drawn = gallery.write(place, shown, done.as_ref().err());
-        // Why there is no rig matters more than why there is no picture.
-        let (calibration, _) = done?;
-        drawn?;
-        return finish(args, &calibration, places, printer);
+    let drawn = match (places.overlay.as_ref(), &gallery) {
+        (Some(place), Some(gallery)) => {
+            let shown = done.as_ref().ok().map(|(c, o)| Calibrated { rig: &c.rig, observations: o });
+            gallery.write(place, shown, done.as_ref().err())
+        }
+        _ => Ok(()),
+    };
+    // Why there is no rig matters more than why there is no picture.
+    let (calibration, observations) = done?;
+    drawn?;
+    if let Some((place, gallery)) = places.report.as_ref().zip(gallery) {
+        let shown = Calibrated { rig: &calibration.rig, observations: &observations };
+        write_all(&[(place.clone(), report(args, shown, &gallery, typed)?)])?;
     }
-    finish(args, &done?.0, places, printer)
+    finish(args, &calibration, places, printer)
+}
+
+/// The report on a calibration.
+fn report(
+    args: &CalibrateArgs,
+    Calibrated { rig, observations }: Calibrated<'_>,
+    gallery: &Gallery,
+    typed: &CommandLine,
+) -> Outcome<Vec<u8>> {
+    let count = rig.views.len();
+    let mut photos = gallery.photos().map(|p| Photo::new(p, count).map(Some)).collect::<Outcome<Vec<_>>>()?;
+    // Observations come without photographs.
+    photos.resize_with(count, || None);
+    let file = args.output.as_deref().filter(|p| !is_dash(p));
+    let subject = Subject {
+        rig,
+        rig_name: file.map(input_name).unwrap_or_default(),
+        checker_name: args.pattern.as_deref().map(input_name),
+        photos,
+        observations: Some(observations),
+        residuals: residuals(rig, observations).map_err(|e| e.to_string()),
+        cloud: None,
+        made_by: vec![typed.typed()],
+    };
+    Ok(html(&subject))
 }
 
 /// The calibration and what it was computed from.
@@ -112,6 +145,7 @@ fn observations_bytes(external: &ExternalObservations) -> Outcome<Vec<u8>> {
 struct Places {
     rig: Option<Destination>,
     overlay: Option<Destination>,
+    report: Option<Destination>,
     observations: Option<Destination>,
 }
 
@@ -120,8 +154,9 @@ impl Places {
         let prepare = |p: &PathBuf| Destination::prepare(p, args.force);
         let rig = args.output.as_ref().map(prepare).transpose()?;
         let overlay = Destination::prepare_overlay(args.overlay.as_ref(), args.force)?;
+        let report = Destination::prepare_report(args.report.as_ref(), args.force)?;
         let observations = args.save_observations.as_ref().map(prepare).transpose()?;
-        let all = || rig.iter().chain(&overlay).chain(&observations);
+        let all = || rig.iter().chain(&overlay).chain(&report).chain(&observations);
         check_distinct(all())?;
         let inputs = args.photos.iter().chain(&args.screen).chain(&args.pattern).chain(&args.camera);
         check_spares(all(), inputs.chain(&args.observations).map(PathBuf::as_path))?;
@@ -145,7 +180,7 @@ impl Places {
                 )));
             }
         }
-        Ok(Self { rig, overlay, observations })
+        Ok(Self { rig, overlay, report, observations })
     }
 }
 

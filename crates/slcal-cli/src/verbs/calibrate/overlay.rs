@@ -70,6 +70,11 @@ impl Gallery {
         self.shots.push(Shot { name: input_name(path), size, photo, seen });
     }
 
+    /// The photographs, as they were added.
+    pub(super) fn photos(&self) -> impl Iterator<Item = &DynamicImage> {
+        self.shots.iter().map(|s| &s.photo)
+    }
+
     /// Draws and writes; `failed` says why there is no rig.
     pub(super) fn write(
         &self,

@@ -10,16 +10,17 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use image::DynamicImage;
-use slcal_core::Rig;
+use slcal_core::evaluate::{FitConfig, fit_plane, fit_sphere};
 use slcal_core::format::CloudFormat;
 use slcal_core::pattern::StripePattern;
 use slcal_core::reconstruct::{CullRule, ReconstructConfig, Reconstruction, Reconstructor};
+use slcal_core::{PointCloud, Rig};
 
 use self::report::{CloudReport, FrameResult};
 use self::source::{Folder, Frame, Place};
 use self::told::{Done, Told};
 use super::decode::Frames;
-use crate::args::{CullArg, FrameArg, ReconstructArgs};
+use crate::args::{CullArg, FrameArg, ReconstructArgs, ShapeArg};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
     Destination, RawFormat, check_distinct, check_panel, check_spares, cloud_bytes, cloud_format_of,
@@ -27,8 +28,9 @@ use crate::io::{
 };
 use crate::output::{Printer, Remarks};
 use crate::picture::{as_seen, stripes};
+use crate::report::{CloudSubject, CommandLine, Photo, Surface, cloud_html};
 
-pub(super) fn run(args: &ReconstructArgs, printer: Printer) -> Outcome {
+pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer) -> Outcome {
     check_usage(args)?;
     let single = args.output.as_deref();
     let format = single.map_or(Ok(args.format), cloud_format_of)?;
@@ -40,13 +42,16 @@ pub(super) fn run(args: &ReconstructArgs, printer: Printer) -> Outcome {
     }
     let places = places(args)?;
     let overlay = Destination::prepare_overlay(args.overlay.as_ref(), args.force)?;
-    check_places(args, &places, overlay.as_ref())?;
+    let report = Destination::prepare_report(args.report.as_ref(), args.force)?;
+    check_places(args, &places, &overlay.iter().chain(&report).collect::<Vec<_>>())?;
     let job = Job {
         scene: Frames::load(&args.input, printer)?,
         rig: &rig,
         pattern: &pattern,
         format,
         overlay,
+        report,
+        typed,
         args,
     };
     let config = ReconstructConfig {
@@ -87,6 +92,9 @@ fn check_usage(args: &ReconstructArgs) -> Outcome {
     }
     if args.overlay.is_some() && (photos > 1 || args.raw.is_some()) {
         return Err(Failure::usage("--overlay takes one photograph; run the others without it"));
+    }
+    if args.report.is_some() && (photos > 1 || args.raw.is_some()) {
+        return Err(Failure::usage("--report takes one photograph; run the others without it"));
     }
     Ok(())
 }
@@ -131,8 +139,8 @@ fn places(args: &ReconstructArgs) -> Outcome<Vec<Place>> {
 }
 
 /// No output is written twice or replaces an input.
-fn check_places(args: &ReconstructArgs, places: &[Place], overlay: Option<&Destination>) -> Outcome {
-    let new = || places.iter().filter_map(|p| p.output.as_ref()).chain(overlay);
+fn check_places(args: &ReconstructArgs, places: &[Place], beside: &[&Destination]) -> Outcome {
+    let new = || places.iter().filter_map(|p| p.output.as_ref()).chain(beside.iter().copied());
     check_distinct(new())?;
     let photos = args.images.iter().map(PathBuf::as_path);
     check_spares(new(), photos.chain(args.input.files()).chain([args.rig.as_path()]))
@@ -145,6 +153,8 @@ struct Job<'a> {
     pattern: &'a StripePattern,
     format: CloudFormat,
     overlay: Option<Destination>,
+    report: Option<Destination>,
+    typed: &'a CommandLine,
     args: &'a ReconstructArgs,
 }
 
@@ -195,16 +205,51 @@ impl Job<'_> {
         };
         let result = scanner.reconstruct_frames(&input).in_file(&name)?;
         let mut files = vec![(output.clone(), cloud_bytes(self.format, &result.cloud)?)];
-        if let Some((place, photo)) = self.overlay.as_ref().zip(photo) {
-            files.push((
-                place.clone(),
-                draw(&as_seen(photo, self.scene.config().encoding), &frame.name(), result)?,
-            ));
+        let pictured = self.overlay.is_some() || self.report.is_some();
+        let photo = photo.filter(|_| pictured).map(|p| as_seen(p, self.scene.config().encoding));
+        if let Some((place, photo)) = self.overlay.as_ref().zip(photo.as_ref()) {
+            files.push((place.clone(), draw(photo, &frame.name(), result)?));
+        }
+        if let Some(place) = &self.report {
+            files.push((place.clone(), self.page(&name, &output.name(), photo.as_ref(), result)?));
         }
         let report = CloudReport::of(result);
         write_all(&files)?;
         Ok(FrameResult::Cloud(Box::new(report)))
     }
+
+    /// The report on a cloud.
+    fn page(
+        &self,
+        image: &Path,
+        cloud: &str,
+        photo: Option<&DynamicImage>,
+        result: &Reconstruction,
+    ) -> Outcome<Vec<u8>> {
+        // As it was typed; a destination knows its links resolved.
+        let typed = self.args.output.as_deref().filter(|p| !is_dash(p)).map(input_name);
+        let subject = CloudSubject {
+            rig: self.rig,
+            rig_name: input_name(&self.args.rig),
+            image_name: input_name(image),
+            cloud_name: typed.unwrap_or_else(|| cloud.to_owned()),
+            photo: photo.map(|p| Photo::new(p, 1)).transpose()?,
+            result,
+            surface: self.args.fit.map(|shape| fit(shape, &result.cloud)),
+            made_by: vec![self.typed.typed()],
+        };
+        Ok(cloud_html(&subject))
+    }
+}
+
+/// The surface that was asked for, or why none fits.
+fn fit(shape: ShapeArg, cloud: &PointCloud) -> Result<Surface, String> {
+    let config = FitConfig::default();
+    let fitted = match shape {
+        ShapeArg::Plane => fit_plane(cloud, &config).map(Surface::Plane),
+        ShapeArg::Sphere => fit_sphere(cloud, &config).map(Surface::Sphere),
+    };
+    fitted.map_err(|e| e.to_string())
 }
 
 /// Makes an output folder when it does not exist; its parent must.

@@ -1,0 +1,145 @@
+//! The report on a cloud: what `slcal reconstruct --report` writes.
+
+use maud::{Markup, html};
+use slcal_core::Rig;
+use slcal_core::reconstruct::Reconstruction;
+
+use super::figure::Figures;
+use super::number::{derived, fixed, significant};
+use super::page::{self, Section};
+use super::photographs::Photo;
+use super::points::{self, Surface};
+use super::{ShownCloud, decoding, next, quoted, space, verdict};
+use crate::picture::stripes::{self, thousands};
+use crate::summary;
+
+/// What the report on a cloud shows.
+pub(crate) struct CloudSubject<'a> {
+    pub(crate) rig: &'a Rig,
+    pub(crate) rig_name: String,
+    /// The photograph's name.
+    pub(crate) image_name: String,
+    /// The cloud's file.
+    pub(crate) cloud_name: String,
+    pub(crate) photo: Option<Photo>,
+    pub(crate) result: &'a Reconstruction,
+    /// The surface that was asked for, or why there is none.
+    pub(crate) surface: Option<Result<Surface, String>>,
+    pub(crate) made_by: Vec<String>,
+}
+
+/// The report, complete.
+pub(crate) fn cloud_html(subject: &CloudSubject) -> Vec<u8> {
+    let mut figures = Figures::default();
+    let result = subject.result;
+    let shown = ShownCloud { name: subject.cloud_name.clone(), cloud: &result.cloud };
+    let fit = |figures: &mut Figures| {
+        subject.surface.as_ref().map(|surface| points::fit(surface, &result.cloud, figures))
+    };
+    let sections = [
+        subject.photo.as_ref().map(|photo| photograph(subject, photo)),
+        Some(space::section(subject.rig, Some(&shown), &mut figures)),
+        fit(&mut figures),
+        Some(points::section(result, &mut figures)),
+        result.decode.as_ref().map(decoding::section),
+        Some(next::listings(&subject.made_by, &following(subject))),
+    ];
+    let sections: Vec<Section> = sections.into_iter().flatten().collect();
+    page::html(&format!("{}: cloud – slcal", subject.image_name), &head(subject), &sections, &figures)
+}
+
+fn head(subject: &CloudSubject) -> Markup {
+    let (result, rig) = (subject.result, subject.rig);
+    let (cloud, t) = (&result.cloud, &result.triangulate);
+    let remarks = result.decode.as_ref().map(summary::remarks).unwrap_or_default();
+    let mut distances: Vec<f64> = cloud
+        .points
+        .iter()
+        .map(|p| (p.position - cloud.camera_centre).norm())
+        .filter(|x| x.is_finite())
+        .collect();
+    distances.sort_by(f64::total_cmp);
+    let millimetres = |name: &str, x: f64| derived(name, x, &significant(x, 2));
+    html! {
+        div class={ "verdict " (if remarks.iter().any(|(label, _)| *label == "warning") { "fair" } else { "none" }) } {
+            h1 {
+                span.what { "Cloud of " (subject.image_name) }
+                span.word { (thousands(cloud.points.len())) " points" }
+            }
+            ul.tiles {
+                @if let Some(decode) = &result.decode {
+                    @let share = 100.0 * decode.decoded as f64 / decode.crossings.max(1) as f64;
+                    li { span.value { (derived("decoded_percent", share, &fixed(share, 0))) " %" } span.label { "of the stripes decoded" } }
+                }
+                @if let (Some(near), Some(far)) = (distances.first(), distances.last()) {
+                    li {
+                        span.value { (derived("nearest_mm", *near, &fixed(*near, 0))) "–" (derived("farthest_mm", *far, &fixed(*far, 0))) " mm" }
+                        span.label { "from the camera" }
+                    }
+                }
+                li {
+                    span.value { "± " (millimetres("median_noise_mm", t.median_noise_mm)) " mm" }
+                    span.label { "scatter from point to point" }
+                }
+                @if t.rig_sigma_known {
+                    li {
+                        span.value { "± " (millimetres("median_sigma_mm", t.median_sigma_mm)) " mm" }
+                        span.label { "place of a point, the rig’s share with it" }
+                    }
+                }
+                @if !cloud.triangles.is_empty() {
+                    li { span.value { (thousands(cloud.triangles.len())) } span.label { "triangles of the surface" } }
+                }
+            }
+            dl.reasons {
+                dt { "What it means" }
+                dd {
+                    "Neighbouring points scatter about the true surface by about " (significant(t.median_noise_mm, 2)) " mm along the line \
+                     of sight. "
+                    @if t.rig_sigma_known {
+                        "The whole cloud together may be moved or stretched, by what is not known exactly of the rig: a point is "
+                        "expected within " (significant(t.median_sigma_mm, 2)) " mm of its true place (1σ)."
+                    } @else { "The rig does not state its covariance, so how far the whole cloud may be off is not known." }
+                }
+                dt { "The rig" }
+                dd { (verdict::in_a_line(rig, &subject.rig_name)) }
+                @if !remarks.is_empty() {
+                    dt { "What to do next" }
+                    @for (_, remark) in &remarks { dd { (verdict::sentence(remark)) } }
+                }
+            }
+        }
+    }
+}
+
+fn photograph(subject: &CloudSubject, photo: &Photo) -> Section {
+    let model = &subject.rig.camera.model;
+    let mut drawing =
+        stripes::reconstructed([model.width, model.height], &subject.image_name, subject.result);
+    // The page says it in words that are as large as its own.
+    drawing.legend = None;
+    let cloud = &subject.result.cloud;
+    let content = html! {
+        figure.photos {
+            (photo.under(&drawing))
+            figcaption {
+                "A curve for each stripe where it became points, coloured by the distance from the camera: light is near, dark is far. "
+                (thousands(cloud.points.len())) " points."
+            }
+        }
+    };
+    Section { id: "photographs", title: "What was seen", content }
+}
+
+fn following(subject: &CloudSubject) -> Vec<(&'static str, String)> {
+    let (rig, cloud) = (quoted(&subject.rig_name), quoted(&subject.cloud_name));
+    let mut next = Vec::new();
+    if subject.cloud_name.to_lowercase().ends_with(".ply") {
+        next.push(("How flat, how round?", format!("slcal evaluate plane {cloud}")));
+        next.push((
+            "Beside the calibration",
+            format!("slcal report --rig {rig} --cloud {cloud} -o report.html"),
+        ));
+    }
+    next
+}

@@ -1,0 +1,162 @@
+//! The photographs with what was measured in them, and where the rig expects it.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use image::codecs::jpeg::JpegEncoder;
+use image::imageops::FilterType;
+use image::{DynamicImage, ImageError};
+use maud::{Markup, PreEscaped, html};
+use slcal_core::{Rig, View};
+
+use super::Subject;
+use super::number::significant;
+use super::page::Section;
+use super::residuals::odd_words;
+use crate::exit::{Exit, Failure, Outcome};
+use crate::picture::fit::{self, Fit};
+use crate::picture::{Drawing, sheet};
+
+/// Longer side of a photograph that stands alone, and of one among others, px: sharp on a large screen, and small enough to
+/// send.
+const ALONE_PX: u32 = 1600;
+const AMONG_OTHERS_PX: u32 = 1000;
+/// Quality of the JPEG: what is drawn on it is not part of it.
+const QUALITY: u8 = 80;
+
+/// A photograph as the page carries it.
+pub(crate) struct Photo {
+    uri: String,
+}
+
+impl Photo {
+    /// One of `count` photographs.
+    pub(crate) fn new(picture: &DynamicImage, count: usize) -> Outcome<Self> {
+        let longest = if count > 1 { AMONG_OTHERS_PX } else { ALONE_PX };
+        let smaller = (picture.width().max(picture.height()) > longest)
+            .then(|| picture.resize(longest, longest, FilterType::Triangle).to_rgb8());
+        let pixels = smaller.unwrap_or_else(|| picture.to_rgb8());
+        let mut bytes = Vec::new();
+        JpegEncoder::new_with_quality(&mut bytes, QUALITY).encode_image(&pixels).map_err(
+            |e: ImageError| {
+                Failure::new(Exit::Other, format!("cannot write a photograph into the report: {e}"))
+            },
+        )?;
+        Ok(Self { uri: format!("data:image/jpeg;base64,{}", STANDARD.encode(bytes)) })
+    }
+
+    /// With a drawing upon it.
+    pub(super) fn under(&self, drawing: &Drawing) -> Markup {
+        // The writer of the drawing escapes its texts.
+        PreEscaped(drawing.svg(Some(&self.uri)))
+    }
+}
+
+pub(super) fn section(subject: &Subject) -> Option<Section> {
+    let rig = subject.rig;
+    if rig.views.is_empty() {
+        return None;
+    }
+    let shown = subject.photos.iter().flatten().count();
+    let missing = rig.views.len() - shown.min(rig.views.len());
+    let fits = fits(subject);
+    let like = Drawing::new([rig.camera.model.width, rig.camera.model.height], "");
+    let factor = fit::magnification(fits.iter().flatten().copied(), like.unit());
+    let content = html! {
+        @if shown > 0 {
+            (legend(rig, &fits, factor))
+            div.photos {
+                @for (i, view) in rig.views.iter().enumerate() {
+                    @if let Some(Some(photo)) = subject.photos.get(i) {
+                        (shot(rig, view, photo, fits.get(i).copied().flatten(), factor))
+                    }
+                }
+            }
+        }
+        @if missing > 0 {
+            p.note {
+                (if shown == 0 { "The photographs are not shown" } else { "Some photographs are not shown" })
+                ": they are not at hand. " code { "slcal report --photo" } " takes them."
+            }
+        }
+    };
+    Some(Section { id: "photographs", title: "What was seen", content })
+}
+
+/// What is known of each view.
+fn fits<'a>(subject: &'a Subject) -> Vec<Option<Fit<'a>>> {
+    let misses = subject.residuals.as_ref().ok();
+    let fit = |(i, view): (usize, &'a View)| {
+        let observed = subject.observations?.views.get(i)?;
+        Some(Fit { observed, residuals: misses?.get(i)?, view })
+    };
+    subject.rig.views.iter().enumerate().map(fit).collect()
+}
+
+fn shot(rig: &Rig, view: &View, photo: &Photo, fit: Option<Fit<'_>>, factor: f64) -> Markup {
+    let name = view.photo.as_deref().unwrap_or("photograph");
+    let size = [rig.camera.model.width, rig.camera.model.height];
+    let mut drawing = Drawing::new(size, format!("{name}: the sheet and what was measured on it"));
+    match fit {
+        Some(fit) => fit::draw(&mut drawing, fit, factor),
+        None => sheet::draw_outline(&mut drawing, &view.corners_px),
+    }
+    let odd = fit.is_some_and(|f| f.residuals.is_odd());
+    html! {
+        figure.odd[odd] {
+            (photo.under(&drawing))
+            figcaption {
+                strong.file { (name) }
+                @if let Some(rms) = &view.rms_px {
+                    ": sides of the sheet " (significant(rms.edges, 2)) " px"
+                    @if let Some(corners) = rms.corners { ", projected corners " (significant(corners, 2)) " px" }
+                    " off (rms)"
+                }
+                @if odd { " " span.flag { "⚠ " (odd_words(fit.map(|f| f.residuals))) } }
+            }
+        }
+    }
+}
+
+/// What the marks mean, in the colours of the drawings.
+fn legend(rig: &Rig, fits: &[Option<Fit<'_>>], factor: f64) -> Markup {
+    let any = |of: fn(&Fit<'_>) -> bool| fits.iter().flatten().any(of);
+    let fitted = fits.iter().any(Option::is_some);
+    let outliers =
+        any(|f| f.residuals.sheet.iter().chain(f.residuals.pairs.iter().map(|p| &p.camera)).any(|p| !p.kept));
+    html! {
+        ul.legend {
+            li { (key(html! { line x1="2" y1="8" x2="26" y2="8" stroke="#56b4e9" stroke-width="2"; })) "the sheet, its corners named" }
+            @if fitted {
+                li { (key(html! { circle cx="8" cy="8" r="2" fill="#f0e442"; circle cx="20" cy="8" r="2" fill="#f0e442"; }))
+                    "points measured on its sides" }
+                @if any(|f| !f.observed.pairs.is_empty()) {
+                    li { (key(html! { circle cx="14" cy="8" r="4.5" fill="none" stroke="#e69f00" stroke-width="1.6"; }))
+                        "corners of the projected pattern" }
+                    li { (key(html! { circle cx="14" cy="8" r="4.5" fill="none" stroke="#e08cbe" stroke-width="2"; }))
+                        "the first of them" }
+                }
+                li { (key(html! { path d="M3 8H22M17 4l6 4l-6 4" fill="none" stroke="#00b282" stroke-width="2"; }))
+                    "to where the rig expects them, " (significant(factor, 2)) " times as long" }
+                @if outliers {
+                    li { (key(html! { path d="M10 4l8 8M18 4l-8 8" stroke="#ec680a" stroke-width="2"; })) "left out, too far off" }
+                }
+                li { (key(html! { path d="M2 8H26" stroke="#e08cbe" stroke-width="1.5" stroke-dasharray="5 4"; }))
+                    (vanishing(rig)) }
+            }
+        }
+    }
+}
+
+fn key(mark: Markup) -> Markup {
+    let mark = PreEscaped(mark.into_string());
+    html! { svg.key viewBox="0 0 28 16" aria-hidden="true" { rect width="28" height="16" rx="3" fill="#33383f" {} (mark) } " " }
+}
+
+/// Where parallel sides meet; nearly parallel ones meet far away.
+fn vanishing(rig: &Rig) -> &'static str {
+    if rig.views.len() == 1 {
+        "to a vanishing point, where it is near"
+    } else {
+        "to vanishing points, where they are near"
+    }
+}

@@ -1,0 +1,166 @@
+//! The points of a cloud: how far away, how sure, and how well a surface fits them.
+
+use maud::{Markup, html};
+use serde_json::json;
+use slcal_core::PointCloud;
+use slcal_core::evaluate::{FitReport, PlaneFit, SphereFit};
+use slcal_core::reconstruct::Reconstruction;
+
+use super::figure::{Figures, flat_layout};
+use super::number::{derived, fixed, significant};
+use super::page::Section;
+use crate::picture::stripes::thousands;
+
+/// Bars of a histogram.
+const BARS: usize = 60;
+
+/// A surface that was fitted to the cloud.
+pub(crate) enum Surface {
+    Plane(PlaneFit),
+    Sphere(SphereFit),
+}
+
+/// Where the points lie and how sure they are.
+pub(super) fn section(result: &Reconstruction, figures: &mut Figures) -> Section {
+    let cloud = &result.cloud;
+    let distances: Vec<f64> =
+        cloud.points.iter().map(|p| (p.position - cloud.camera_centre).norm()).collect();
+    let noise: Vec<f64> = cloud.points.iter().map(|p| p.noise_mm).collect();
+    let t = &result.triangulate;
+    let left_out = [
+        ("outliers: too far from their neighbours", result.cull.outliers),
+        ("matches without coordinates", t.invalid),
+        ("grazing: the light runs along the line of sight", t.grazing),
+        ("behind the devices", t.behind),
+        ("lit from outside the panel", t.outside_panel),
+        ("column and row contradict each other", t.contradicting),
+    ];
+    let content = html! {
+        div.pair {
+            figure {
+                (histogram(figures, "distances", "Distances of the points from the camera.", &distances, "distance from the camera, mm", "$cloud"))
+                figcaption { "Where the points are." }
+            }
+            figure {
+                (histogram(figures, "noise", "Noise of the points.", &noise, "noise along the line of sight, mm", "$noise"))
+                figcaption { "How far points scatter about the true surface, by the noise of their stripes." }
+            }
+        }
+        h3 { "Left out" }
+        ul.plain {
+            @for (why, count) in left_out { @if count > 0 { li { (thousands(count)) " " (why) } } }
+            @if left_out.iter().all(|(_, count)| *count == 0) { li { "nothing" } }
+        }
+    };
+    Section { id: "points", title: "Points", content }
+}
+
+/// How well the surface fits that was asked for.
+pub(super) fn fit(surface: &Result<Surface, String>, cloud: &PointCloud, figures: &mut Figures) -> Section {
+    let content = match surface {
+        Err(why) => html! { p.note { "No surface was fitted: " (why) } },
+        Ok(Surface::Plane(found)) => {
+            let n = found.plane.normal;
+            let from =
+                cloud.points.iter().map(|p| n.dot(&p.position.coords) + found.plane.offset_mm).collect();
+            fitted(
+                "plane",
+                html! {
+                    "Normal " (fixed(n.x, 5)) ", " (fixed(n.y, 5)) ", " (fixed(n.z, 5)) ", offset " (fixed(found.plane.offset_mm, 2)) " mm"
+                },
+                &found.report,
+                from,
+                figures,
+            )
+        }
+        Ok(Surface::Sphere(found)) => {
+            let c = found.centre;
+            let from = cloud.points.iter().map(|p| (p.position - c).norm() - found.radius_mm).collect();
+            fitted(
+                "sphere",
+                html! {
+                    "Radius " (derived("sphere_radius_mm", found.radius_mm, &fixed(found.radius_mm, 2))) " mm, centre " (fixed(c.x, 2)) ", "
+                    (fixed(c.y, 2)) ", " (fixed(c.z, 2)) " mm"
+                },
+                &found.report,
+                from,
+                figures,
+            )
+        }
+    };
+    Section { id: "fit", title: "How well a surface fits", content }
+}
+
+fn fitted(
+    shape: &str,
+    words: Markup,
+    report: &FitReport,
+    mut from: Vec<f64>,
+    figures: &mut Figures,
+) -> Markup {
+    from.retain(|d| d.abs() <= report.inlier_limit_mm);
+    let rows = [
+        ("mean", report.mean_mm, report.mean_percent),
+        ("standard deviation", report.std_mm, report.std_percent),
+        ("root mean square", report.rms_mm, report.rms_percent),
+    ];
+    let words = maud::PreEscaped(words.into_string());
+    html! {
+        p {
+            "A " (shape) " fits " (thousands(report.inliers)) " of " (thousands(report.points)) " points: those within "
+            (significant(report.inlier_limit_mm, 2)) " mm of it. " (words) "."
+        }
+        div.pair {
+            div {
+                div.scroll { table.narrow {
+                    thead { tr {
+                        th scope="col" { "Distance of the points from it" } th.number scope="col" { "mm" }
+                        th.number scope="col" { "% of the distance" }
+                    } }
+                    tbody { @for (name, mm, percent) in rows {
+                        tr {
+                            th scope="row" { (name) }
+                            td.number { (derived(&format!("fit.{name}_mm"), mm, &significant(mm, 3))) }
+                            td.number { (significant(percent, 2)) }
+                        }
+                    } }
+                } }
+            }
+            figure {
+                (histogram(figures, "fit-distances", "Distances of the points from the surface.", &from, "distance from the surface, mm", "$cloud"))
+            }
+        }
+    }
+}
+
+fn histogram(
+    figures: &mut Figures,
+    id: &'static str,
+    alt: &str,
+    values: &[f64],
+    title: &str,
+    colour: &str,
+) -> Markup {
+    let mut all: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
+    all.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        all.get((all.len().saturating_sub(1) as f64 * share) as usize).copied().unwrap_or_default()
+    };
+    // A few stray ones would leave a single bar for the rest.
+    let (low, high) = (at(0.001), at(0.999));
+    let wide = ((high - low) / BARS as f64).max(f64::MIN_POSITIVE);
+    let mut counts = vec![0usize; BARS];
+    for x in all.iter().filter(|x| (low..=high).contains(*x)) {
+        counts[(((x - low) / wide) as usize).min(BARS - 1)] += 1;
+    }
+    let middles: Vec<f64> = (0..BARS).map(|i| low + (i as f64 + 0.5) * wide).collect();
+    let trace = json!({
+        "type": "bar", "x": middles, "y": counts, "width": wide * 0.92, "marker": { "color": colour },
+        "hovertemplate": "%{y} at %{x:.4g} mm<extra></extra>",
+    });
+    let layout = flat_layout(
+        json!({ "title": { "text": title } }),
+        json!({ "title": { "text": "points" }, "rangemode": "tozero" }),
+    );
+    figures.flat(id, alt, vec![trace], layout)
+}
