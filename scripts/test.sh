@@ -28,5 +28,8 @@ echo "== Figures on rendered photographs"
 cargo build --locked --release --quiet -p slcal-cli
 .venv/bin/python tests/rendered/check_figures.py --slcal target/release/slcal --shared "${SLCAL_SHARED:-../shared}"
 
+echo "== Reports in a browser"
+.venv/bin/python tests/browser/check_reports.py --slcal target/release/slcal
+
 echo "== Commands in the documentation"
 .venv/bin/python scripts/console_blocks.py --check

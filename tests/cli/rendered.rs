@@ -196,6 +196,7 @@ fn the_demonstration_runs_the_whole_chain() {
             "cloud.ply",
             "head.jpg",
             "head_found.png",
+            "report.html",
             "rig.json",
             "sheet.jpg",
             "sheet_found.png",

@@ -79,7 +79,8 @@ fn every_number_is_that_of_the_rig() {
     for address in [" src=\"http", "url(http", "<link rel=\"stylesheet\"", "@import"] {
         assert!(!html.contains(address), "{address}");
     }
-    let _ = bench.run("report --rig rig.json --pattern checker.json -o report.html --force").ok();
+    std::fs::remove_file(bench.path("report.html")).unwrap();
+    let _ = bench.run("report --rig rig.json --pattern checker.json -o report.html").ok();
     assert!(bench.text("report.html") == html);
     bench.run("report --rig rig.json -o report.html").fails(1, &["report.html", "--force"]);
     bench.run("report --rig rig.json -o rig.json --force").fails(2, &["rig.json"]);
@@ -89,6 +90,7 @@ fn every_number_is_that_of_the_rig() {
 fn what_is_missing_is_said_in_a_line() {
     let bench = calibrated();
     // No photographs: the rig alone.
+    std::fs::create_dir(bench.path("else")).unwrap();
     bench.put(
         "else/rig.json",
         bench.text("rig.json").replace("a.png", "gone a.png").replace("b.png", "gone b.png"),
@@ -110,6 +112,37 @@ fn what_is_missing_is_said_in_a_line() {
     bench.put("camera.json", alone.to_string());
     let _ = bench.run("report --rig camera.json -o camera.html").ok();
     assert!(bench.text("camera.html").contains("There is no projector in this rig"));
+}
+
+#[test]
+fn other_verbs_write_reports_in_the_same_run() {
+    let bench = calibrated();
+    let line =
+        "calibrate a.png b.png --size A2-landscape --pattern checker.json -o again.json --report cal.html";
+    let _ = bench.run(line).ok();
+    let html = bench.text("cal.html");
+    // Both photographs with what was measured in them, and the line that was typed.
+    assert_eq!(html.matches("data:image/jpeg;base64,").count(), 2);
+    for words in
+        ["residuals-image", &format!("slcal {line}"), "slcal verify --rig again.json --pattern checker.json"]
+    {
+        assert!(html.contains(words), "no {words}");
+    }
+    bench.run(line).fails(1, &["again.json", "--force"]);
+    bench.run("calibrate a.png --size A4 -o new.json --report cal.html").fails(1, &["cal.html", "--force"]);
+    bench.run("calibrate a.png --size A4 -o new.json --report -").fails(2, &["--report"]);
+    bench
+        .run("reconstruct --rig again.json --pattern s.json a.png b.png --out-dir d --report r.html")
+        .fails(2, &["--report takes one photograph"]);
+    let observations = "--save-observations seen.json --force";
+    let _ = bench.run(&format!("{line} {observations}")).ok();
+    let _ = bench.run("report --rig again.json --observations seen.json -o seen.html").ok();
+    assert!(bench.text("seen.html").contains("residuals-distribution"));
+    // Those of another rig: two views where this one has one.
+    let _ = bench.run("calibrate a.png --size A2-landscape --pattern checker.json -o one.json").ok();
+    bench
+        .run("report --rig one.json --observations seen.json -o one.html")
+        .fails(3, &["seen.json", "2 view(s)"]);
 }
 
 #[test]
@@ -146,7 +179,7 @@ fn names_cannot_put_anything_into_the_page() {
     bench.put(&name, rig.to_string());
     let _ = bench.run_args(&["report", "--rig", &name, "-o", "r.html"], b"").ok();
     let html = bench.text("r.html");
-    // The scripts are the data, the library and the page's own.
-    assert_eq!((html.matches("<script").count(), html.matches("</script").count()), (3, 3));
+    // The scripts are the data, the library, and the page's own before and after it.
+    assert_eq!((html.matches("<script").count(), html.matches("</script").count()), (4, 4));
     assert!(!html.contains("<!--"));
 }

@@ -120,13 +120,13 @@ fn photograph(subject: &CloudSubject, photo: &Photo) -> Section {
     drawing.legend = None;
     let cloud = &subject.result.cloud;
     let content = html! {
-        figure.photos {
+        div.photos { figure {
             (photo.under(&drawing))
             figcaption {
                 "A curve for each stripe where it became points, coloured by the distance from the camera: light is near, dark is far. "
                 (thousands(cloud.points.len())) " points."
             }
-        }
+        } }
     };
     Section { id: "photographs", title: "What was seen", content }
 }

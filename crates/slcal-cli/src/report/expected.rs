@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 use nalgebra::{Point2, Point3};
 use serde_json::{Value, json};
+use slcal_core::geometry::Camera;
 use slcal_core::pattern::Axis;
 use slcal_core::reconstruct::SigmaForecast;
 use slcal_core::{Match, Rig};
@@ -63,11 +64,15 @@ impl Volume {
         let middle = rig.views.first().map(|v| {
             v.camera_from_sheet.transform(&Point3::new(v.size.width_mm / 2.0, v.size.height_mm / 2.0, 0.0))
         });
-        let depth = middle.map_or_else(|| 3.0 * rig.baseline_mm().unwrap_or_default(), |m| m.z);
-        let candidates = middle.and_then(|m| model.project(&m)).into_iter();
-        let centre = slcal_core::geometry::Camera::image_centre(model.width, model.height);
-        let lit = |p: &Point2<f64>| forecast.at(*p, depth).is_some();
-        let pixel = candidates.chain([centre]).find(lit)?;
+        let centre = Camera::image_centre(model.width, model.height);
+        let mut lit = |(pixel, depth): &(Point2<f64>, f64)| forecast.at(*pixel, *depth).is_some();
+        let (pixel, depth) = if let Some(m) = middle {
+            model.project(&m).into_iter().chain([centre]).map(|p| (p, m.z)).find(&mut lit)?
+        } else {
+            // Devices side by side overlap from some distance on.
+            let baseline = rig.baseline_mm()?;
+            [3.0, 6.0, 12.0, 24.0].map(|times| (centre, times * baseline)).into_iter().find(&mut lit)?
+        };
         let bearing = model.bearing(pixel)?;
         let distance_mm = if middle.is_some() { sheet_distance_mm(rig) } else { depth };
         Some(Self {
@@ -119,17 +124,19 @@ impl Volume {
             "hovertemplate": "%{x:.0f} mm right, %{y:.0f} mm deep: %{z:.3g} mm<extra></extra>",
         })];
         traces.extend(landmarks(rig));
-        let mut layout = flat_layout(
-            json!({ "title": { "text": "to the right of the camera, mm" }, "zeroline": false }),
-            json!({ "title": { "text": "depth, mm" }, "scaleanchor": "x", "rangemode": "tozero", "zeroline": false }),
+        let depths = [-0.08 * FARTHEST * self.distance_mm, FARTHEST * self.distance_mm];
+        let layout = flat_layout(
+            json!({ "title": { "text": "to the right of the camera, mm" }, "zeroline": false, "constrain": "domain", "range": [-half, half] }),
+            json!({ "title": { "text": "depth, mm" }, "zeroline": false, "constrain": "domain", "range": depths, "scaleanchor": "x" }),
         );
-        layout["xaxis"]["constrain"] = json!("domain");
-        layout["yaxis"]["constrain"] = json!("domain");
         let alt = "Expected σ of a point over a slice of the working volume, seen from above; it grows with the depth.";
         html! {
             figure {
                 (figures.chosen("expected-slice", alt, traces, layout, "Which error", choices))
-                figcaption { "Seen from above: the camera at the bottom, what camera and projector both reach in colour." }
+                figcaption {
+                    "Seen from above: camera and projector at the bottom, in colour what both reach, the sheet as a black line. The lighter, \
+                     the surer; lines join places of the same σ."
+                }
             }
         }
     }
@@ -158,11 +165,8 @@ impl Volume {
         traces.push(curve("noise alone", "$noise", "dash", |s| s.noise_mm));
         let mut layout = flat_layout(
             json!({ "title": { "text": "depth, mm" } }),
-            json!({ "title": { "text": "σ, mm" }, "type": "log", "dtick": "D2", "minorloglabels": "complete" }),
+            json!({ "title": { "text": "σ, mm" }, "type": "log", "dtick": "D2" }),
         );
-        if let Value::Object(axis) = &mut layout["yaxis"] {
-            axis.remove("minorloglabels");
-        }
         if self.of_sheet {
             layout["shapes"] = json!([{
                 "type": "line", "xref": "x", "yref": "paper", "x0": self.distance_mm, "x1": self.distance_mm, "y0": 0, "y1": 1,
@@ -217,16 +221,20 @@ fn contours(values: &[Vec<Option<f64>>]) -> [f64; 3] {
 
 /// Camera, projector and sheets from above.
 fn landmarks(rig: &Rig) -> Vec<Value> {
-    let mut marks = vec![("camera", "$camera", Point3::origin())];
-    if let Some(stereo) = &rig.stereo {
-        marks.push(("projector", "$projector", stereo.projector_from_camera.centre()));
-    }
+    let projector = rig.stereo.as_ref().map(|s| s.projector_from_camera.centre());
+    // Names stand apart from each other.
+    let sides = if projector.is_some_and(|p| p.x < 0.0) { ["right", "left"] } else { ["left", "right"] };
+    let marks = [
+        Some(("camera", "$camera", "square", sides[0], Point3::origin())),
+        projector.map(|p| ("projector", "$projector", "diamond", sides[1], p)),
+    ];
     let mut traces: Vec<Value> = marks
         .into_iter()
-        .map(|(name, colour, p)| {
+        .flatten()
+        .map(|(name, colour, symbol, side, p)| {
             json!({
-                "type": "scatter", "mode": "markers+text", "x": [p.x], "y": [p.z], "text": [name], "textposition": "top center",
-                "marker": { "color": colour, "size": 10, "symbol": if name == "camera" { "square" } else { "diamond" } },
+                "type": "scatter", "mode": "markers+text", "x": [p.x], "y": [p.z], "text": [name],
+                "textposition": format!("middle {side}"), "marker": { "color": colour, "size": 10, "symbol": symbol },
                 "textfont": { "color": colour }, "showlegend": false, "hoverinfo": "text", "cliponaxis": false,
             })
         })

@@ -154,7 +154,7 @@ fn distribution(views: &[ViewResiduals], figures: &mut Figures) -> Markup {
             (figures.flat("residuals-distribution", &alt, traces, layout))
             figcaption {
                 (all.len()) " residuals in units of the noise that was measured in the photograph. Bars that follow the curve mean that \
-                 noise is all there is."
+                 noise is all there is; wider bars that the model misses something; narrower ones that there was less noise than thought."
                 @if beyond > 0 { " " (beyond) " lie beyond 5 σ and stand in the outer bars." }
             }
         }

@@ -53,7 +53,14 @@
   const draw = async (figure) => {
     const div = document.getElementById(figure.id);
     const colour = colours();
-    await Plotly.newPlot(div, ready(figure.data, colour), ready(figure.layout, colour), settings);
+    const layout = ready(figure.layout, colour);
+    if (figure.space) {
+      // In a narrow window the same things are seen from further away.
+      const away = Math.max(1, 720 / Math.max(div.clientWidth, 200)) ** 0.8;
+      const eye = layout.scene.camera.eye;
+      for (const axis of ["x", "y", "z"]) eye[axis] *= away;
+    }
+    await Plotly.newPlot(div, ready(figure.data, colour), layout, settings);
     drawn.set(figure.id, div);
     const choices = document.querySelector(`[data-for="${figure.id}"]`);
     if (choices) {
@@ -82,7 +89,7 @@
       const div = drawn.get(figure.id);
       if (!div) continue;
       if (!figure.space) {
-        const layout = { ...ready(figure.layout, colours()), width: Math.min(div.clientWidth, PAPER_PX), autosize: false };
+        const layout = { ...ready(figure.layout, colours()), width: Math.min(div.clientWidth, PAPER_PX), height: 270, autosize: false };
         Plotly.react(div, ready(figure.data, colours()), layout, { ...settings, responsive: false });
         continue;
       }

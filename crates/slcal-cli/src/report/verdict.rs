@@ -134,7 +134,7 @@ fn meaning(rig: &Rig) -> Markup {
                 Some((length, [across, along])) => {
                     "a length of " (fixed(length, 0)) " mm there comes out within "
                     (derived("length_across_sigma_mm", across, &significant(across, 2))) " mm when it lies across the line of sight, and within "
-                    (derived("length_along_sigma_mm", along, &significant(along, 2))) " mm when it lies along it. "
+                    (derived("length_along_sigma_mm", along, &significant(along, 2))) " mm when it lies along it, beside how well its ends can be told. "
                 }
                 None => "a flat thing comes out flat. ",
             }

@@ -45,8 +45,10 @@ pub(super) fn section(rig: &Rig, beside: Option<&ShownCloud>, figures: &mut Figu
     if let Some(shown) = &shown {
         choices = shown.add_to(&mut traces);
     }
+    // The devices alone fill the view to its corners; with what they see it is long and narrow.
+    let away = if rig.views.is_empty() && beside.is_none() { 1.6 } else { 1.0 };
     let alt = alt(rig, beside);
-    let plot = figures.space("space", &alt, traces, layout(), choices);
+    let plot = figures.space("space", &alt, traces, layout(away), choices);
     let content = html! {
         p { (alt) span.screen-only { " Drag to turn, scroll or pinch to come nearer, double-click to turn back." } }
         (plot)
@@ -153,7 +155,7 @@ fn sheet(i: usize, view: &View) -> Vec<Value> {
     ]
 }
 
-fn layout() -> Value {
+fn layout(away: f64) -> Value {
     let axis = |title: &str| {
         json!({
             "title": { "text": title }, "color": "$muted", "gridcolor": "$line", "zeroline": false,
@@ -168,7 +170,7 @@ fn layout() -> Value {
         "scene": {
             "aspectmode": "data",
             "xaxis": axis("right, mm"), "yaxis": axis("depth, mm"), "zaxis": axis("up, mm"),
-            "camera": { "eye": { "x": -1.35, "y": -1.05, "z": 0.75 }, "up": { "x": 0, "y": 0, "z": 1 } },
+            "camera": { "center": { "x": 0, "y": 0, "z": -0.12 }, "eye": { "x": -1.1 * away, "y": -0.9 * away, "z": 0.55 * away }, "up": { "x": 0, "y": 0, "z": 1 } },
             "dragmode": "orbit",
         },
     })
