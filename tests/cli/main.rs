@@ -4,6 +4,7 @@ mod advise;
 mod bad_input;
 mod calibrate;
 mod general;
+mod help;
 mod known_lens;
 mod observations;
 mod pattern;
@@ -11,6 +12,7 @@ mod reconstruct;
 mod rendered;
 mod report;
 mod simulate;
+mod terminal;
 mod verify;
 
 use slcal_tests::Bench;

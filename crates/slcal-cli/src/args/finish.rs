@@ -208,3 +208,113 @@ fn missing(words: &str) -> Option<String> {
     };
     Some(hint.to_owned())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+
+    use clap::Command;
+
+    use super::*;
+
+    /// Every verb with its path ("simulate noise"), those that have verbs beneath them left out.
+    fn verbs(command: &Command, path: &str, all: &mut Vec<(String, Command)>) {
+        for verb in command.get_subcommands() {
+            let path = format!("{path} {}", verb.get_name());
+            if verb.has_subcommands() {
+                verbs(verb, &path, all);
+            } else {
+                all.push((path.trim_start().to_owned(), verb.clone()));
+            }
+        }
+    }
+
+    fn all_verbs() -> Vec<(String, Command)> {
+        let mut all = Vec::new();
+        verbs(&command(), "", &mut all);
+        all
+    }
+
+    #[test]
+    fn help_fits_a_terminal() {
+        for (path, verb) in all_verbs().iter_mut().chain([&mut ("slcal".to_owned(), command())]) {
+            for help in [verb.render_help(), verb.render_long_help()] {
+                let help = help.to_string();
+                let wide = help.lines().find(|line| columns_of(line) > MAX_WIDTH);
+                assert_eq!(wide, None, "{path}");
+            }
+        }
+    }
+
+    #[test]
+    fn options_stand_under_headings_and_verbs_end_with_examples() {
+        for (path, verb) in all_verbs() {
+            for arg in verb.get_arguments().filter(|a| !a.is_positional()) {
+                assert!(arg.get_help_heading().is_some(), "{path} --{}", arg.get_id());
+                assert!(arg.get_help().is_some(), "{path} --{} has no help", arg.get_id());
+            }
+            let text = verb.get_after_long_help().map(ToString::to_string).unwrap_or_default();
+            assert!(text.starts_with("Example"), "{path}: expected examples, found {text}");
+            assert!(text.contains(&format!("slcal {path}")), "{path}: no example of its own in {text}");
+        }
+    }
+
+    #[test]
+    fn examples_are_right() {
+        for (path, verb) in all_verbs() {
+            let text = verb.get_after_long_help().map(ToString::to_string).unwrap_or_default();
+            for line in
+                text.replace("\\\n", " ").lines().filter_map(|l| Some(l.split_at(l.find("slcal ")?).1))
+            {
+                // Sentences name verbs in backquotes.
+                if text.contains(&format!("`{}", line.split('`').next().unwrap_or_default())) {
+                    continue;
+                }
+                let words = line.split(['|', '>']).next().unwrap_or_default().split_whitespace();
+                let parsed = command().try_get_matches_from(words);
+                assert!(parsed.is_ok(), "{path}: {line}: {}", parsed.unwrap_err());
+            }
+        }
+    }
+
+    #[test]
+    fn every_option_is_in_the_manual() {
+        let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/cli.md");
+        let page = fs::read_to_string(page).unwrap();
+        let mut missing = Vec::new();
+        for (path, verb) in all_verbs() {
+            assert!(page.contains(&format!("slcal {path}")), "{path} is not in docs/cli.md");
+            for long in verb.get_arguments().filter_map(Arg::get_long) {
+                let named = |end: char| page.contains(&format!("--{long}{end}"));
+                if !["help", "version"].contains(&long)
+                    && ![' ', '`', ']', '|', '\n', ')', ','].into_iter().any(named)
+                {
+                    missing.push(format!("{path} --{long}"));
+                }
+            }
+        }
+        assert!(missing.is_empty(), "not in docs/cli.md: {missing:?}");
+    }
+
+    #[test]
+    fn typing_errors_are_answered() {
+        for (line, words) in [
+            ("slcal checker", "slcal pattern checker"),
+            ("slcal sphere", "slcal evaluate sphere"),
+            ("slcal calibrte", "'calibrate'"),
+            ("slcal calibrate a.jpg", "--size A4-landscape"),
+            ("slcal calibrate a.jpg --size A44 -o r.json", "did you mean A4?"),
+            ("slcal calibrate a.jpg --size 300x200 -o r.json", "did you mean 300x200mm?"),
+            ("slcal calibrate a.jpg --size A4 --camera-pp centr -o r.json", "did you mean centre?"),
+            ("slcal calibrate a.jpg --size A4 --methd ml -o r.json", "'--method'"),
+            ("slcal calibrate a.jpg --size A4 --method m -o r.json", "two-vp"),
+            ("slcal reconstruct --rig r --pattern p a.jpg --out-dir d --format plyy", "did you mean ply?"),
+            ("slcal decode a.jpg -o m.csv", "slcal pattern"),
+        ] {
+            let error = hinted(command().try_get_matches_from(line.split(' ')).unwrap_err());
+            assert!(error.to_string().contains(words), "{line}: {error}");
+            assert_eq!(error.exit_code(), 2);
+        }
+    }
+}
