@@ -41,11 +41,11 @@ fn results_fit_80_columns() {
         "triangulate --rig rig.json matches.csv -o cloud.ply",
         "reconstruct --rig rig.json --pattern stripes.json board.jpg -o mesh.ply --mesh",
         "evaluate plane cloud.ply",
-        "evaluate sphere cloud.ply",
         "simulate noise --levels 0.1,2 --draws 3 --tilt 30,0",
         "simulate noise --levels 5 --draws 3 --lens-shift 0.5 --principal-points prior",
         "simulate views --poses 12 -o views.json",
         "simulate scene --surface sphere --camera 320x240 --focal 400 --projector 256x192 --projector-focal 420 --out scene",
+        "evaluate sphere scene/truth_cloud.ply",
     ] {
         let run = bench.run(line).ok();
         let text = run.text();
