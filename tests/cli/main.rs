@@ -3,6 +3,7 @@
 mod advise;
 mod bad_input;
 mod calibrate;
+mod evaluate;
 mod general;
 mod help;
 mod known_lens;

@@ -11,9 +11,15 @@ pub(crate) struct EvaluateArgs {
     pub(crate) shape: ShapeArg,
     /// A PLY with the points; `-` for stdin.
     pub(crate) cloud: PathBuf,
+    /// Draw the points as the camera sees them, coloured by their distance from the surface.
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) overlay: Option<PathBuf>,
     /// Print the result as JSON instead of a summary.
     #[arg(long)]
     pub(crate) json: bool,
+    /// Replace files that exist.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

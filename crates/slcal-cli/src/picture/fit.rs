@@ -38,7 +38,13 @@ impl Fit<'_> {
         self.residuals.sheet.iter().chain(self.residuals.pairs.iter().map(|p| &p.camera))
     }
 
-    fn outliers(&self) -> usize {
+    /// How many points there are.
+    pub(crate) fn count(&self) -> usize {
+        self.points().count()
+    }
+
+    /// How many of them the calibration left out.
+    pub(crate) fn outliers(&self) -> usize {
         self.points().filter(|p| !p.kept).count()
     }
 
@@ -52,7 +58,11 @@ impl Fit<'_> {
     /// How this view compares with the others, when it does badly.
     pub(crate) fn odd_in_words(&self) -> Option<String> {
         let times = self.residuals.times_others.filter(|_| self.residuals.is_odd())?;
-        Some(format!("fits {times:.1} times worse than the others"))
+        Some(match times {
+            t if t < 10.0 => format!("fits {t:.1} times worse than the others"),
+            t if t < 100.0 => format!("fits {t:.0} times worse than the others"),
+            _ => "fits more than 100 times worse than the others".to_owned(),
+        })
     }
 }
 

@@ -33,6 +33,15 @@ fn round_down(x: f64) -> f64 {
     [10.0, 5.0, 2.0].into_iter().map(|n| n * power).find(|n| *n <= x * (1.0 + 1e-12)).unwrap_or(power)
 }
 
+/// The number 1, 2 or 5 times a power of ten that is no smaller; 1 for what is no length.
+pub(crate) fn round_up(x: f64) -> f64 {
+    if !(x.is_finite() && x > 0.0) {
+        return 1.0;
+    }
+    let power = 10f64.powi(x.log10().floor() as i32);
+    [1.0, 2.0, 5.0].into_iter().map(|n| n * power).find(|n| *n >= x * (1.0 - 1e-12)).unwrap_or(10.0 * power)
+}
+
 /// The end of a magnified vector.
 pub(crate) fn end(from: Point2<f64>, vector: Vector2<f64>, factor: f64) -> Point2<f64> {
     from + vector * factor
@@ -65,6 +74,14 @@ mod tests {
         assert_eq!(factor([], 1.0), 1.0);
         assert_eq!(factor([f64::NAN, 0.0, f64::INFINITY], 1.0), 1.0);
         assert_eq!(factor([1e-300], 1.0), MOST);
+    }
+
+    #[test]
+    fn lengths_are_rounded_up_to_round_ones() {
+        let rounded = [0.011, 0.02, 0.021, 0.3, 7.0, 1000.0, f64::NAN, 0.0].map(round_up);
+        for (found, expected) in rounded.into_iter().zip([0.02, 0.02, 0.05, 0.5, 10.0, 1000.0, 1.0, 1.0]) {
+            assert!((found - expected).abs() < 1e-9 * expected, "{found} {expected}");
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Pictures of what was found and how well it fits: made once as a drawing of vectors (`drawing`), written twice, as SVG
-//! for pages (`svg`) and painted upon the photograph (`raster`). `sheet`, `fit`, `stripes` and `expected` say what is drawn, `tiles` puts several on one sheet.
+//! for pages (`svg`) and painted upon the photograph (`raster`). `sheet`, `fit`, `stripes` and `expected` say what is drawn, `tiles` puts several on one
+//! sheet, `surface` shows a cloud.
 
 mod clip;
 mod color;
@@ -14,6 +15,7 @@ mod raster;
 pub(crate) mod sheet;
 pub(crate) mod stripes;
 mod style;
+pub(crate) mod surface;
 #[allow(dead_code, reason = "pages are written by another part of the command")]
 mod svg;
 pub(crate) mod tiles;

@@ -1,15 +1,19 @@
 //! `slcal evaluate`: how far the points of a cloud lie from a plane or a sphere.
 
-use slcal_core::evaluate::{FitConfig, fit_plane, fit_sphere};
+use slcal_core::PointCloud;
+use slcal_core::evaluate::{FitConfig, PlaneFit, SphereFit, fit_plane, fit_sphere};
 use slcal_core::format::{read_ply, report_json};
 
 use crate::args::{EvaluateArgs, ShapeArg};
 use crate::exit::{InFile as _, Outcome};
-use crate::io::{input_name, read_bytes};
+use crate::io::{Destination, check_spares, input_name, png_bytes, read_bytes, write_all};
 use crate::output::{Printer, print_json, print_result};
+use crate::picture::surface::{Surface, picture};
 use crate::summary;
 
 pub(super) fn run(args: &EvaluateArgs, printer: Printer) -> Outcome {
+    let overlay = Destination::prepare_overlay(args.overlay.as_ref(), args.force)?;
+    check_spares(&overlay, [args.cloud.as_path()])?;
     let busy = printer.busy(format!("fitting a surface to {}", input_name(&args.cloud)));
     let cloud = read_ply(read_bytes(&args.cloud, "a point cloud as PLY")?.as_slice()).in_file(&args.cloud)?;
     printer.detail(format!("{} points", cloud.points.len()));
@@ -17,6 +21,9 @@ pub(super) fn run(args: &EvaluateArgs, printer: Printer) -> Outcome {
     match args.shape {
         ShapeArg::Plane => {
             let fit = fit_plane(&cloud, &config).in_file(&args.cloud)?;
+            if let Some(place) = overlay {
+                write_all(&[(place, draw_plane(args, &cloud, &fit)?)])?;
+            }
             drop(busy);
             if args.json {
                 return print_json(&report_json::plane_evaluation(&fit, &config));
@@ -25,6 +32,9 @@ pub(super) fn run(args: &EvaluateArgs, printer: Printer) -> Outcome {
         }
         ShapeArg::Sphere => {
             let fit = fit_sphere(&cloud, &config).in_file(&args.cloud)?;
+            if let Some(place) = overlay {
+                write_all(&[(place, draw_sphere(args, &cloud, &fit)?)])?;
+            }
             drop(busy);
             if args.json {
                 return print_json(&report_json::sphere_evaluation(&fit, &config));
@@ -32,4 +42,32 @@ pub(super) fn run(args: &EvaluateArgs, printer: Printer) -> Outcome {
             print_result(&summary::sphere_fit(&fit))
         }
     }
+}
+
+fn draw_plane(args: &EvaluateArgs, cloud: &PointCloud, fit: &PlaneFit) -> Outcome<Vec<u8>> {
+    // What is nearer to the camera counts up.
+    let sign = if fit.plane.signed_distance_mm(&cloud.camera_centre) < 0.0 { -1.0 } else { 1.0 };
+    let distance = |p: &_| sign * fit.plane.signed_distance_mm(p);
+    let distances: Vec<f64> = cloud.points.iter().map(|p| distance(&p.position)).collect();
+    let surface = Surface {
+        name: &input_name(&args.cloud),
+        what: "plane",
+        sides: ["behind it", "before it"],
+        report: &fit.report,
+        distances_mm: &distances,
+    };
+    png_bytes(&picture(cloud, &surface)?)
+}
+
+fn draw_sphere(args: &EvaluateArgs, cloud: &PointCloud, fit: &SphereFit) -> Outcome<Vec<u8>> {
+    let distance = |p: &nalgebra::Point3<f64>| (p - fit.centre).norm() - fit.radius_mm;
+    let distances: Vec<f64> = cloud.points.iter().map(|p| distance(&p.position)).collect();
+    let surface = Surface {
+        name: &input_name(&args.cloud),
+        what: "sphere",
+        sides: ["inside", "outside"],
+        report: &fit.report,
+        distances_mm: &distances,
+    };
+    png_bytes(&picture(cloud, &surface)?)
 }

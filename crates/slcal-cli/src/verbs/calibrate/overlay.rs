@@ -137,6 +137,9 @@ impl Shot {
             (Seen::All(_), Some(fit)) => {
                 fit::draw(&mut drawing, fit, factor);
                 caption.extend(Some(fit.in_words()).filter(|t| !t.is_empty()));
+                if fit.outliers() > 0 {
+                    caption.push(format!("{} of {} points left out", fit.outliers(), fit.count()));
+                }
                 odd = fit.odd_in_words();
             }
             (Seen::All(found), None) => {
