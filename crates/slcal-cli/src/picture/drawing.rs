@@ -237,7 +237,6 @@ impl Drawing {
 
     /// The drawing as an `<svg>` element that stands in an HTML page: as wide as its surroundings, in pixels of the
     /// photograph. `background` is the address (a data URI) of the photograph beneath.
-    #[allow(dead_code, reason = "pages are written by another part of the command")]
     pub(crate) fn svg(&self, background: Option<&str>) -> String {
         svg::write(self, background)
     }

@@ -16,7 +16,6 @@ pub(crate) mod sheet;
 pub(crate) mod stripes;
 mod style;
 pub(crate) mod surface;
-#[allow(dead_code, reason = "pages are written by another part of the command")]
 mod svg;
 pub(crate) mod tiles;
 
