@@ -8,11 +8,15 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::page::shown;
+
 /// What is done sooner shows nothing, so that nothing flickers.
 const PATIENCE: Duration = Duration::from_millis(400);
 /// How often it is drawn anew while nothing happens.
 const TICK: Duration = Duration::from_millis(120);
 
+/// Letters of a message; the rest of a line of 80 columns is for the bar.
+const LONGEST: usize = 36;
 /// To the line's beginning, and all of it empty.
 const CLEAR_LINE: &[u8] = b"\r\x1b[2K";
 
@@ -49,23 +53,23 @@ pub(crate) struct Progress {
 impl Progress {
     pub(super) fn counting(quiet: bool, of: &str, count: Option<usize>) -> Self {
         match count {
-            Some(0 | 1) => Self::new(quiet, ProgressBar::hidden(), "{spinner} {wide_msg}"),
+            Some(0 | 1) => Self::new(quiet, ProgressBar::hidden(), "{spinner} {msg}"),
             Some(n) => Self::new(
                 quiet,
                 ProgressBar::with_draw_target(Some(n as u64), ProgressDrawTarget::hidden()),
-                &format!("{{bar:30}} {{pos}} of {{len}} {of}, {{eta}} left {{wide_msg}}"),
+                &format!("{{bar:20}} {{pos}} of {{len}} {of}, {{eta}} left {{msg}}"),
             ),
             None => Self::new(
                 quiet,
                 ProgressBar::hidden(),
-                &format!("{{spinner}} {{pos}} {of} in {{elapsed}} {{wide_msg}}"),
+                &format!("{{spinner}} {{pos}} {of} in {{elapsed}} {{msg}}"),
             ),
         }
     }
 
     pub(super) fn busy(quiet: bool, doing: String) -> Self {
-        let progress = Self::new(quiet, ProgressBar::hidden(), "{spinner} {wide_msg}");
-        progress.bar.set_message(doing);
+        let progress = Self::new(quiet, ProgressBar::hidden(), "{spinner} {msg}");
+        progress.say(doing);
         progress
     }
 
@@ -84,7 +88,7 @@ impl Progress {
 
     /// What is being done now.
     pub(crate) fn say(&self, doing: impl Into<String>) {
-        self.bar.set_message(doing.into());
+        self.bar.set_message(shortened(&doing.into()));
     }
 
     /// One more is done.
@@ -125,6 +129,17 @@ fn show_later(bar: &ProgressBar, wait: &Receiver<()>) -> bool {
         *shown = Some(bar.clone());
     }
     first
+}
+
+/// A message without its middle where it is long, so that the line does not wrap.
+fn shortened(message: &str) -> String {
+    let letters: Vec<char> = shown(message).chars().collect();
+    if letters.len() <= LONGEST {
+        return letters.into_iter().collect();
+    }
+    let half = LONGEST / 2;
+    let ends = [&letters[..half], &letters[letters.len() - half + 1..]];
+    ends.map(|part| part.iter().collect::<String>()).join("…")
 }
 
 /// Whether stderr is a terminal on which a line can be drawn over.
