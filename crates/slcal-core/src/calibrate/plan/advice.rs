@@ -58,7 +58,7 @@ pub(crate) fn advise(joint: &Joint, fit: &Fit, sigma: f64) -> String {
         predict(joint, fit, &poses).map(|s| s.worst())
     };
     let now = percent(sigma);
-    let another = if others.is_empty() { "a second photograph" } else { "another photograph" };
+    let (again, all) = if others.is_empty() { ("a second time", "both") } else { ("once more", "all") };
     let second =
         with_reversed(pose).filter(|s| *s < if others.is_empty() { 1.0 } else { WORTH_ANOTHER } * sigma);
     let tilt_more = || best_tilt(joint, fit).filter(|t| t.sigma < sigma.min(Verdict::WEAK_BELOW));
@@ -67,10 +67,10 @@ pub(crate) fn advise(joint: &Joint, fit: &Fit, sigma: f64) -> String {
         && let Some(t) = tilt_more()
     {
         let pair = with_reversed(&t.pose).filter(|s| *s < t.sigma).map(|s| {
-            format!(", add a second photograph with the tilt reversed and it falls to {}", percent(s))
+            format!(", and a second photograph with the tilt reversed brings it to {}", percent(s))
         });
         return format!(
-            "tilt the sheet by 15° more about its {} axis and it falls to {}{}",
+            "tilt the sheet by 15° more about its {} axis: that brings σ of the focal length to {}{}",
             t.axis,
             percent(t.sigma),
             pair.unwrap_or_default()
@@ -78,13 +78,14 @@ pub(crate) fn advise(joint: &Joint, fit: &Fit, sigma: f64) -> String {
     }
     match second {
         Some(s) => format!(
-            "σ of the focal length is {now}; {another} with the tilt reversed brings it to {}",
+            "photograph the sheet {again} with its tilt reversed, and calibrate from {all} photographs: that brings σ of the \
+             focal length from {now} to {}",
             percent(s)
         ),
         None if sigma >= Verdict::FAIR_BELOW => {
             "give the principal points or a known camera, or photograph the sheet in other poses".into()
         }
-        None => format!("σ of the focal length is {now}; more photographs would change little"),
+        None => format!("more photographs would change little: σ of the focal length is {now}"),
     }
 }
 
