@@ -121,7 +121,7 @@ fn the_same_photograph_twice_adds_nothing_and_says_so() {
     assert!(codes(&twice).contains(&"poses-alike"), "{:?}", codes(&twice));
     let sigma = |c: &Calibration| c.rig.quality.as_ref().unwrap().focal_sigma_percent_camera;
     assert!(sigma(&twice) > 0.9 * sigma(&once), "{} {}", sigma(&twice), sigma(&once));
-    for (c, expected) in [(once, "a second photograph with the tilt"), (twice, "another photograph with")] {
+    for (c, expected) in [(once, "the sheet a second time with its tilt"), (twice, "the sheet once more with")] {
         assert!(c.report.advice.contains(expected), "{}", c.report.advice);
     }
 }
