@@ -66,9 +66,9 @@ pub(crate) fn advise(joint: &Joint, fit: &Fit, sigma: f64) -> String {
         && others.is_empty()
         && let Some(t) = tilt_more()
     {
-        let pair = with_reversed(&t.pose).filter(|s| *s < t.sigma).map(|s| {
-            format!(", and a second photograph with the tilt reversed brings it to {}", percent(s))
-        });
+        let pair = with_reversed(&t.pose)
+            .filter(|s| *s < t.sigma)
+            .map(|s| format!(", and a second photograph with the tilt reversed brings it to {}", percent(s)));
         return format!(
             "tilt the sheet by 15° more about its {} axis: that brings σ of the focal length to {}{}",
             t.axis,
