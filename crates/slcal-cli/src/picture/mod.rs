@@ -8,6 +8,7 @@ mod drawing;
 pub(crate) mod expected;
 pub(crate) mod fit;
 mod font;
+mod layout;
 pub(crate) mod legend;
 mod light;
 mod magnify;
