@@ -3,13 +3,16 @@
 
     scripts/pictures.py [--slcal target/release/slcal] [--only keystone,...]
 
-Needs the Python package `slcal`, Pillow and plyfile (tests/requirements.txt has them), and Chromium for pictures of the report.
+Needs the Python package `slcal`, Pillow, plyfile and selenium (tests/requirements.txt has them), and Chromium with its driver for the
+picture of the report.
 """
 
 import argparse
+import io
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +22,9 @@ from plyfile import PlyData
 from slcal import simulate
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests" / "browser"))
+from browser import opened  # noqa: E402
+
 IMAGES = ROOT / "docs" / "images"
 #: Width of pictures in pages, px.
 WIDTH = 900
@@ -50,6 +56,30 @@ def found(demo: Path) -> None:
     """The demonstration's overlays, beside each other's size."""
     for name in ("sheet_found", "head_found"):
         save(f"{name}.jpg", Image.open(demo / f"{name}.png"))
+
+
+# ---------------------------------------------------------------------------------------------------------------------------
+# The report
+
+
+def report(demo: Path) -> None:
+    """What one sees first of the demonstration's report, and what is measured and in space further down."""
+    with opened(demo / "report.html", size=(1180, 1400)) as page:
+
+        def look(element: str) -> Image.Image:
+            page.run(f"document.querySelector('{element}').scrollIntoView({{ block: 'center', behavior: 'instant' }})")
+            time.sleep(1.0)
+            return Image.open(io.BytesIO(page.pixels(element))).convert("RGB")
+
+        verdict = look(".verdict")
+        seen, space = look(".photos svg"), look("#space")
+    width = verdict.width
+    below = beside(*(p.resize((p.width * 420 // p.height, 420), Image.Resampling.LANCZOS) for p in (seen, space)))
+    below = below.resize((width, below.height * width // below.width), Image.Resampling.LANCZOS)
+    both = Image.new("RGB", (width + 80, verdict.height + below.height + 120), "white")
+    both.paste(verdict, (40, 40))
+    both.paste(below, (40, verdict.height + 80))
+    save("report.png", both)
 
 
 # ---------------------------------------------------------------------------------------------------------------------------
@@ -197,12 +227,17 @@ def cloud(demo: Path) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--slcal", type=Path, default=ROOT / "target" / "release" / "slcal")
-    parser.add_argument("--only", default="found,keystone,cloud")
+    parser.add_argument("--only", default="found,report,keystone,cloud")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         demo = Path(folder) / "demo"
         subprocess.run([args.slcal, "demo", "--out", demo], check=True, stdout=subprocess.DEVNULL)
-        makers = {"found": lambda: found(demo), "keystone": keystone, "cloud": lambda: cloud(demo)}
+        makers = {
+            "found": lambda: found(demo),
+            "report": lambda: report(demo),
+            "keystone": keystone,
+            "cloud": lambda: cloud(demo),
+        }
         for name in args.only.split(","):
             if name not in makers:
                 sys.exit(f"--only {name}: expected some of {', '.join(makers)}")
