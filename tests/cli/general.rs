@@ -4,7 +4,7 @@ use std::process::{Command, Stdio};
 
 use crate::bench;
 
-const VERBS: [&str; 10] = [
+const VERBS: [&str; 12] = [
     "demo",
     "pattern checker",
     "pattern stripes",
@@ -15,6 +15,8 @@ const VERBS: [&str; 10] = [
     "reconstruct",
     "evaluate",
     "report",
+    "export",
+    "import",
 ];
 
 #[test]

@@ -4,6 +4,7 @@ mod advise;
 mod bad_input;
 mod calibrate;
 mod evaluate;
+mod exchange;
 mod general;
 mod help;
 mod known_lens;

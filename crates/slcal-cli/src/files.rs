@@ -5,6 +5,8 @@ use std::path::Path;
 
 use image::DynamicImage;
 
+pub use crate::io::exchange::{ExportPlaces, export_places, import_paths, storage_of};
+
 use crate::io;
 
 /// The photograph in the bytes of a file (PNG, JPEG or TIFF), turned upright by its EXIF orientation.

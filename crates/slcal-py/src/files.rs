@@ -84,7 +84,7 @@ fn no_file(file: &Bound<'_, PyAny>, method: &str) -> PyErr {
 }
 
 /// The exception that Python itself would raise: `FileNotFoundError` and its kin, with the file's name.
-fn os_error(error: &io::Error, path: &Path) -> PyErr {
+pub(crate) fn os_error(error: &io::Error, path: &Path) -> PyErr {
     let (shown, text) = (path.display().to_string(), error.to_string());
     match error.raw_os_error() {
         Some(number) => {

@@ -114,6 +114,29 @@ Examples:
 The file needs no network and no other file: open it in a browser, send it,
 print it. What is not at hand is left out, and the report says so.";
 
+pub(super) const EXPORT: &str = "\
+Examples:
+    slcal export --rig rig.json --to opencv -o opencv.yml
+  A file per device; the projector's becomes ros_projector.yaml:
+    slcal export --rig rig.json --to ros -o ros.yaml
+  A folder:
+    slcal export --rig rig.json --to colmap -o model
+  A script, for `blender --python rig.py -- --picture stripes.png`; it cannot
+  hold the distortion of a lens, which is told with --lossy:
+    slcal export --rig rig.json --to blender -o rig.py --lossy
+
+What a format has no place for is told; what would move pixels is an error,
+unless --lossy. docs/exchange.md has the conventions of each format.";
+
+pub(super) const IMPORT: &str = "\
+Examples:
+    slcal import opencv.yml -o from_opencv.json
+    slcal import ros.yaml ros_projector.yaml -o from_ros.json
+    slcal import model -o from_colmap.json
+
+Files that do not say the sizes of the images need --camera-size and
+--projector-size.";
+
 pub(super) const NOISE: &str = "\
 Example:
     slcal simulate noise --levels 0.1,0.5 --draws 20 --csv noise.csv

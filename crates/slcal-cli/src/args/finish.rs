@@ -27,6 +27,7 @@ const HEADINGS: [(&str, &[&str]); 4] = [
             "force",
             "resume",
             "to",
+            "lossy",
             "name",
             "prefix",
         ],
@@ -66,6 +67,9 @@ const HEADINGS: [(&str, &[&str]); 4] = [
             "projector",
             "cloud",
             "as_drawn",
+            "from",
+            "camera_size",
+            "projector_size",
         ],
     ),
 ];

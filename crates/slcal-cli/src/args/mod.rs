@@ -7,6 +7,7 @@ mod decode;
 mod demo;
 mod evaluate;
 mod examples;
+mod exchange;
 mod finish;
 mod pattern;
 mod photo;
@@ -26,6 +27,7 @@ pub(crate) use cloud::{CullArg, FrameArg};
 pub(crate) use decode::{DecodeArgs, DecodeInput};
 pub(crate) use demo::DemoArgs;
 pub(crate) use evaluate::{EvaluateArgs, ShapeArg};
+pub(crate) use exchange::{ExportArgs, ImportArgs};
 pub(crate) use finish::{command, hinted};
 pub(crate) use pattern::{CheckerArgs, PatternOutput, PatternVerb, StripesArgs};
 pub(crate) use reconstruct::ReconstructArgs;
@@ -109,6 +111,12 @@ pub(crate) enum Verb {
     /// Show a rig, and a cloud that was made with it, as one HTML file.
     #[command(after_help = examples::REPORT)]
     Report(ReportArgs),
+    /// Write a rig as other programs read it.
+    #[command(after_help = examples::EXPORT)]
+    Export(ExportArgs),
+    /// Read a rig from files of other programs.
+    #[command(after_help = examples::IMPORT)]
+    Import(ImportArgs),
     /// Experiments on rigs whose truth is known.
     #[command(subcommand)]
     Simulate(SimulateVerb),

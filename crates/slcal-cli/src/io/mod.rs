@@ -1,6 +1,7 @@
 //! All files: photographs and texts in, complete files out.
 
 mod cloud;
+pub(crate) mod exchange;
 mod exif;
 mod photo;
 mod raw;
@@ -12,12 +13,13 @@ use std::io::Read as _;
 use std::path::Path;
 
 pub(crate) use cloud::{cloud_bytes, cloud_format_of, cloud_is_complete, parse_cloud_format};
+pub(crate) use exchange::{export_places, import_paths, storage_of};
 pub(crate) use exif::focal_35mm;
 pub(crate) use photo::{decode_photo, load_photo, load_photo_and_file, read_photo};
 pub(crate) use raw::{RawFormat, RawFrame};
 pub(crate) use text::{
     check_panel, load_camera, load_checker, load_mesh, load_observations, load_pattern, load_rig,
-    load_stripes,
+    load_stripes, read_exchange,
 };
 pub(crate) use write::{
     Destination, check_distinct, check_spares, end_whole_on_interrupt, png_bytes, write_all, write_whole,

@@ -26,6 +26,11 @@ pub(crate) fn load_camera(path: &Path) -> Outcome<KnownCamera> {
         .in_file(path)
 }
 
+/// The bytes of a file of another program that holds a rig or a part of one.
+pub(crate) fn read_exchange(path: &Path) -> Outcome<Vec<u8>> {
+    read_at_most(path, "a file of another program with a camera or a rig", MAX_CAMERA_MIB)
+}
+
 /// Observations above this are refused unread: a million points take half of it.
 const MAX_OBSERVATIONS_MIB: u64 = 128;
 

@@ -5,6 +5,7 @@ mod calibrate;
 mod decode;
 mod demo;
 mod evaluate;
+mod exchange;
 mod pattern;
 mod reconstruct;
 mod rectify;
@@ -34,6 +35,8 @@ pub(crate) fn run(verb: Verb, typed: &CommandLine, printer: Printer) -> Outcome 
         Verb::Report(args) => report::run(&args, typed, printer),
         Verb::Completions(args) => shell::completions(&args),
         Verb::Man(args) => shell::man(&args, printer),
+        Verb::Export(args) => exchange::export(&args, printer),
+        Verb::Import(args) => exchange::import(&args, printer),
         Verb::Simulate(verb) => simulate::run(&verb, printer),
     }
 }

@@ -2,6 +2,7 @@
 
 mod camera;
 mod cloud_format;
+mod exchange;
 mod glb;
 mod matches_csv;
 mod obj;
@@ -13,10 +14,15 @@ mod pfm;
 mod ply;
 pub mod report_json;
 mod rig_json;
+mod tree;
 mod xyz;
 
 pub use camera::{KnownCamera, read_camera};
 pub use cloud_format::CloudFormat;
+pub use exchange::{
+    ExchangeFormat, Export, ExportConfig, ExportedFile, ImportConfig, Imported, NamedBytes, StorageText,
+    export_rig, import_rig,
+};
 pub use glb::write_glb;
 pub use matches_csv::{read_matches, write_matches};
 pub use obj::write_obj;

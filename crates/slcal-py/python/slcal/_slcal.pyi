@@ -59,6 +59,7 @@ __version__: Final[str]
 
 _Image: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16]
 _Path: TypeAlias = str | PathLike[str]
+_ExchangeFormat: TypeAlias = Literal["opencv", "ros", "colmap", "kalibr", "blender", "npz"]
 _File: TypeAlias = _Path | IO[bytes] | IO[str]
 _Gamma: TypeAlias = Literal["srgb", "linear"] | float
 _PrincipalPoint: TypeAlias = Literal["prior", "shift", "centre", "free"] | tuple[float, float]
@@ -1252,6 +1253,15 @@ class Rig:
         Error
             When something is missing or is not what its name says.
         """
+    def export(self, path: _Path, to: _ExchangeFormat, *, lossy: bool = False) -> list[str]: ...
+    @staticmethod
+    def import_from(
+        paths: _Path | Iterable[_Path],
+        format: _ExchangeFormat | None = None,
+        *,
+        camera_size: ArrayLike | None = None,
+        projector_size: ArrayLike | None = None,
+    ) -> Rig: ...
     def reconstruct(
         self,
         image: _Image,

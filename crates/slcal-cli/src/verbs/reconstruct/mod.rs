@@ -253,7 +253,7 @@ fn fit(shape: ShapeArg, cloud: &PointCloud) -> Result<Surface, String> {
 }
 
 /// Makes an output folder when it does not exist; its parent must.
-pub(super) fn make_folder(folder: &Path) -> Outcome {
+pub(in crate::verbs) fn make_folder(folder: &Path) -> Outcome {
     if folder.is_dir() {
         return Ok(());
     }

@@ -4,20 +4,17 @@
 //! OpenCV and ROS put integers at pixel centres, as this library does.
 
 mod fields;
-mod tree;
-mod xml;
-mod yaml;
 
 use std::io::Read;
 
+pub(super) use fields::{FIRST, SECOND, device, distortion, numbers};
+
+use super::tree::Expecting;
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, Distortion, Intrinsics};
 
-const WHAT: &str = "camera file";
-
-fn malformed(detail: impl Into<String>) -> Error {
-    Error::Malformed { what: WHAT, detail: detail.into() }
-}
+/// Camera files have a few dozen values, four levels deep.
+const CAMERA_FILE: Expecting = Expecting { what: "camera file", most_nodes: 10_000 };
 
 /// A focal length outside of these multiples of the image's longer side is not in pixels, or not of this image.
 const FOCAL_RANGE: std::ops::RangeInclusive<f64> = 0.1..=100.0;
@@ -101,30 +98,13 @@ pub fn read_camera(mut input: impl Read) -> Result<KnownCamera> {
     input
         .read_to_end(&mut bytes)
         .map_err(|e| Error::Io { what: "reading a camera file", detail: e.to_string() })?;
-    let text = std::str::from_utf8(&bytes)
-        .map_err(|_| malformed("expected YAML, XML or JSON as UTF-8 text, found other bytes"))?;
-    let text = text.trim_start_matches('\u{feff}').trim_start();
-    let root = match text.as_bytes().first() {
-        None => return Err(malformed("expected YAML, XML or JSON, found nothing")),
-        Some(b'<') => xml::parse(text)?,
-        Some(b'{') => {
-            let json: serde_json::Value =
-                serde_json::from_str(text).map_err(|e| malformed(format!("this is not JSON: {e}")))?;
-            if json.get("schema").is_some() {
-                let rig = super::read_rig(bytes.as_slice())?;
-                let Camera { width, height, intrinsics, distortion } = rig.camera.model;
-                return Ok(KnownCamera {
-                    intrinsics,
-                    distortion,
-                    size: Some([width, height]),
-                    notes: Vec::new(),
-                });
-            }
-            tree::from_json(&json)
-        }
-        Some(_) => yaml::parse(text)?,
-    };
-    fields::camera(&root)
+    let text = CAMERA_FILE.text(&bytes)?;
+    if text.starts_with('{') && CAMERA_FILE.json(text)?.get("schema").is_some() {
+        let rig = super::read_rig(bytes.as_slice())?;
+        let Camera { width, height, intrinsics, distortion } = rig.camera.model;
+        return Ok(KnownCamera { intrinsics, distortion, size: Some([width, height]), notes: Vec::new() });
+    }
+    fields::camera(&CAMERA_FILE.parse(text)?, CAMERA_FILE)
 }
 
 #[cfg(test)]

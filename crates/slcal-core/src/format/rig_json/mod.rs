@@ -9,6 +9,8 @@ mod write;
 
 use std::io::{Read, Write};
 
+pub(super) use read::exact_pose;
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 

@@ -13,6 +13,8 @@ use crate::geometry::{
 };
 use crate::rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, View, ViewRms};
 
+/// What the names of all versions begin with.
+const SCHEMA_FAMILY: &str = "slcal-rig/";
 /// A matrix this near to a rotation is kept digit by digit, so that a rig survives writing and reading unchanged.
 const EXACT_ROTATION: f64 = 1e-12;
 
@@ -28,7 +30,11 @@ pub(super) fn expect(found: &str, expected: &str, field: &str) -> Result<()> {
     if found == expected {
         return Ok(());
     }
-    Err(malformed(format!("`{field}` is \"{found}\", expected \"{expected}\"")))
+    let version = |name: &str| name.strip_prefix(SCHEMA_FAMILY)?.parse::<u32>().ok();
+    let newer = field == "schema" && version(found) > version(expected);
+    let advice = if newer { "; it was written by a newer version of slcal: update to read it" } else { "" };
+    let found: String = found.chars().take(40).collect();
+    Err(malformed(format!("`{field}` is \"{found}\", expected \"{expected}\"{advice}")))
 }
 
 pub(super) fn rig_from_dto(dto: RigDto) -> Result<Rig> {
@@ -83,11 +89,14 @@ fn device_from_dto(dto: DeviceDto, place: &str) -> Result<Device> {
 }
 
 fn pose_from_rows(r: &Rows3, t: [f64; 3], place: &str) -> Result<Pose> {
-    let matrix = matrix_from_rows(r);
-    let pose =
-        Pose::from_matrix(&matrix, Vector3::from(t)).map_err(|e| malformed(format!("{place}: {e}")))?;
+    exact_pose(&matrix_from_rows(r), Vector3::from(t)).map_err(|e| malformed(format!("{place}: {e}")))
+}
+
+/// As [`Pose::from_matrix`], but what is a rotation already stays as it is.
+pub(in crate::format) fn exact_pose(matrix: &Matrix3<f64>, t: Vector3<f64>) -> Result<Pose> {
+    let pose = Pose::from_matrix(matrix, t)?;
     if (matrix.transpose() * matrix - Matrix3::identity()).abs().max() <= EXACT_ROTATION {
-        return Ok(Pose { rotation: Rotation3::from_matrix_unchecked(matrix), ..pose });
+        return Ok(Pose { rotation: Rotation3::from_matrix_unchecked(*matrix), ..pose });
     }
     Ok(pose)
 }

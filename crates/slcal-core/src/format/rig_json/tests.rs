@@ -122,6 +122,8 @@ fn the_required_fields_suffice_and_unknown_ones_are_skipped() {
         let error = read_rig(broken.as_bytes()).unwrap_err();
         assert!(matches!(error, Error::Malformed { .. }), "{to}: {error}");
     }
+    let newer = read_rig(minimal.replace("slcal-rig/1", "slcal-rig/2").as_bytes()).unwrap_err().to_string();
+    assert!(newer.contains("newer version") && newer.contains("update"), "{newer}");
     assert!(read_rig(&b"PNG"[..]).is_err());
     assert!(read_rig(&b"[]"[..]).is_err());
 }

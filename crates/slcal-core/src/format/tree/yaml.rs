@@ -2,13 +2,8 @@
 
 use saphyr_parser::{Event, Parser};
 
-use super::malformed;
-use super::tree::Node;
+use super::{DEEPEST, Expecting, Node};
 use crate::error::Result;
-
-/// Camera files have a few dozen values, four levels deep.
-const MOST_NODES: usize = 10_000;
-const DEEPEST: usize = 32;
 
 /// A list or a map that is not complete yet; a map with the name that waits for its value.
 enum Open {
@@ -16,21 +11,22 @@ enum Open {
     Map(Vec<(String, Node)>, Option<String>),
 }
 
-/// The first document. Aliases are refused: no camera file has them, and they can make a small text gigantic.
-pub(super) fn parse(text: &str) -> Result<Node> {
+/// The first document. Aliases are refused: no file of cameras has them, and they can make a small text gigantic.
+pub(super) fn parse(text: &str, expecting: Expecting) -> Result<Node> {
     // OpenCV up to 4 begins its files with `%YAML:1.0`, which no version of YAML knows.
     let text = match text.split_once('\n') {
         Some((first, rest)) if first.starts_with("%YAML") => rest,
         _ => text,
     };
     let mut open: Vec<Open> = Vec::new();
+    let most = expecting.most_nodes;
     let mut nodes = 0;
     for event in Parser::new_from_str(text) {
-        let (event, _) = event.map_err(|e| malformed(format!("this is not YAML: {e}")))?;
+        let (event, _) = event.map_err(|e| expecting.malformed(format!("this is not YAML: {e}")))?;
         nodes += 1;
-        if nodes > MOST_NODES || open.len() > DEEPEST {
-            return Err(malformed(format!(
-                "expected a few dozen values, found more than {MOST_NODES} or more than {DEEPEST} levels of them"
+        if nodes > most || open.len() > DEEPEST {
+            return Err(expecting.malformed(format!(
+                "expected at most {most} values, {DEEPEST} levels deep; found more values or levels"
             )));
         }
         let done = match event {
@@ -48,7 +44,7 @@ pub(super) fn parse(text: &str) -> Result<Node> {
                 Some(Open::Map(fields, _)) => Node::Map(fields),
                 None => continue,
             },
-            Event::Alias(_) => return Err(malformed("expected plain values, found an alias (*)")),
+            Event::Alias(_) => return Err(expecting.malformed("expected plain values, found an alias (*)")),
             Event::DocumentEnd | Event::StreamEnd => break,
             _ => continue,
         };
@@ -59,10 +55,12 @@ pub(super) fn parse(text: &str) -> Result<Node> {
                 (Some(name), value) => fields.push((name, value)),
                 (None, Node::Scalar(text)) => *name = Some(text),
                 (None, _) => {
-                    return Err(malformed("expected names for values, found a list or a map as a name"));
+                    return Err(
+                        expecting.malformed("expected names for values, found a list or a map as a name")
+                    );
                 }
             },
         }
     }
-    Err(malformed("expected YAML with a camera matrix, found no value"))
+    Err(expecting.malformed("expected YAML with named values, found none"))
 }

@@ -1,0 +1,146 @@
+//! `slcal export` and `slcal import`: rigs as files of other programs, and back.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use slcal_core::Error;
+use slcal_core::format::{
+    ExchangeFormat, Export, ExportConfig, ImportConfig, NamedBytes, export_rig, import_rig, write_rig,
+};
+
+use crate::args::{ExportArgs, ImportArgs};
+use crate::exit::{Failure, InFile as _, Outcome};
+use crate::io::{
+    Destination, check_distinct, check_spares, export_places, import_paths, input_name, load_rig,
+    read_exchange, storage_of, write_all,
+};
+use crate::output::{Page, Printer, print_json, print_result, shown};
+use crate::verbs::reconstruct::make_folder;
+
+#[derive(Serialize)]
+struct ExportReport {
+    schema: &'static str,
+    format: ExchangeFormat,
+    files: Vec<String>,
+    convention: &'static str,
+    left_out: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct ImportReport {
+    schema: &'static str,
+    format: ExchangeFormat,
+    file: String,
+    projector: bool,
+    views: usize,
+    notes: Vec<String>,
+}
+
+pub(super) fn export(args: &ExportArgs, printer: Printer) -> Outcome {
+    let storage = match args.to {
+        ExchangeFormat::OpenCv => storage_of(&args.output)?,
+        _ => Default::default(),
+    };
+    let rig = load_rig(&args.rig)?;
+    let Export { files, left_out } =
+        export_rig(&rig, args.to, &ExportConfig { storage, lossy: args.lossy }).in_file(&args.rig)?;
+    let names: Vec<&str> = files.iter().map(|f| f.name).collect();
+    let places = export_places(&args.output, args.to, &names)?;
+    if let Some(folder) = &places.folder {
+        make_folder(folder)?;
+    }
+    let outputs =
+        places.paths.iter().map(|p| Destination::prepare(p, args.force)).collect::<Outcome<Vec<_>>>()?;
+    check_distinct(&outputs)?;
+    check_spares(&outputs, [args.rig.as_path()])?;
+    let report = ExportReport {
+        schema: "slcal-export/1",
+        format: args.to,
+        files: outputs.iter().map(Destination::name).collect(),
+        convention: args.to.convention(),
+        left_out,
+    };
+    let to_stdout = outputs.contains(&Destination::Stdout);
+    write_all(&outputs.into_iter().zip(files.into_iter().map(|f| f.bytes)).collect::<Vec<_>>())?;
+    for note in &report.left_out {
+        printer.note(note);
+    }
+    if to_stdout {
+        return Ok(());
+    }
+    if args.json {
+        return print_json(&report);
+    }
+    let mut page = Page::new();
+    for file in &report.files {
+        page.line("wrote", shown(file));
+    }
+    page.line("convention", report.convention);
+    print_result(&page.into_text())
+}
+
+pub(super) fn import(args: &ImportArgs, printer: Printer) -> Outcome {
+    let output = Destination::prepare(&args.output, args.force)?;
+    let paths = import_paths(&args.files)?;
+    check_spares([&output], paths.iter().map(PathBuf::as_path))?;
+    let contents = paths.iter().map(|p| read_exchange(p)).collect::<Outcome<Vec<_>>>()?;
+    let names: Vec<String> = paths.iter().map(|p| file_name(p)).collect();
+    let files: Vec<NamedBytes<'_>> =
+        names.iter().zip(&contents).map(|(name, bytes)| NamedBytes { name, bytes }).collect();
+    let config = ImportConfig { camera_size: args.camera_size, projector_size: args.projector_size };
+    let first = paths.first().map_or(Path::new("-"), PathBuf::as_path);
+    let found = import_rig(args.from, &files, &config).map_err(|e| match Failure::in_file(first, &e) {
+        Failure::Error { exit, message } => Failure::new(exit, message + option_for(&e)),
+        other => other,
+    })?;
+    let mut bytes = Vec::new();
+    write_rig(&found.rig, &mut bytes).in_file(first)?;
+    let report = ImportReport {
+        schema: "slcal-import/1",
+        format: found.format,
+        file: output.name(),
+        projector: found.rig.projector.is_some(),
+        views: found.rig.views.len(),
+        notes: found.notes,
+    };
+    let to_stdout = output == Destination::Stdout;
+    write_all(&[(output, bytes)])?;
+    for note in &report.notes {
+        printer.note(format!("{}: {note}", input_name(first)));
+    }
+    if to_stdout {
+        return Ok(());
+    }
+    if args.json {
+        return print_json(&report);
+    }
+    let devices = if report.projector { "camera and projector" } else { "a camera alone" };
+    let views = match report.views {
+        0 => String::new(),
+        1 => ", 1 view".to_owned(),
+        n => format!(", {n} views"),
+    };
+    let format = report.format.name();
+    let mut page = Page::new();
+    page.line("wrote", shown(&report.file));
+    page.line("read", format!("{devices}{views} from {format}"));
+    print_result(&page.into_text())
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// The option that gives what an error finds missing.
+fn option_for(error: &Error) -> &'static str {
+    match error {
+        Error::Invalid { what, found, .. } if found == "none" && what.contains("camera") => {
+            " (--camera-size WxH)"
+        }
+        Error::Invalid { what, found, .. } if found == "none" && what.contains("projector") => {
+            " (--projector-size WxH)"
+        }
+        Error::Malformed { what: "file to import", .. } => " (--from)",
+        _ => "",
+    }
+}

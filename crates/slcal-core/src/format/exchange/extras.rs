@@ -1,0 +1,100 @@
+//! What a rig knows beyond the geometry of its devices, as named values: σ, poses of the sheet, quality, covariance. The names are
+//! those of rig.json.
+
+use serde_json::{Map, Value};
+
+use crate::error::{Error, Result};
+use crate::format::tree::{Expecting, Node};
+use crate::format::{read_rig, write_rig};
+use crate::rig::Rig;
+
+/// Values that are words, also where they look like numbers.
+const WORDS: [&str; 8] = ["photo", "method", "verdict", "cause", "code", "message", "advice", "parameters"];
+
+/// Where each of them stands in rig.json, and its name in other files.
+const PLACES: [(&str, &str); 8] = [
+    ("/method", "method"),
+    ("/camera/sigma", "camera_sigma"),
+    ("/projector/sigma", "projector_sigma"),
+    ("/projector_from_camera/sigma_t_mm", "sigma_t_mm"),
+    ("/projector_from_camera/sigma_r_rad", "sigma_r_rad"),
+    ("/views", "views"),
+    ("/quality", "quality"),
+    ("/covariance", "covariance"),
+];
+
+/// The rig as rig.json has it.
+fn value_of(rig: &Rig) -> Result<Value> {
+    let mut text = Vec::new();
+    write_rig(rig, &mut text)?;
+    serde_json::from_slice(&text).map_err(|e| Error::Io { what: "rewriting a rig", detail: e.to_string() })
+}
+
+/// All that is there.
+pub(super) fn of_rig(rig: &Rig) -> Result<Map<String, Value>> {
+    let value = value_of(rig)?;
+    let found = PLACES.iter().filter_map(|(place, name)| {
+        let part = value.pointer(place)?;
+        let empty = part.is_null() || part.as_array().is_some_and(Vec::is_empty);
+        (!empty).then(|| ((*name).to_owned(), part.clone()))
+    });
+    Ok(found.collect())
+}
+
+/// The rig with what was read beside its devices.
+pub(super) fn added_to(rig: &Rig, extras: &Map<String, Value>, expecting: Expecting) -> Result<Rig> {
+    let mut value = value_of(rig)?;
+    for (place, name) in PLACES {
+        let Some((parent, field)) = place.rsplit_once('/') else { continue };
+        if let (Some(part), Some(Value::Object(fields))) = (extras.get(name), value.pointer_mut(parent)) {
+            fields.insert(field.to_owned(), part.clone());
+        }
+    }
+    read_rig(value.to_string().as_bytes()).map_err(|e| renamed(e, expecting))
+}
+
+/// An error of the rig's reader as one of the file that it was in.
+pub(super) fn renamed(error: Error, expecting: Expecting) -> Error {
+    match error {
+        Error::Malformed { detail, .. } => expecting.malformed(detail),
+        other => other,
+    }
+}
+
+/// Named values of a text: numbers, words where the name says so, matrices as their rows.
+pub(super) fn from_node(node: &Node, name: &str, expecting: Expecting) -> Result<Value> {
+    let each = |items: &[Node]| -> Result<Vec<Value>> {
+        items.iter().map(|i| from_node(i, name, expecting)).collect()
+    };
+    Ok(match node {
+        Node::Scalar(text) if WORDS.contains(&name) => Value::String(text.clone()),
+        Node::Scalar(text) => match numbers(node, name, expecting).as_deref() {
+            Ok([one]) => Value::from(*one),
+            Ok(many) => Value::from(many),
+            Err(_) => Value::String(text.clone()),
+        },
+        Node::List(items) => Value::Array(each(items)?),
+        Node::Map(fields) => match node.get("data") {
+            Some(_) => matrix(node, name, expecting)?,
+            None => Value::Object(
+                fields
+                    .iter()
+                    .map(|(n, v)| Ok((n.clone(), from_node(v, n, expecting)?)))
+                    .collect::<Result<_>>()?,
+            ),
+        },
+    })
+}
+
+fn matrix(node: &Node, name: &str, expecting: Expecting) -> Result<Value> {
+    let values = numbers(node, name, expecting)?;
+    let columns = node.get("cols").and_then(|c| c.words().first()?.parse::<usize>().ok());
+    let Some(columns) = columns.filter(|c| *c > 0) else {
+        return Err(expecting.malformed(format!("{name}: expected a matrix with rows, cols and data")));
+    };
+    Ok(values.chunks(columns).map(Value::from).collect())
+}
+
+fn numbers(node: &Node, name: &str, expecting: Expecting) -> Result<Vec<f64>> {
+    crate::format::camera::numbers(node, name, expecting)
+}

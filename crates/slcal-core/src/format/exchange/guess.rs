@@ -1,0 +1,38 @@
+//! Which format a file is of, by its content.
+
+use super::{ExchangeFormat, NamedBytes, expecting};
+use crate::error::Result;
+use crate::format::tree::{Expecting, Node};
+
+const FILE: Expecting = expecting("file to import");
+
+/// The format of these files.
+pub(super) fn format_of(files: &[NamedBytes<'_>]) -> Result<ExchangeFormat> {
+    let unknown = || {
+        let all = ExchangeFormat::ALL.map(ExchangeFormat::name).join(", ");
+        FILE.malformed(format!("its content is that of none of the formats ({all}); say which one it is"))
+    };
+    if files.iter().any(|f| f.name.eq_ignore_ascii_case("cameras.txt")) {
+        return Ok(ExchangeFormat::Colmap);
+    }
+    let Some(first) = files.first() else { return Err(unknown()) };
+    if first.bytes.starts_with(b"PK\x03\x04") {
+        return Ok(ExchangeFormat::Npz);
+    }
+    let text = FILE.text(first.bytes)?;
+    if text.contains("import bpy") {
+        return Ok(ExchangeFormat::Blender);
+    }
+    if text.starts_with("%YAML") || text.starts_with(['<', '{']) {
+        return Ok(ExchangeFormat::OpenCv);
+    }
+    let root = FILE.parse(text).map_err(|_| unknown())?;
+    if root.get("cam0").is_some() {
+        return Ok(ExchangeFormat::Kalibr);
+    }
+    let has = |name: &str| root.get(name).is_some();
+    if files.len() > 1 || has("distortion_model") || has("projection_matrix") || has("rectification_matrix") {
+        return Ok(ExchangeFormat::Ros);
+    }
+    if matches!(root, Node::Map(_)) { Ok(ExchangeFormat::OpenCv) } else { Err(unknown()) }
+}

@@ -1,0 +1,153 @@
+//! What a format cannot hold: told where it moves no projected point, refused with the pixels that it would cost where it does.
+
+use nalgebra::Point2;
+
+use super::ExchangeFormat;
+use crate::error::{Error, Result};
+use crate::geometry::Camera;
+use crate::rig::{Device, Rig};
+
+/// Below this nobody could tell the difference, px.
+const NEGLIGIBLE_PX: f64 = 1e-7;
+/// Points along each side of the image on which lenses are compared.
+const GRID: u32 = 33;
+
+/// Keeps the account of one export.
+pub(super) struct Losses {
+    format: ExchangeFormat,
+    lossy: bool,
+    /// In a line each.
+    pub(super) notes: Vec<String>,
+}
+
+/// What a format has places for.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Holds {
+    /// The poses of the sheet.
+    pub(super) poses: bool,
+}
+
+impl Losses {
+    pub(super) fn new(format: ExchangeFormat, lossy: bool) -> Self {
+        Self { format, lossy, notes: Vec::new() }
+    }
+
+    /// Tells which of the things around a rig's geometry have no place in the format.
+    pub(super) fn around(&mut self, rig: &Rig, holds: Holds) {
+        let devices: Vec<&Device> = std::iter::once(&rig.camera).chain(&rig.projector).collect();
+        let of_pose = rig.stereo.is_some_and(|s| s.sigma_t_mm.is_some() || s.sigma_r_rad.is_some());
+        let views = if holds.poses { "photographs' names, residuals" } else { "poses of the sheet" };
+        let left: Vec<&str> = [
+            (of_pose || devices.iter().any(|d| d.sigma.is_some()), "σ"),
+            (rig.covariance.is_some(), "covariance"),
+            (rig.quality.is_some(), "verdict and warnings"),
+            (!rig.views.is_empty(), views),
+        ]
+        .into_iter()
+        .filter_map(|(has, name)| has.then_some(name))
+        .collect();
+        if !left.is_empty() {
+            self.notes.push(format!("{} has no place for: {}", self.format.name(), left.join("; ")));
+        }
+    }
+
+    /// Refuses to write `held` for the device `full`, unless the difference is asked for or nothing.
+    pub(super) fn lens(&mut self, name: &str, full: &Camera, held: &Camera) -> Result<()> {
+        if full == held {
+            return Ok(());
+        }
+        let off_px = farthest_px(full, held);
+        let terms = terms(full, held);
+        if off_px <= NEGLIGIBLE_PX {
+            return Ok(());
+        }
+        let size = if off_px.is_finite() {
+            format!("pixels move by up to {} px", shown(off_px))
+        } else {
+            "nobody can say how far pixels move".to_owned()
+        };
+        if !self.lossy {
+            return Err(Error::invalid(
+                format!("the {name}'s lens"),
+                format!("one that {} can hold", self.format.name()),
+                format!(
+                    "{terms}, which it has no place for: without, {size}; choose another format (opencv and npz hold every lens), \
+                     or ask for a lossy export"
+                ),
+            ));
+        }
+        self.notes.push(format!("{}: the {name} is written without {terms}: {size}", self.format.name()));
+        Ok(())
+    }
+}
+
+/// A length that people read.
+fn shown(px: f64) -> String {
+    if px >= 0.01 { format!("{px:.2}") } else { format!("{px:.1e}") }
+}
+
+/// The terms of `full` that `held` does not have, with their values.
+fn terms(full: &Camera, held: &Camera) -> String {
+    let names = ["k1", "k2", "p1", "p2", "k3"];
+    let values = full.distortion.to_array().into_iter().zip(held.distortion.to_array());
+    let lens =
+        names.into_iter().zip(values).filter(|(_, (a, b))| a != b).map(|(n, (a, _))| format!("{n} = {a}"));
+    let skew =
+        (full.intrinsics.skew != held.intrinsics.skew).then(|| format!("skew = {} px", full.intrinsics.skew));
+    lens.chain(skew).collect::<Vec<_>>().join(", ")
+}
+
+/// How far apart two models of one device put what is seen through the first, px, the most over the image.
+fn farthest_px(full: &Camera, held: &Camera) -> f64 {
+    let along = |i: u32, side: u32| f64::from(i) / f64::from(GRID - 1) * f64::from(side) - 0.5;
+    let mut most: Option<f64> = None;
+    for (i, j) in (0..GRID).flat_map(|i| (0..GRID).map(move |j| (i, j))) {
+        let p = Point2::new(along(i, full.width), along(j, full.height));
+        let Some(x) = full.undistort(p) else { continue };
+        let off = (held.intrinsics.pixel(held.distortion.distort(x)) - p).norm();
+        most = Some(most.map_or(off, |m| m.max(off)));
+    }
+    most.filter(|m| m.is_finite()).unwrap_or(f64::INFINITY)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Distortion, Intrinsics};
+
+    fn camera(distortion: Distortion, skew: f64) -> Camera {
+        let intrinsics = Intrinsics { fx: 1000.0, fy: 1000.0, skew, cx: 319.5, cy: 239.5 };
+        Camera { width: 640, height: 480, intrinsics, distortion }
+    }
+
+    #[test]
+    fn the_largest_shift_is_that_of_the_corners() {
+        // A corner lies 400 px from the centre; the lens takes r to r (1 + k1 r²).
+        let lens = camera(Distortion { k1: 0.1, ..Distortion::NONE }, 0.0);
+        let mut r: f64 = 0.4;
+        for _ in 0..50 {
+            r = 0.4 / (1.0 + 0.1 * r * r);
+        }
+        let expected = (0.4 - r) * 1000.0;
+        assert!((farthest_px(&lens, &camera(Distortion::NONE, 0.0)) - expected).abs() < 1e-9);
+        // Skew shears by s y/f: 2 · 240/1000.
+        let sheared = farthest_px(&camera(Distortion::NONE, 2.0), &camera(Distortion::NONE, 0.0));
+        assert!((sheared - 0.48).abs() < 1e-12, "{sheared}");
+    }
+
+    #[test]
+    fn what_moves_pixels_is_refused_or_told() {
+        let full = camera(Distortion { k3: 0.5, ..Distortion::NONE }, 0.0);
+        let held = camera(Distortion::NONE, 0.0);
+        let mut strict = Losses::new(ExchangeFormat::Kalibr, false);
+        let message = strict.lens("camera", &full, &held).unwrap_err().to_string();
+        for word in ["camera", "kalibr", "k3 = 0.5", "px", "opencv"] {
+            assert!(message.contains(word), "no {word} in {message}");
+        }
+        let mut lossy = Losses::new(ExchangeFormat::Kalibr, true);
+        lossy.lens("camera", &full, &held).unwrap();
+        assert!(lossy.notes[0].contains("k3 = 0.5") && lossy.notes[0].contains("px"), "{:?}", lossy.notes);
+        let tiny = camera(Distortion { k3: 1e-12, ..Distortion::NONE }, 0.0);
+        assert!(strict.lens("camera", &tiny, &held).is_ok() && strict.notes.is_empty());
+    }
+}

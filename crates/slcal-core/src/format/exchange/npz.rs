@@ -1,0 +1,314 @@
+//! NumPy's .npz: named arrays, as `numpy.savez` writes them; nothing in it is pickled.
+//!
+//! Conventions are this library's: integers are pixel centres, x right, y down, z forward, millimetres, radians. Any K and all terms of
+//! distortion have a place, and so has all else that a rig knows. The devices go by the names of `Rig.to_opencv`:
+//!
+//! | | shape | |
+//! |---|---|---|
+//! | `camera_K`, `projector_K` | (3, 3) | px |
+//! | `camera_dist`, `projector_dist` | (5,) | k1, k2, p1, p2, k3 |
+//! | `camera_size`, `projector_size` | (2,) | width, height, px |
+//! | `R`, `t` | (3, 3), (3, 1) | X_projector = R X_camera + t, mm |
+//! | `camera_sigma`, `projector_sigma` | (8,) | 1σ of focal length, cx, cy, k1, k2, p1, p2, k3 |
+//! | `sigma_t_mm`, `sigma_r_rad` | (3,) | 1σ |
+//! | `view_photo`, `view_size_mm` | (V,), (V, 2) | |
+//! | `camera_from_sheet_R`, `_t` | (V, 3, 3), (V, 3) | and `projector_from_sheet` |
+//! | `camera_vanishing_points` | (V, 2, 3) | homogeneous; and `projector_vanishing_points` |
+//! | `corners_px`, `rms_px` | (V, 4, 2), (V, 3) | rms of edges, corners and projector |
+//! | `verdict`, `verdict_cause`, `verdict_advice` | () | |
+//! | `focal_sigma_percent`, `expected_point_sigma_mm`, `warnings` | (2,), (), (W, 3) | warnings: code, message, advice |
+//! | `covariance`, `covariance_parameters` | (P, P), (P,) | |
+//! | `method` | () | |
+//!
+//! What a rig does not know is NaN within an array, or has no array.
+
+use std::io::{Cursor, Read as _, Write as _};
+
+use serde_json::{Map, Value, json};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+use super::npy::{Array, FILE};
+use super::text::rows;
+use super::{ExchangeFormat, ExportedFile, ImportConfig, extras, opencv};
+use crate::error::{Error, Result};
+use crate::format::tree::Node;
+use crate::geometry::{Pose, VanishingPoints};
+use crate::rig::{DeviceSigma, Rig, View};
+
+/// Entries and bytes of an entry that are read; a covariance of a hundred views has 3 MB.
+const MOST_ENTRIES: usize = 1000;
+const LARGEST_ENTRY: u64 = 256 << 20;
+/// Arrays of devices are not larger.
+const MOST_OF_A_DEVICE: usize = 64;
+
+type Named = Vec<(&'static str, Array)>;
+
+pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
+    let mut arrays: Named = Vec::new();
+    let numbers = |shape: &[usize], values: Vec<f64>| Array::Numbers(shape.to_vec(), values);
+    let devices = [
+        (["camera_K", "camera_dist", "camera_size", "camera_sigma"], Some(&rig.camera)),
+        (["projector_K", "projector_dist", "projector_size", "projector_sigma"], rig.projector.as_ref()),
+    ];
+    for (names, device) in devices {
+        let Some(device) = device else { continue };
+        let model = &device.model;
+        arrays.push((names[0], numbers(&[3, 3], rows(&model.intrinsics.matrix()).to_vec())));
+        arrays.push((names[1], numbers(&[5], model.distortion.to_array().to_vec())));
+        arrays.push((names[2], Array::Wholes(vec![2], vec![model.width.into(), model.height.into()])));
+        if let Some(DeviceSigma { focal_px, cx_px, cy_px, distortion }) = device.sigma {
+            let values = [focal_px, cx_px, cy_px].into_iter().chain(distortion).collect();
+            arrays.push((names[3], numbers(&[8], values)));
+        }
+    }
+    if let Some(stereo) = &rig.stereo {
+        let pose = &stereo.projector_from_camera;
+        arrays.push(("R", numbers(&[3, 3], rows(pose.rotation.matrix()).to_vec())));
+        arrays.push(("t", numbers(&[3, 1], pose.translation.as_slice().to_vec())));
+        let sigmas = [("sigma_t_mm", stereo.sigma_t_mm), ("sigma_r_rad", stereo.sigma_r_rad)];
+        arrays.extend(sigmas.into_iter().filter_map(|(n, s)| Some((n, numbers(&[3], s?.to_vec())))));
+    }
+    arrays.push(("method", Array::Words(vec![], vec![rig.method.clone()])));
+    if !rig.views.is_empty() {
+        arrays.extend(views(&rig.views));
+    }
+    if let Some(q) = &rig.quality {
+        let optional = |x: Option<f64>| x.unwrap_or(f64::NAN);
+        let verdict = serde_json::to_value(q.verdict).ok().and_then(|v| v.as_str().map(str::to_owned));
+        arrays.push(("verdict", Array::Words(vec![], vec![verdict.unwrap_or_default()])));
+        arrays.push(("verdict_cause", Array::Words(vec![], vec![q.cause.clone()])));
+        arrays.push(("verdict_advice", Array::Words(vec![], vec![q.advice.clone()])));
+        let focal = vec![q.focal_sigma_percent_camera, optional(q.focal_sigma_percent_projector)];
+        arrays.push(("focal_sigma_percent", numbers(&[2], focal)));
+        arrays.push(("expected_point_sigma_mm", numbers(&[], vec![optional(q.expected_point_sigma_mm)])));
+        let words = q.warnings.iter().flat_map(|w| [w.code.clone(), w.message.clone(), w.advice.clone()]);
+        arrays.push(("warnings", Array::Words(vec![q.warnings.len(), 3], words.collect())));
+    }
+    if let Some(c) = &rig.covariance {
+        let n = c.parameters.len();
+        arrays.push(("covariance", numbers(&[n, n], c.matrix.transpose().as_slice().to_vec())));
+        arrays.push(("covariance_parameters", Array::Words(vec![n], c.parameters.clone())));
+    }
+    Ok(vec![ExportedFile { name: "rig.npz", bytes: zipped(&arrays)? }])
+}
+
+fn views(views: &[View]) -> Named {
+    let n = views.len();
+    let numbers = |shape: &[usize], each: &dyn Fn(&View) -> Vec<f64>| {
+        Array::Numbers([&[n], shape].concat(), views.iter().flat_map(each).collect())
+    };
+    let unknown = |count: usize| vec![f64::NAN; count];
+    let turn = |p: &Pose| rows(p.rotation.matrix()).to_vec();
+    let place = |p: &Pose| p.translation.as_slice().to_vec();
+    let pair = |v: &VanishingPoints| v.x.0.iter().chain(v.y.0.iter()).copied().collect::<Vec<f64>>();
+    let photos = views.iter().map(|v| v.photo.clone().unwrap_or_default()).collect();
+    vec![
+        ("view_photo", Array::Words(vec![n], photos)),
+        ("view_size_mm", numbers(&[2], &|v| vec![v.size.width_mm, v.size.height_mm])),
+        ("camera_from_sheet_R", numbers(&[3, 3], &|v| turn(&v.camera_from_sheet))),
+        ("camera_from_sheet_t", numbers(&[3], &|v| place(&v.camera_from_sheet))),
+        (
+            "projector_from_sheet_R",
+            numbers(&[3, 3], &|v| v.projector_from_sheet.as_ref().map_or_else(|| unknown(9), turn)),
+        ),
+        (
+            "projector_from_sheet_t",
+            numbers(&[3], &|v| v.projector_from_sheet.as_ref().map_or_else(|| unknown(3), place)),
+        ),
+        ("camera_vanishing_points", numbers(&[2, 3], &|v| pair(&v.camera_vanishing_points))),
+        (
+            "projector_vanishing_points",
+            numbers(&[2, 3], &|v| v.projector_vanishing_points.as_ref().map_or_else(|| unknown(6), pair)),
+        ),
+        ("corners_px", numbers(&[4, 2], &|v| v.corners_px.iter().flat_map(|c| [c.x, c.y]).collect())),
+        (
+            "rms_px",
+            numbers(&[3], &|v| match v.rms_px {
+                Some(r) => vec![r.edges, r.corners.unwrap_or(f64::NAN), r.projector.unwrap_or(f64::NAN)],
+                None => unknown(3),
+            }),
+        ),
+    ]
+}
+
+fn zipped(arrays: &Named) -> Result<Vec<u8>> {
+    let failed = |e: &dyn std::fmt::Display| Error::Io { what: "writing an npz file", detail: e.to_string() };
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    // Uncompressed, as numpy.savez; the time is the format's first, so that the same rig gives the same bytes.
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(zip::DateTime::default());
+    for (name, array) in arrays {
+        zip.start_file(format!("{name}.npy"), options).map_err(|e| failed(&e))?;
+        zip.write_all(&array.encoded()).map_err(|e| failed(&e))?;
+    }
+    zip.finish().map(Cursor::into_inner).map_err(|e| failed(&e))
+}
+
+/// All arrays by their names.
+fn unzipped(bytes: &[u8]) -> Result<Vec<(String, Array)>> {
+    let wrong = |e: &dyn std::fmt::Display| FILE.malformed(format!("this is not a whole zip archive: {e}"));
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|e| wrong(&e))?;
+    if zip.len() > MOST_ENTRIES {
+        return Err(FILE.malformed(format!("expected at most {MOST_ENTRIES} arrays, found {}", zip.len())));
+    }
+    let mut arrays = Vec::new();
+    for i in 0..zip.len() {
+        let entry = zip.by_index(i).map_err(|e| wrong(&e))?;
+        let entry_name = entry.name().map_err(|e| wrong(&e))?.into_owned();
+        let Some(name) = entry_name.strip_suffix(".npy").map(str::to_owned) else { continue };
+        let mut data = Vec::new();
+        entry.take(LARGEST_ENTRY + 1).read_to_end(&mut data).map_err(|e| wrong(&e))?;
+        if data.len() as u64 > LARGEST_ENTRY {
+            return Err(FILE.malformed(format!("{name}: expected at most {} MiB", LARGEST_ENTRY >> 20)));
+        }
+        arrays.push((name.clone(), Array::decoded(&data, &name)?));
+    }
+    Ok(arrays)
+}
+
+pub(super) fn import(bytes: &[u8], config: &ImportConfig, notes: &mut Vec<String>) -> Result<Rig> {
+    let arrays = unzipped(bytes)?;
+    let root = Node::Map(
+        arrays
+            .iter()
+            .filter_map(|(name, array)| match array {
+                Array::Numbers(_, values) if values.len() <= MOST_OF_A_DEVICE => {
+                    let words = values.iter().map(|v| Node::Scalar(v.to_string())).collect();
+                    Some((name.clone(), Node::List(words)))
+                }
+                _ => None,
+            })
+            .collect(),
+    );
+    let rig = opencv::devices(&root, config, ExchangeFormat::Npz, FILE, notes)?;
+    extras::added_to(&rig, &read_extras(&Arrays(&arrays))?, FILE)
+}
+
+struct Arrays<'a>(&'a [(String, Array)]);
+
+impl Arrays<'_> {
+    fn get(&self, name: &str) -> Option<&Array> {
+        self.0.iter().find(|(n, _)| n == name).map(|(_, array)| array)
+    }
+
+    /// Numbers of `n` things with this shape each, NaN as null; `None` where there is no such array.
+    fn numbers(&self, name: &str, n: usize, shape: &[usize]) -> Result<Option<Vec<Value>>> {
+        let Some(array) = self.get(name) else { return Ok(None) };
+        let each: usize = shape.iter().product();
+        match array {
+            Array::Numbers(found, values) if values.len() == n * each && each > 0 => {
+                Ok(Some(values.chunks_exact(each).map(|c| nested(c, shape)).collect()))
+            }
+            other => Err(FILE.malformed(format!(
+                "{name}: expected numbers of shape {:?}, found {}",
+                [&[n], shape].concat(),
+                match other {
+                    Array::Numbers(found, _) | Array::Wholes(found, _) => format!("{found:?}"),
+                    Array::Words(..) => "words".to_owned(),
+                }
+            ))),
+        }
+    }
+
+    fn words(&self, name: &str, each: usize) -> Result<Option<Vec<Vec<String>>>> {
+        match self.get(name) {
+            None => Ok(None),
+            Some(Array::Words(_, words)) if words.len() % each == 0 => {
+                Ok(Some(words.chunks_exact(each).map(<[String]>::to_vec).collect()))
+            }
+            Some(_) => Err(FILE.malformed(format!("{name}: expected words, {each} together"))),
+        }
+    }
+
+    fn word(&self, name: &str) -> Result<Option<String>> {
+        Ok(self.words(name, 1)?.and_then(|w| w.into_iter().flatten().next()))
+    }
+}
+
+/// Numbers as lists of lists; null when all of them are NaN.
+fn nested(values: &[f64], shape: &[usize]) -> Value {
+    if values.iter().all(|v| v.is_nan()) {
+        return Value::Null;
+    }
+    match shape {
+        [] => Value::from(values[0]),
+        [_] => values.iter().map(|v| Value::from(*v)).collect(),
+        [_, inner @ ..] => {
+            let each: usize = inner.iter().product();
+            values.chunks_exact(each).map(|c| nested(c, inner)).collect()
+        }
+    }
+}
+
+/// What is there beside the devices, as rig.json has it.
+fn read_extras(arrays: &Arrays<'_>) -> Result<Map<String, Value>> {
+    let mut found = Map::new();
+    let one =
+        |name: &str, shape: &[usize]| Ok(arrays.numbers(name, 1, shape)?.and_then(|v| v.into_iter().next()));
+    for name in ["camera_sigma", "projector_sigma"] {
+        if let Some(Value::Array(s)) = one(name, &[8])? {
+            let sigma = json!({"focal_px": s[0], "cx_px": s[1], "cy_px": s[2], "distortion": s[3..]});
+            found.insert(name.to_owned(), sigma);
+        }
+    }
+    for name in ["sigma_t_mm", "sigma_r_rad"] {
+        found.extend(one(name, &[3])?.map(|s| (name.to_owned(), s)));
+    }
+    found.extend(arrays.word("method")?.map(|m| ("method".to_owned(), Value::from(m))));
+    if let Some(photos) = arrays.words("view_photo", 1)? {
+        found.insert("views".to_owned(), read_views(arrays, &photos.concat())?);
+    }
+    if let (Some(verdict), Some(focal)) = (arrays.word("verdict")?, one("focal_sigma_percent", &[2])?) {
+        let warnings = arrays.words("warnings", 3)?.unwrap_or_default();
+        let warnings: Value =
+            warnings.iter().map(|w| json!({"code": w[0], "message": w[1], "advice": w[2]})).collect();
+        let quality = json!({
+            "verdict": verdict,
+            "cause": arrays.word("verdict_cause")?.unwrap_or_default(),
+            "advice": arrays.word("verdict_advice")?.unwrap_or_default(),
+            "focal_sigma_percent": {"camera": focal[0], "projector": focal[1]},
+            "expected_point_sigma_mm": one("expected_point_sigma_mm", &[])?,
+            "warnings": warnings,
+        });
+        found.insert("quality".to_owned(), quality);
+    }
+    if let Some(names) = arrays.words("covariance_parameters", 1)?.map(|w| w.concat()) {
+        let matrix = one("covariance", &[names.len(), names.len()])?;
+        found.insert("covariance".to_owned(), json!({"parameters": names, "matrix": matrix}));
+    }
+    Ok(found)
+}
+
+fn read_views(arrays: &Arrays<'_>, photos: &[String]) -> Result<Value> {
+    let n = photos.len();
+    let part = |name: &str, shape: &[usize]| -> Result<Vec<Value>> {
+        Ok(arrays.numbers(name, n, shape)?.unwrap_or_else(|| vec![Value::Null; n]))
+    };
+    let size = part("view_size_mm", &[2])?;
+    let pose = |name: &str| -> Result<Vec<Value>> {
+        let turns = part(&format!("{name}_R"), &[3, 3])?;
+        let places = part(&format!("{name}_t"), &[3])?;
+        let both = |(r, t): (Value, Value)| if r.is_null() { Value::Null } else { json!({"R": r, "t": t}) };
+        Ok(turns.into_iter().zip(places).map(both).collect())
+    };
+    let (camera, projector) = (pose("camera_from_sheet")?, pose("projector_from_sheet")?);
+    let vanishing = [part("camera_vanishing_points", &[2, 3])?, part("projector_vanishing_points", &[2, 3])?];
+    let (corners, rms) = (part("corners_px", &[4, 2])?, part("rms_px", &[3])?);
+    let view = |i: usize| {
+        json!({
+            "photo": if photos[i].is_empty() { Value::Null } else { Value::from(photos[i].clone()) },
+            "size_mm": size[i],
+            "camera_from_sheet": camera[i],
+            "projector_from_sheet": projector[i],
+            "vanishing_points": {"camera": vanishing[0][i], "projector": vanishing[1][i]},
+            "corners_px": corners[i],
+            "rms_px": match &rms[i] {
+                Value::Array(r) => json!({"edges": r[0], "corners": r[1], "projector": r[2]}),
+                _ => Value::Null,
+            },
+        })
+    };
+    Ok((0..n).map(view).collect())
+}

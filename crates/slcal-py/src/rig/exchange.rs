@@ -1,0 +1,82 @@
+//! Rigs as files of other programs, and back.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use slcal_core::Rig;
+use slcal_core::format::{ExchangeFormat, ExportConfig, ImportConfig, NamedBytes, export_rig, import_rig};
+
+use crate::convert::option::{shown, whole_pair};
+use crate::errors::{self, Looking, Raise as _, raised_from};
+use crate::files;
+
+fn format_of(value: &Bound<'_, PyAny>, what: &str) -> PyResult<ExchangeFormat> {
+    let name = value.extract::<String>().ok();
+    name.and_then(|n| ExchangeFormat::of_name(&n).ok()).ok_or_else(|| {
+        let all = ExchangeFormat::ALL.map(|f| format!("\"{}\"", f.name())).join(", ");
+        errors::invalid(value.py(), what, &format!("one of {all}"), &shown(value))
+    })
+}
+
+fn path_of(file: &Bound<'_, PyAny>, what: &str) -> PyResult<PathBuf> {
+    files::path_of(file)?.ok_or_else(|| errors::wrong_type(what, "a path", &shown(file)))
+}
+
+/// See `Rig.export`.
+pub(super) fn export(
+    rig: &Rig,
+    path: &Bound<'_, PyAny>,
+    to: &Bound<'_, PyAny>,
+    lossy: bool,
+) -> PyResult<Vec<String>> {
+    let py = path.py();
+    let (path, format) = (path_of(path, "path")?, format_of(to, "to")?);
+    let storage = match format {
+        ExchangeFormat::OpenCv => slcal_cli::files::storage_of(&path).raise(py, Looking::ForSheet)?,
+        _ => ExportConfig::default().storage,
+    };
+    let export = export_rig(rig, format, &ExportConfig { storage, lossy }).raise(py, Looking::ForSheet)?;
+    let names: Vec<&str> = export.files.iter().map(|f| f.name).collect();
+    let places = slcal_cli::files::export_places(&path, format, &names).raise(py, Looking::ForSheet)?;
+    if let Some(folder) = places.folder.filter(|f| !f.is_dir()) {
+        std::fs::create_dir(&folder).map_err(|e| files::os_error(&e, &folder))?;
+    }
+    for (place, file) in places.paths.iter().zip(&export.files) {
+        py.detach(|| slcal_cli::files::write_whole(place, &file.bytes))
+            .map_err(|e| files::os_error(&e, place))?;
+    }
+    Ok(export.left_out)
+}
+
+/// See `Rig.import_from`.
+pub(super) fn import(
+    paths: &Bound<'_, PyAny>,
+    format: Option<&Bound<'_, PyAny>>,
+    camera_size: Option<&Bound<'_, PyAny>>,
+    projector_size: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Rig> {
+    let py = paths.py();
+    let format = format.map(|f| format_of(f, "format")).transpose()?;
+    let config = ImportConfig {
+        camera_size: camera_size.map(|s| whole_pair(s, "camera_size")).transpose()?,
+        projector_size: projector_size.map(|s| whole_pair(s, "projector_size")).transpose()?,
+    };
+    let given: Vec<PathBuf> = match files::path_of(paths)? {
+        Some(path) => vec![path],
+        None => paths
+            .try_iter()
+            .map_err(|_| errors::wrong_type("paths", "a path, or several", &shown(paths)))?
+            .map(|p| path_of(&p?, "paths"))
+            .collect::<PyResult<_>>()?,
+    };
+    let found = slcal_cli::files::import_paths(&given).raise(py, Looking::ForSheet)?;
+    let read = |path: &PathBuf| std::fs::read(path).map_err(|e| files::os_error(&e, path));
+    let contents = py.detach(|| found.iter().map(read).collect::<PyResult<Vec<_>>>())?;
+    let name = |p: &PathBuf| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let names: Vec<String> = found.iter().map(name).collect();
+    let named: Vec<NamedBytes<'_>> =
+        names.iter().zip(&contents).map(|(name, bytes)| NamedBytes { name, bytes }).collect();
+    let file = found.first().map(|p| p.display().to_string());
+    let imported = import_rig(format, &named, &config);
+    imported.map(|i| i.rig).map_err(|e| raised_from(py, &e, Looking::ForSheet, file.as_deref()))
+}
