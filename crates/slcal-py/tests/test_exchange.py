@@ -41,7 +41,7 @@ def rig_of(lens: str, size: str = "hd", skew: float = 0.0) -> slcal.Rig:
         (round(1024 * s), round(768 * s)),
         LENSES[lens][1],
     )
-    rig = slcal.Rig(camera, projector, slcal.Pose([-0.31, -0.33, 0.05], [-310.1, -160.2, 45.3]))
+    rig = slcal.Rig(camera, projector, slcal.Pose([0.06, -0.23, 0.05], [-310.1, -560.2, 45.3]))
     data = json.loads(rig.to_json())
     pose = {"R": slcal.Pose([0.4, 0.5, 0.05], [0, 0, 0]).R.tolist(), "t": [-200.0, -150.0, 1000.0 / 3]}
     data["views"] = [{"photo": PHOTO, "size_mm": [594, 420], "camera_from_sheet": pose}]
@@ -49,9 +49,17 @@ def rig_of(lens: str, size: str = "hd", skew: float = 0.0) -> slcal.Rig:
 
 
 def points() -> Any:
-    """(1000, 3) mm, in the camera's frame, before both devices."""
+    """(1000, 3) mm, in the camera's frame: what both devices of all these rigs see."""
     rng = np.random.default_rng(7)
-    return rng.uniform([-400, -300, 900], [400, 300, 2500], (1000, 3))
+    xyz = rng.uniform([-600, -500, 900], [600, 500, 2500], (50_000, 3))
+    rig = rig_of("pinhole")
+    assert rig.projector is not None and rig.projector_from_camera is not None
+    lit = rig.projector.project(rig.projector_from_camera.transform(xyz))
+    seen = rig.camera.project(xyz)
+    limits = [(seen, rig.camera.size), (lit, rig.projector.size)]
+    kept = np.all([((px > 0) & (px < np.array(size) - 1)).all(1) for px, size in limits], axis=0)
+    assert kept.sum() >= 1000
+    return xyz[kept][:1000]
 
 
 def expected(rig: slcal.Rig) -> tuple[Any, Any]:

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use slcal_core::Error;
 use slcal_core::format::{
-    ExchangeFormat, Export, ExportConfig, ImportConfig, NamedBytes, export_rig, import_rig, write_rig,
+    ExchangeFormat, Export, ExportConfig, ImportConfig, NamedBytes, StorageText, export_rig, import_rig,
+    write_rig,
 };
 
 use crate::args::{ExportArgs, ImportArgs};
@@ -39,7 +40,7 @@ struct ImportReport {
 pub(super) fn export(args: &ExportArgs, printer: Printer) -> Outcome {
     let storage = match args.to {
         ExchangeFormat::OpenCv => storage_of(&args.output)?,
-        _ => Default::default(),
+        _ => StorageText::default(),
     };
     let rig = load_rig(&args.rig)?;
     let Export { files, left_out } =

@@ -1253,7 +1253,41 @@ class Rig:
         Error
             When something is missing or is not what its name says.
         """
-    def export(self, path: _Path, to: _ExchangeFormat, *, lossy: bool = False) -> list[str]: ...
+    def export(self, path: _Path, to: _ExchangeFormat, *, lossy: bool = False) -> list[str]:
+        """Writes files that another program reads.
+
+        Parameters
+        ----------
+        path : path
+            Where to; files there are replaced. For "opencv" it ends in .yml, .yaml, .xml or .json; for "ros" it is the camera's .yaml, the
+            projector's goes beside it as NAME_projector.yaml, or a folder; for "colmap" a folder; for "kalibr" a .yaml, for
+            "blender" a .py, for "npz" an .npz.
+        to : {"opencv", "ros", "colmap", "kalibr", "blender", "npz"}
+            The format.
+        lossy : bool, default False
+            Whether terms of a lens that the format does not have are left out; otherwise they are an error.
+
+        Returns
+        -------
+        list of str
+            What the format has no place for, a line each.
+
+        Raises
+        ------
+        Error
+            When the format cannot hold a lens (the message says how far pixels would move), or the path is not for it.
+        OSError
+            When a file cannot be written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> rig = slcal.Rig(slcal.Camera.from_fov((1280, 960), 45))
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     left_out = rig.export(f"{folder}/rig.yml", "opencv")
+        ...     slcal.Rig.import_from(f"{folder}/rig.yml") == rig
+        True
+        """
     @staticmethod
     def import_from(
         paths: _Path | Iterable[_Path],
@@ -1261,7 +1295,31 @@ class Rig:
         *,
         camera_size: ArrayLike | None = None,
         projector_size: ArrayLike | None = None,
-    ) -> Rig: ...
+    ) -> Rig:
+        """Reads files of another program: those that `export` wrote, or calibrations made elsewhere.
+
+        Parameters
+        ----------
+        paths : path or list of paths
+            The file; for "ros" the camera's and the projector's, or their folder; for "colmap" the folder.
+        format : {"opencv", "ros", "colmap", "kalibr", "blender", "npz"}, optional
+            Whose files they are; told by their content unless given.
+        camera_size, projector_size : (int, int), optional
+            Width and height, px, for files that do not say them.
+
+        Returns
+        -------
+        Rig
+
+        Raises
+        ------
+        FormatError
+            When the files are of another format, or something is missing in them.
+        Error
+            When the size of an image is nowhere to be found.
+        OSError
+            When a file cannot be read.
+        """
     def reconstruct(
         self,
         image: _Image,

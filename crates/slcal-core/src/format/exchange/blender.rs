@@ -6,7 +6,8 @@
 //! focal lengths are pixels that are not square, which belong to a scene: the projector has one of its own. Its light is a spot whose
 //! direction picks the pixel of a picture, as the pinhole does, lens shift included.
 //!
-//! There is no distortion and no skew. Blender calculates in single precision: projections agree to some 1e-4 px. The script
+//! There is no distortion and no skew. Blender calculates in single precision: projections agree to some 1e-4 px. What
+//! stands where is given as matrices, which Blender keeps as they are, not as angles. The script
 //! holds the whole rig as JSON, from which it is read back; numbers that are changed elsewhere in it do not come back.
 
 use nalgebra::{Matrix3, Matrix4, Point2, Point3, Vector3};
@@ -182,8 +183,8 @@ fn device(name: &str, model: &Camera, camera_from_device: &Pose, losses: &mut Lo
         ("principal_uv", format!("({})", joined([(cx + 0.5) / w, 1.0 - (cy + 0.5) / h], ", "))),
         ("spot_size", number(cone_rad(model))),
     ];
-    let lines: String = fields.iter().map(|(key, value)| format!("    \"{key}\": {value},\n")).collect();
-    Ok(format!("{{\n{lines}}}"))
+    let lines: Vec<String> = fields.iter().map(|(key, value)| format!("    \"{key}\": {value},\n")).collect();
+    Ok(format!("{{\n{}}}", lines.concat()))
 }
 
 /// The full angle of the cone about the optical axis that holds the whole picture.

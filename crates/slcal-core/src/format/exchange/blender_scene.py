@@ -17,12 +17,16 @@ def clear_startup(scene):
             bpy.data.objects.remove(thing, do_unlink=True)
 
 
+def hang(thing, matrix):
+    """Places a thing in the rig. This matrix keeps all its digits; one that is turned into angles or quaternions does not."""
+    thing.parent = bpy.data.objects[RIG_OBJECT]
+    thing.matrix_parent_inverse = Matrix(matrix)
+
+
 def placed(collection, name, data, matrix):
     thing = bpy.data.objects.new(name, data)
-    # Angles would lose digits.
-    thing.rotation_mode = "QUATERNION"
-    thing.matrix_world = Matrix(matrix)
     collection.objects.link(thing)
+    hang(thing, matrix)
     return thing
 
 
@@ -109,7 +113,7 @@ def show_photo(camera, name):
 
 def add_cloud(collection, path):
     bpy.ops.wm.ply_import(filepath=os.path.abspath(path))
-    bpy.context.object.matrix_world = Matrix(WORLD_FROM_CAMERA_MM)
+    hang(bpy.context.object, WORLD_FROM_CAMERA_MM)
 
 
 def main():
@@ -119,6 +123,11 @@ def main():
     clear_startup(scene)
     collection = bpy.data.collections.new("slcal")
     scene.collection.children.link(collection)
+    # All of it hangs on this one: move it, and the rig moves as a whole.
+    global RIG_OBJECT
+    handle = bpy.data.objects.new("rig", None)
+    collection.objects.link(handle)
+    RIG_OBJECT = handle.name
     camera = add_camera(scene, collection, CAMERA)
     for i, (view, corners) in enumerate(zip(rig["views"], SHEETS)):
         photo = view.get("photo") or f"view {i + 1}"
@@ -138,7 +147,7 @@ def main():
         add_light(collection, PROJECTOR, picture, asked.watts)
     if asked.cloud:
         add_cloud(collection, asked.cloud)
-    for view_layer in scene.view_layers:
+    for view_layer in [layer for s in bpy.data.scenes for layer in s.view_layers]:
         view_layer.update()
 
 

@@ -41,7 +41,7 @@ impl Array {
                 (format!("<U{longest}"), shape, data)
             }
         };
-        let sides: String = shape.iter().map(|s| format!("{s}, ")).collect();
+        let sides = shape.iter().map(|s| format!("{s}, ")).collect::<Vec<_>>().concat();
         let sides = if shape.len() > 1 { sides.trim_end_matches(", ") } else { sides.trim_end() };
         let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({sides}), }}");
         let before = MAGIC.len() + 4;
@@ -76,9 +76,9 @@ impl Array {
             header.split_once("'fortran_order':").is_some_and(|(_, s)| s.trim_start().starts_with("True"));
         let array = values(kind, data, count).ok_or_else(|| refused(kind, name))??;
         Ok(match array {
-            Values::Numbers(values) if by_columns => Self::Numbers(shape.clone(), by_rows(&shape, values)),
+            Values::Numbers(values) if by_columns => Self::Numbers(shape.clone(), by_rows(&shape, &values)),
             Values::Numbers(values) => Self::Numbers(shape, values),
-            Values::Words(values) if by_columns => Self::Words(shape.clone(), by_rows(&shape, values)),
+            Values::Words(values) if by_columns => Self::Words(shape.clone(), by_rows(&shape, &values)),
             Values::Words(values) => Self::Words(shape, values),
         })
     }
@@ -145,7 +145,7 @@ fn values(kind: &str, data: &[u8], count: usize) -> Option<Result<Values>> {
 }
 
 /// From the order of Fortran to that of C.
-fn by_rows<T: Clone>(shape: &[usize], values: Vec<T>) -> Vec<T> {
+fn by_rows<T: Clone>(shape: &[usize], values: &[T]) -> Vec<T> {
     let mut ordered = Vec::with_capacity(values.len());
     for i in 0..values.len() {
         let (mut rest, mut at) = (i, vec![0; shape.len()]);

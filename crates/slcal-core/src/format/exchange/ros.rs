@@ -65,7 +65,9 @@ fn placed(projector_from_camera: &Pose) -> String {
     let q = UnitQuaternion::from_rotation_matrix(&pose.rotation);
     let t = pose.translation / MM_PER_METRE;
     let named = [("x", t.x), ("y", t.y), ("z", t.z), ("qx", q.i), ("qy", q.j), ("qz", q.k), ("qw", q.w)];
-    let call: String = named.iter().map(|(name, value)| format!("--{name} {} ", number(*value))).collect();
+    let call: Vec<String> =
+        named.iter().map(|(name, value)| format!("--{name} {} ", number(*value))).collect();
+    let call = call.concat();
     format!(
         "# X_projector = R X_camera + t, mm. Readers of ROS skip this; tf is told by\n# ros2 run tf2_ros static_transform_publisher \
          {call}--frame-id camera_optical_frame --child-frame-id projector_optical_frame\n{POSE}:\n  {ROTATION}:\n    rows: 3\n    \
