@@ -163,9 +163,17 @@ impl Volume {
             traces.push(curve("total", "$camera", "solid", |s| s.sigma_mm));
         }
         traces.push(curve("noise alone", "$noise", "dash", |s| s.noise_mm));
+        // Two digits per power of ten: plotly's own labels leave the power out.
+        let values = || all.iter().flatten().flat_map(|s| [s.noise_mm, s.sigma_mm]).filter(|x| *x > 0.0);
+        let (low, high) = values().fold((f64::INFINITY, 0.0_f64), |(l, h), x| (l.min(x), h.max(x)));
+        let powers =
+            if low <= high { low.log10().floor() as i32..=high.log10().floor() as i32 } else { 0..=0 };
+        let ticks: Vec<f64> =
+            powers.take(12).flat_map(|p| [1.0, 2.0, 5.0].map(|d| d * 10f64.powi(p))).collect();
+        let named: Vec<String> = ticks.iter().map(|t| significant(*t, 1)).collect();
         let mut layout = flat_layout(
             json!({ "title": { "text": "depth, mm" } }),
-            json!({ "title": { "text": "σ, mm" }, "type": "log", "dtick": "D2" }),
+            json!({ "title": { "text": "σ, mm" }, "type": "log", "tickvals": ticks, "ticktext": named }),
         );
         if self.of_sheet {
             layout["shapes"] = json!([{

@@ -6,6 +6,7 @@ use slcal_core::{Device, Rig, StereoPose, View};
 use super::Subject;
 use super::number::{decimals_of, derived, field, fixed, significant};
 use super::page::Section;
+use crate::picture::short;
 
 const COEFFICIENTS: [&str; 5] = ["k1", "k2", "p1", "p2", "k3"];
 
@@ -17,8 +18,8 @@ pub(super) fn section(subject: &Subject) -> Section {
             (device("camera", "Camera", &rig.camera))
             @if let Some(projector) = &rig.projector { (device("projector", "Projector", projector)) }
             @if let Some(stereo) = &rig.stereo { (between(rig, stereo)) }
-            @for (i, view) in rig.views.iter().enumerate() { (pose(rig, i, view)) }
         } }
+        @if !rig.views.is_empty() { (poses(rig)) }
         @if rig.projector.is_none() { p.note { "There is no projector in this rig: it was calibrated without a pattern." } }
         @if rig.views.is_empty() { p.note { "The rig names no photographs of a sheet." } }
         @if rig.camera.sigma.is_none() { p.note { "The rig does not state the ± of its numbers." } }
@@ -105,23 +106,34 @@ fn between(rig: &Rig, stereo: &StereoPose) -> Markup {
     }
 }
 
+/// The sheet in every photograph, a line each.
+fn poses(rig: &Rig) -> Markup {
+    html! {
+        h3 { "The sheet" }
+        div.scroll { table {
+            thead { tr {
+                th scope="col" { "Photograph" } th.number scope="col" { "size given, mm" } th.number scope="col" { "away, mm" }
+                th.number scope="col" { "tilt, °" }
+            } }
+            tbody { @for (i, view) in rig.views.iter().enumerate() { (pose(rig, i, view)) } }
+        } }
+    }
+}
+
 fn pose(rig: &Rig, i: usize, view: &View) -> Markup {
     let at = |field: &str| format!("views.{i}.{field}");
     let centre = nalgebra::Point3::new(view.size.width_mm / 2.0, view.size.height_mm / 2.0, 0.0);
     let distance = view.camera_from_sheet.transform(&centre).coords.norm();
     let tilt = rig.tilt_rad(i).map(f64::to_degrees);
-    let name = view.photo.as_deref().unwrap_or("photograph");
-    html! {
-        tbody {
-            tr.group { th scope="rowgroup" colspan="3" { "Sheet in " span.file { (name) } } }
-            (row("Size, as it was given", &html! {
-                (field(&at("size_mm.0"), view.size.width_mm, &fixed(view.size.width_mm, 1))) " × "
-                (field(&at("size_mm.1"), view.size.height_mm, &fixed(view.size.height_mm, 1)))
-            }, "mm"))
-            (row("Distance of its middle", &derived(&at("distance_mm"), distance, &fixed(distance, 0)), "mm"))
-            @if let Some(tilt) = tilt { (row("Tilt", &derived(&at("tilt_deg"), tilt, &fixed(tilt, 1)), "°")) }
+    html! { tr {
+        th.file scope="row" { (short(view.photo.as_deref().unwrap_or("photograph"))) }
+        td.number {
+            (field(&at("size_mm.0"), view.size.width_mm, &fixed(view.size.width_mm, 1))) " × "
+            (field(&at("size_mm.1"), view.size.height_mm, &fixed(view.size.height_mm, 1)))
         }
-    }
+        td.number { (derived(&at("distance_mm"), distance, &fixed(distance, 0))) }
+        td.number { @if let Some(tilt) = tilt { (derived(&at("tilt_deg"), tilt, &fixed(tilt, 1))) } }
+    } }
 }
 
 /// A value with its σ, each under its own name; "fixed" where it was not estimated.

@@ -14,7 +14,7 @@ use super::page::Section;
 use super::residuals::odd_words;
 use crate::exit::{Exit, Failure, Outcome};
 use crate::picture::fit::{self, Fit};
-use crate::picture::{Drawing, sheet};
+use crate::picture::{Drawing, sheet, short};
 
 /// Longer side of a photograph that stands alone, and of one among others, px: sharp on a large screen, and small enough to
 /// send.
@@ -105,7 +105,7 @@ fn shot(rig: &Rig, view: &View, photo: &Photo, fit: Option<Fit<'_>>, factor: f64
         figure.odd[odd] {
             (photo.under(&drawing))
             figcaption {
-                strong.file { (name) }
+                strong.file { (short(name)) }
                 @if let Some(rms) = &view.rms_px {
                     ": sides of the sheet " (significant(rms.edges, 2)) " px"
                     @if let Some(corners) = rms.corners { ", projected corners " (significant(corners, 2)) " px" }

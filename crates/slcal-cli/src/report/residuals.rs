@@ -8,6 +8,7 @@ use super::Subject;
 use super::figure::{Figures, flat_layout};
 use super::number::{field, significant};
 use super::page::Section;
+use crate::picture::short;
 
 /// More arrows than this hide each other.
 const MAX_ARROWS: usize = 1500;
@@ -192,7 +193,7 @@ fn table(rig: &Rig, views: Option<&Vec<ViewResiduals>>) -> Markup {
                 @let odd = own.is_some_and(ViewResiduals::is_odd);
                 tr.odd[odd] {
                     th scope="row" {
-                        span.file { (view.photo.as_deref().unwrap_or("photograph")) }
+                        span.file { (short(view.photo.as_deref().unwrap_or("photograph"))) }
                         @if odd { " " span.flag { "⚠ " (odd_words(own)) } }
                     }
                     td.number { (number(format!("views.{i}.rms_px.edges"), view.rms_px.map(|r| r.edges))) }

@@ -45,6 +45,12 @@ fn look(rig: &Rig) -> Look {
             "This rig does not say how sure its numbers are, as those that slcal calibrates do.",
         ),
     };
+    let lead = match rig.quality.as_ref().map(|q| q.verdict) {
+        Some(Verdict::Good) if rig.projector.is_none() => {
+            "Directions that are seen with it can be relied on, within their ±."
+        }
+        _ => lead,
+    };
     Look { class, symbol, word, lead }
 }
 
