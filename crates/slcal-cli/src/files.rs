@@ -1,13 +1,15 @@
-//! Photographs read and files written as the command does it, for the Python package.
+//! Photographs read, files and reports written as the command does it, for the Python package.
 
 use std::io::Result;
 use std::path::Path;
 
 use image::DynamicImage;
+use slcal_core::{Observations, PointCloud, Rig, residuals};
 
 pub use crate::io::exchange::{ExportPlaces, export_places, import_paths, storage_of};
 
 use crate::io;
+use crate::report::{Photo, ShownCloud, Subject, html};
 
 /// The photograph in the bytes of a file (PNG, JPEG or TIFF), turned upright by its EXIF orientation.
 ///
@@ -23,4 +25,47 @@ pub fn decode_photo(bytes: &[u8], name: &str) -> std::result::Result<DynamicImag
 /// What the system says, when its folder is missing or cannot be written into.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     io::write_whole(path, bytes)
+}
+
+/// The HTML report on a rig, as `slcal report` writes it: with its photographs (one entry per view, where they are at hand,
+/// as a screen shows them), what was measured in them, and a cloud under a name, as far as they are given.
+///
+/// # Errors
+/// A message when a photograph cannot be written into the page.
+pub fn rig_report(
+    rig: &Rig,
+    photos: &[Option<DynamicImage>],
+    observations: Option<&Observations>,
+    cloud: Option<(&str, &PointCloud)>,
+) -> std::result::Result<Vec<u8>, String> {
+    let shown =
+        |photo: &Option<DynamicImage>| photo.as_ref().map(|p| Photo::new(p, rig.views.len())).transpose();
+    let photos: crate::exit::Outcome<Vec<_>> = photos.iter().map(shown).collect();
+    let missing = || "what was measured was not given".to_owned();
+    let subject = Subject {
+        rig,
+        rig_name: String::new(),
+        checker_name: None,
+        photos: photos.map_err(|failure| failure.to_string())?,
+        observations,
+        residuals: observations
+            .ok_or_else(missing)
+            .and_then(|o| residuals(rig, o).map_err(|e| e.to_string())),
+        cloud: cloud.map(|(name, cloud)| ShownCloud { name: name.to_owned(), cloud }),
+        made_by: Vec::new(),
+    };
+    Ok(html(&subject))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_needs_nothing_but_a_rig() {
+        let rig = slcal_core::format::read_rig(include_bytes!("../demo/truth_rig.json").as_slice()).unwrap();
+        let page = String::from_utf8(rig_report(&rig, &[], None, None).unwrap()).unwrap();
+        assert!(page.starts_with("<!DOCTYPE html>") && page.contains("data-field=\"camera.K.0.0\""));
+        assert!(page.contains("id=\"space\"") && !page.contains("slcal calibrate"));
+    }
 }

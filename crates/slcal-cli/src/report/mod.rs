@@ -68,7 +68,7 @@ pub(crate) fn html(subject: &Subject) -> Vec<u8> {
         Some(space::section(subject.rig, subject.cloud.as_ref(), &mut figures)),
         expected::section(subject, &mut figures),
         next::warnings(subject),
-        Some(next::commands(subject)),
+        next::commands(subject),
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
     page::html(&verdict::title(subject), &verdict::head(subject), &sections, &figures)

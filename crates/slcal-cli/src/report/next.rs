@@ -24,8 +24,9 @@ pub(super) fn warnings(subject: &Subject) -> Option<Section> {
 }
 
 /// The commands that led here, and those that lead on.
-pub(super) fn commands(subject: &Subject) -> Section {
-    listings(&subject.made_by, &following(subject))
+pub(super) fn commands(subject: &Subject) -> Option<Section> {
+    let next = following(subject);
+    (!subject.made_by.is_empty() || !next.is_empty()).then(|| listings(&subject.made_by, &next))
 }
 
 /// Commands to look at and to copy.
