@@ -97,13 +97,23 @@ pub(crate) struct Drawing {
     /// How much coarser lines, marks and words are than usual.
     coarseness: f64,
     pub(crate) items: Vec<Item>,
+    /// Polygons that the legend had better not lie upon.
+    pub(crate) kept_clear: Vec<Vec<Point2<f64>>>,
     pub(crate) legend: Option<Legend>,
 }
 
 impl Drawing {
     /// An empty drawing for a photograph of the given size, px.
     pub(crate) fn new(size: [u32; 2], title: impl Into<String>) -> Self {
-        Self { size, title: title.into(), dimmed: false, coarseness: 1.0, items: Vec::new(), legend: None }
+        Self {
+            size,
+            title: title.into(),
+            dimmed: false,
+            coarseness: 1.0,
+            items: Vec::new(),
+            kept_clear: Vec::new(),
+            legend: None,
+        }
     }
 
     /// The same with lines, marks and words this many times as large: for a picture that is shown small.
@@ -153,6 +163,13 @@ impl Drawing {
     pub(crate) fn outline(&mut self, points: &[Point2<f64>], pen: Pen) {
         let closed: Vec<_> = points.iter().chain(points.first()).copied().collect();
         self.polyline(&closed, pen);
+    }
+
+    /// Asks the legend not to lie upon a polygon if it can.
+    pub(crate) fn keep_clear(&mut self, polygon: &[Point2<f64>]) {
+        if polygon.iter().all(|p| p.x.is_finite() && p.y.is_finite()) {
+            self.kept_clear.push(polygon.to_vec());
+        }
     }
 
     /// Filled circles of a radius in units.

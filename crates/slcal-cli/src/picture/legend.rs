@@ -41,6 +41,9 @@ const PLACES: [[f64; 2]; 16] = [
 /// How much worse it is to hide a corner of a word, or a mark of its own, than a point of a line.
 const WORD_WEIGHT: f64 = 30.0;
 const RING_WEIGHT: f64 = 3.0;
+/// Of areas that are kept clear: a point every so many units either way, and its weight.
+const CLEAR_STEP: f64 = 10.0;
+const CLEAR_WEIGHT: f64 = 0.3;
 
 /// What stands before an entry.
 #[derive(Debug, Clone, PartialEq)]
@@ -172,10 +175,28 @@ fn best_corner(drawing: &Drawing, marks: &[(Point2<f64>, f64)], size: Vector2<f6
     best
 }
 
+/// Points spread over the areas that are kept clear, with their weight.
+fn kept_clear(drawing: &Drawing) -> Vec<(Point2<f64>, f64)> {
+    let (frame, step) = (drawing.frame(), CLEAR_STEP * drawing.unit());
+    let count = |k: usize| ((frame.high[k] - frame.low[k]) / step) as u32;
+    let at = |i: u32, j: u32| frame.low + Vector2::new(f64::from(i), f64::from(j)) * step;
+    let grid = (0..=count(0)).flat_map(|i| (0..=count(1)).map(move |j| at(i, j)));
+    let clear = |p: &Point2<f64>| drawing.kept_clear.iter().any(|polygon| inside(polygon, p));
+    grid.filter(clear).map(|p| (p, CLEAR_WEIGHT)).collect()
+}
+
+/// Whether a ray from a point to the right crosses a polygon's sides an odd number of times.
+fn inside(polygon: &[Point2<f64>], p: &Point2<f64>) -> bool {
+    let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
+    let crossed = sides
+        .filter(|(a, b)| (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y));
+    crossed.count() % 2 == 1
+}
+
 /// Points of everything drawn, with their weight.
 fn marks(drawing: &Drawing) -> Vec<(Point2<f64>, f64)> {
     let step = 6.0 * drawing.unit();
-    let mut marks = Vec::new();
+    let mut marks = kept_clear(drawing);
     for item in &drawing.items {
         match &item.shape {
             Shape::Lines(parts) | Shape::Areas(parts) => {
@@ -275,6 +296,19 @@ mod tests {
             let panel = place(&drawing, &legend()).panel;
             assert_eq!(quarter(&nalgebra::center(&panel.low, &panel.high)), free, "{panel:?}");
         }
+    }
+
+    #[test]
+    fn it_does_not_lie_across_a_sheet_whose_sides_alone_are_drawn() {
+        // Room for it above and below the sheet only.
+        let corners = [[60.0, 230.0], [1140.0, 240.0], [1150.0, 670.0], [50.0, 660.0]].map(Point2::from);
+        let mut drawing = Drawing::new([1200, 900], "");
+        drawing.outline(&corners, Pen::new(WHITE));
+        drawing.keep_clear(&corners);
+        drawing.keep_clear(&[Point2::new(f64::NAN, 0.0)]);
+        let panel = place(&drawing, &legend()).panel;
+        assert!(panel.high.y < 230.0 || panel.low.y > 670.0, "{panel:?}");
+        assert!(inside(&corners, &Point2::new(600.0, 400.0)) && !inside(&corners, &Point2::new(20.0, 400.0)));
     }
 
     #[test]

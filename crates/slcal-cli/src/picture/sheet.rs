@@ -144,6 +144,7 @@ fn ring_radius(drawing: &Drawing, rows: &[Vec<Point2<f64>>]) -> f64 {
 /// An outline TL, TR, BR, BL with its corners named; the name of a corner outside the frame stands where the frame ends.
 pub(crate) fn draw_outline(drawing: &mut Drawing, corners: &[Point2<f64>; 4]) {
     drawing.outline(corners, sheet_pen());
+    drawing.keep_clear(corners);
     let unit = drawing.unit();
     let room = drawing.frame().grown(-NAME_DISTANCE * unit);
     let centre = Point2::from(corners.iter().map(|c| c.coords).sum::<Vector2<f64>>() / 4.0);
