@@ -35,7 +35,9 @@ pub(super) fn of_rig(rig: &Rig) -> Result<Map<String, Value>> {
     let value = value_of(rig)?;
     let found = PLACES.iter().filter_map(|(place, name)| {
         let part = value.pointer(place)?;
-        let empty = part.is_null() || part.as_array().is_some_and(Vec::is_empty);
+        // No covariance is one of no parameters.
+        let list = part.get("parameters").unwrap_or(part);
+        let empty = part.is_null() || list.as_array().is_some_and(Vec::is_empty);
         (!empty).then(|| ((*name).to_owned(), part.clone()))
     });
     Ok(found.collect())

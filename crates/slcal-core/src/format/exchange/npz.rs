@@ -85,7 +85,7 @@ pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
         let words = q.warnings.iter().flat_map(|w| [w.code.clone(), w.message.clone(), w.advice.clone()]);
         arrays.push(("warnings", Array::Words(vec![q.warnings.len(), 3], words.collect())));
     }
-    if let Some(c) = &rig.covariance {
+    if let Some(c) = rig.covariance.as_ref().filter(|c| !c.parameters.is_empty()) {
         let n = c.parameters.len();
         arrays.push(("covariance", numbers(&[n, n], c.matrix.transpose().as_slice().to_vec())));
         arrays.push(("covariance_parameters", Array::Words(vec![n], c.parameters.clone())));

@@ -30,7 +30,7 @@ pub(super) enum Item {
 }
 
 impl Item {
-    /// From what JSON has: rows of numbers become a matrix, nothing is written for null.
+    /// From what JSON has: rows of numbers become a matrix, nothing is written for null and for empty lists.
     pub(super) fn from_json(value: &Value) -> Option<Self> {
         Some(match value {
             Value::Null => return None,
@@ -38,14 +38,15 @@ impl Item {
             Value::Number(n) => Self::Number(n.as_f64()?),
             Value::String(text) => Self::Word(text.clone()),
             Value::Object(fields) => Self::Map(named(fields)),
+            Value::Array(items) if items.is_empty() => return None,
             Value::Array(items) => {
                 if let Some(values) = numbers(value) {
                     return Some(Self::Numbers(values));
                 }
                 let rows: Option<Vec<Vec<f64>>> = items.iter().map(numbers).collect();
                 match rows {
-                    Some(rows) if rows.iter().all(|r| r.len() == rows[0].len()) => {
-                        Self::Matrix(rows[0].len(), rows.concat())
+                    Some(rows) if rows.windows(2).all(|pair| pair[0].len() == pair[1].len()) => {
+                        Self::Matrix(rows.first().map_or(1, Vec::len), rows.concat())
                     }
                     _ => Self::List(items.iter().filter_map(Self::from_json).collect()),
                 }

@@ -121,6 +121,26 @@ fn formats_that_hold_everything_lose_nothing() {
 }
 
 #[test]
+fn empty_lists_are_read_as_nothing() {
+    let mut rig = rig(NO_LENS, 0.0);
+    if let Some(quality) = &mut rig.quality {
+        quality.warnings.clear();
+    }
+    rig.views[1].photo = Some(String::new());
+    rig.covariance = Some(Covariance { parameters: vec![], matrix: DMatrix::zeros(0, 0) });
+    let expected = Rig { covariance: None, ..rig.clone() };
+    for storage in [StorageText::Yaml, StorageText::Xml, StorageText::Json] {
+        let export =
+            export_rig(&rig, ExchangeFormat::OpenCv, &ExportConfig { storage, lossy: false }).unwrap();
+        assert_eq!(back(&export, None).unwrap().rig, expected, "{storage:?}");
+    }
+    // An array of words has no place for the difference between no name and an empty one.
+    let mut unnamed = expected;
+    unnamed.views[1].photo = None;
+    assert_eq!(back(&exported(&rig, ExchangeFormat::Npz), None).unwrap().rig, unnamed);
+}
+
+#[test]
 fn every_format_gives_the_devices_back() {
     for (format, lens) in [
         (ExchangeFormat::OpenCv, LENS_WITH_K3),
