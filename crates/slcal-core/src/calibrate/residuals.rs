@@ -3,10 +3,10 @@
 use nalgebra::{Point2, Vector2};
 
 use super::CalibrateConfig;
-use super::assemble::cast_onto_panel;
+use super::assemble::{cast_onto_panel, rms};
 use super::joint::model::{Layout, Model};
 use super::joint::refine::{kept, whitened};
-use super::joint::{Joint, Kind, Target, measurements};
+use super::joint::{Joint, Kind, Measurement, Target, measurements};
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, Pose};
 use crate::observations::Observations;
@@ -56,8 +56,9 @@ pub struct ViewResiduals {
     pub sheet: Vec<PointResidual>,
     /// The projected corners.
     pub pairs: Vec<PairResidual>,
-    /// How widely those of the sheet scatter (robustly), in the σ that their detector states: 1 for noise that is what it
-    /// says.
+    /// How widely those of the sheet scatter, in the σ that their detector states: 1 for noise that is what it says. The
+    /// larger of the robust scale of all, which tells of a view that fits nowhere, and the root mean square of those that are
+    /// kept, which tells of one that does not fit in some place.
     pub sheet_scatter: f64,
     /// The same of the projected corners; `None` where there are none.
     pub pair_scatter: Option<f64>,
@@ -127,8 +128,9 @@ fn split(joint: &Joint, model: &Model, misses: &[Vector2<f64>]) -> Vec<ViewResid
         times_others: None,
     };
     let mut views = vec![empty; model.views.len()];
-    for ((m, miss), kept) in joint.measurements.iter().zip(misses).zip(kept) {
-        let point = PointResidual { seen: m.seen, expected: m.seen + miss, sigma_px: m.sigma_px, kept };
+    for ((m, miss), kept) in joint.measurements.iter().zip(misses).zip(&kept) {
+        let point =
+            PointResidual { seen: m.seen, expected: m.seen + miss, sigma_px: m.sigma_px, kept: *kept };
         match m.of {
             Target::Pair(drawn) => {
                 let on_panel = model.projector.as_ref().and_then(|p| {
@@ -141,15 +143,20 @@ fn split(joint: &Joint, model: &Model, misses: &[Vector2<f64>]) -> Vec<ViewResid
         }
     }
     for (i, view) in views.iter_mut().enumerate() {
-        let own = |of_pairs: bool| {
-            let measured = joint.measurements.iter().zip(&norms);
-            let own = measured.filter(move |(m, _)| m.view == i && (m.kind() == Kind::Pair) == of_pairs);
-            own.map(|(m, n)| whitened(m, *n))
-        };
-        view.sheet_scatter = robust_scale(own(false));
-        view.pair_scatter = (!view.pairs.is_empty()).then(|| robust_scale(own(true)));
+        view.sheet_scatter = scatter(joint, &norms, &kept, |m| m.view == i && m.kind() != Kind::Pair);
+        view.pair_scatter = (!view.pairs.is_empty())
+            .then(|| scatter(joint, &norms, &kept, |m| m.view == i && m.kind() == Kind::Pair));
     }
     views
+}
+
+fn scatter(joint: &Joint, norms: &[f64], kept: &[bool], of: impl Fn(&Measurement) -> bool) -> f64 {
+    let own = || joint.measurements.iter().zip(norms).zip(kept).filter(|((m, _), _)| of(m));
+    let robust = robust_scale(own().map(|((m, n), _)| whitened(m, *n)));
+    let per_coordinate =
+        |m: &Measurement| if m.kind() == Kind::Edge { 1.0 } else { std::f64::consts::SQRT_2 };
+    let of_kept = own().filter(|(_, kept)| **kept).map(|((m, n), _)| n / m.sigma_px / per_coordinate(m));
+    robust.max(rms(of_kept).unwrap_or(0.0))
 }
 
 /// Sets every view beside the others, sheets and projected corners by themselves: a view may be odd in one alone.
@@ -187,7 +194,7 @@ mod tests {
     }
 
     fn rms(values: impl Iterator<Item = f64>) -> f64 {
-        super::super::assemble::rms(values).unwrap()
+        super::rms(values).unwrap()
     }
 
     #[test]
@@ -253,6 +260,21 @@ mod tests {
             "{:?}",
             views.iter().map(|v| v.times_others).collect::<Vec<_>>()
         );
+    }
+
+    #[test]
+    fn a_view_that_misfits_in_one_place_is_odd() {
+        let (rig, seen) = calibrated(|seen| {
+            // A bump under the board's upper left corner.
+            for pair in
+                seen.views[1].pairs.iter_mut().filter(|p| p.projector.x < 400.0 && p.projector.y < 360.0)
+            {
+                pair.camera.x += 0.5;
+            }
+        });
+        let views = residuals(&rig, &seen).unwrap();
+        let times: Vec<_> = views.iter().map(|v| v.times_others.unwrap()).collect();
+        assert!(times[1] > 1.3 && times[0] < 1.1 && times[2] < 1.1, "{times:?}");
     }
 
     fn rig_of_views() -> Model {
