@@ -19,8 +19,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pypdfium2
 from browser import Page, chromium, opened
-from PIL import Image
+from PIL import Image, ImageChops, ImageStat
 
 DEMO_BYTES = 6_000_000
 LARGE_BYTES = 15_000_000
@@ -161,20 +162,22 @@ def accessible(page: Page) -> None:
     assert page.run("return document.documentElement.lang") == "en"
 
 
-def prints(page: Page) -> int:
-    """Pages, none of them blank; afterwards the page is as it was."""
-    pdf = page.pdf()
-    assert pdf.startswith(b"%PDF")
-    count = len([p for p in pdf.split(b"/Type /Page") if not p.startswith(b"s")]) - 1
-    assert count > 0
-    try:
-        import pymupdf
-    except ImportError:
-        return count
-    with pymupdf.open(stream=pdf) as document:
-        for number, sheet in enumerate(document):
-            assert colours(sheet.get_pixmap(dpi=30).tobytes("png")) > 2, f"page {number + 1} is blank"
-    return count
+def prints(page: Page) -> list[Image.Image]:
+    """Pages, none of them blank."""
+    document = pypdfium2.PdfDocument(page.pdf())
+    sheets = [document[i].render(scale=40 / 72).to_pil().convert("RGB") for i in range(len(document))]
+    assert sheets
+    for number, sheet in enumerate(sheets):
+        assert len(sheet.getcolors(1 << 24) or []) > 2, f"page {number + 1} is blank"
+    return sheets
+
+
+def prints_alike(light: list[Image.Image], dark: list[Image.Image]) -> None:
+    """Paper is white, whatever the screen is: nothing is printed in colours that are meant for a dark one."""
+    assert len(light) == len(dark)
+    for number, (a, b) in enumerate(zip(light, dark, strict=True)):
+        off = sum(ImageStat.Stat(ImageChops.difference(a, b)).mean) / 3
+        assert off < 1.0, f"page {number + 1} differs by {off:.1f} levels when it is printed from a dark screen"
 
 
 def check(slcal: Path, folder: Path, pictures: Path | None) -> None:
@@ -193,14 +196,15 @@ def check(slcal: Path, folder: Path, pictures: Path | None) -> None:
         fields = shows_rig(page, rig)
         accessible(page)
         keep(page, "demo")
+        pages = prints(page)
         turns(page)
         chooses(page)
-        pages = prints(page)
         light = page.run("return getComputedStyle(document.body).backgroundColor")
         is_quiet(page)
-        print(f"demo: {size / 1e6:.2f} MB, {page.seconds:.2f} s to the last plot, {fields} numbers of rig.json, {pages} pages")
+        print(f"demo: {size / 1e6:.2f} MB, {page.seconds:.2f} s to the last plot, {fields} numbers of rig.json, {len(pages)} pages")
     with opened(demo, scheme="dark") as page:
         assert page.run("return getComputedStyle(document.body).backgroundColor") != light
+        prints_alike(pages, prints(page))
         keep(page, "dark")
         is_quiet(page)
     with opened(demo, size=(360, 780)) as page:

@@ -1,5 +1,7 @@
 //! `slcal evaluate` and its picture.
 
+use std::fmt::Write as _;
+
 use crate::bench;
 
 #[test]
@@ -10,7 +12,8 @@ fn a_picture_shows_the_points_and_changes_nothing_that_is_printed() {
     );
     for i in 0..900 {
         let (x, y) = (10.0 * f64::from(i % 30), 10.0 * f64::from(i / 30));
-        cloud.push_str(&format!("{x} {y} {}\n", 800.0 + 0.1 * x + 0.02 * (x * y).sin()));
+        // Writing into a string cannot fail.
+        let _ = writeln!(cloud, "{x} {y} {}", 800.0 + 0.1 * x + 0.02 * (x * y).sin());
     }
     bench.put("flat.ply", cloud);
     let without = bench.run("evaluate plane flat.ply --json").ok();

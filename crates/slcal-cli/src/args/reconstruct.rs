@@ -50,7 +50,7 @@ pub(crate) struct ReconstructArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     pub(crate) jobs: Option<u16>,
     /// Leave out frames whose cloud is in DIR already, complete.
-    #[arg(long, conflicts_with_all = ["force", "output"])]
+    #[arg(long, conflicts_with_all = ["force", "output", "report"])]
     pub(crate) resume: bool,
     /// Draw the points on the photograph, coloured by their distance (one IMAGE only).
     #[arg(long, value_name = "FILE.png")]

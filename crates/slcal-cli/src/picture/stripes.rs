@@ -135,6 +135,12 @@ fn distances(cloud: &PointCloud) -> Vec<f64> {
     cloud.points.iter().map(|p| (p.position - cloud.camera_centre).norm()).collect()
 }
 
+/// Distances of the nearest and the farthest points of a cloud from the camera, without strays: what the colours of
+/// [`reconstructed`] reach from and to.
+pub(crate) fn reach_mm(cloud: &PointCloud) -> (f64, f64) {
+    range(&distances(cloud))
+}
+
 /// From the nearest to the farthest, without strays.
 fn range(distances: &[f64]) -> (f64, f64) {
     let mut sorted: Vec<f64> = distances.iter().copied().filter(|d| d.is_finite()).collect();

@@ -28,7 +28,10 @@ pub(super) fn write(drawing: &Drawing, background: Option<&str>) -> String {
         };
         put(
             &mut text,
-            format_args!("<image width=\"{w}\" height=\"{h}\" href=\"{}\"{dim}/>", escaped(address)),
+            format_args!(
+                "<image preserveAspectRatio=\"none\" width=\"{w}\" height=\"{h}\" href=\"{}\"{dim}/>",
+                escaped(address)
+            ),
         );
     }
     // Pixel centres are integers in the drawing, and halves in SVG.

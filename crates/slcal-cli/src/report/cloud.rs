@@ -52,13 +52,6 @@ fn head(subject: &CloudSubject) -> Markup {
     let (result, rig) = (subject.result, subject.rig);
     let (cloud, t) = (&result.cloud, &result.triangulate);
     let remarks = result.decode.as_ref().map(summary::remarks).unwrap_or_default();
-    let mut distances: Vec<f64> = cloud
-        .points
-        .iter()
-        .map(|p| (p.position - cloud.camera_centre).norm())
-        .filter(|x| x.is_finite())
-        .collect();
-    distances.sort_by(f64::total_cmp);
     let millimetres = |name: &str, x: f64| derived(name, x, &significant(x, 2));
     html! {
         div class={ "verdict " (if remarks.iter().any(|(label, _)| *label == "warning") { "fair" } else { "none" }) } {
@@ -71,9 +64,10 @@ fn head(subject: &CloudSubject) -> Markup {
                     @let share = 100.0 * decode.decoded as f64 / decode.crossings.max(1) as f64;
                     li { span.value { (derived("decoded_percent", share, &fixed(share, 0))) " %" } span.label { "of the stripes decoded" } }
                 }
-                @if let (Some(near), Some(far)) = (distances.first(), distances.last()) {
+                @if !cloud.points.is_empty() {
+                    @let (near, far) = stripes::reach_mm(cloud);
                     li {
-                        span.value { (derived("nearest_mm", *near, &fixed(*near, 0))) "–" (derived("farthest_mm", *far, &fixed(*far, 0))) " mm" }
+                        span.value { (derived("nearest_mm", near, &fixed(near, 0))) "–" (derived("farthest_mm", far, &fixed(far, 0))) " mm" }
                         span.label { "from the camera" }
                     }
                 }
@@ -98,13 +92,13 @@ fn head(subject: &CloudSubject) -> Markup {
                      of sight. "
                     @if t.rig_sigma_known {
                         "The whole cloud together may be moved or stretched, by what is not known exactly of the rig: a point is "
-                        "expected within " (significant(t.median_sigma_mm, 2)) " mm of its true place (1σ)."
+                        "off by about ± " (significant(t.median_sigma_mm, 2)) " mm (1σ)."
                     } @else { "The rig does not state its covariance, so how far the whole cloud may be off is not known." }
                 }
                 dt { "The rig" }
                 dd { (verdict::in_a_line(rig, &subject.rig_name)) }
                 @if !remarks.is_empty() {
-                    dt { "What to do next" }
+                    dt { "What was noticed" }
                     @for (_, remark) in &remarks { dd { (verdict::sentence(remark)) } }
                 }
             }
@@ -123,7 +117,12 @@ fn photograph(subject: &CloudSubject, photo: &Photo) -> Section {
         div.photos { figure {
             (photo.under(&drawing))
             figcaption {
-                "A curve for each stripe where it became points, coloured by the distance from the camera: light is near, dark is far. "
+                "A curve for each stripe where it became points, coloured by the distance from the camera: light is near, dark is far"
+                @if !cloud.points.is_empty() {
+                    @let (near, far) = stripes::reach_mm(cloud);
+                    " (" (fixed(near, 0)) " to " (fixed(far, 0)) " mm)"
+                }
+                ". "
                 (thousands(cloud.points.len())) " points."
             }
         } }

@@ -26,6 +26,7 @@ use self::figure::Figures;
 use self::page::Section;
 pub(crate) use self::photographs::Photo;
 pub(crate) use self::points::Surface;
+use crate::picture::name_among;
 
 /// What a report is about. Names are those that the reader knows: as they were typed.
 pub(crate) struct Subject<'a> {
@@ -50,6 +51,12 @@ impl Subject<'_> {
     fn name(&self) -> &str {
         if self.rig_name.is_empty() { "calibration" } else { &self.rig_name }
     }
+}
+
+/// What the page calls the photograph of view `i`.
+fn photo_name(rig: &Rig, i: usize) -> &str {
+    let names: Vec<&str> = rig.views.iter().map(|v| v.photo.as_deref().unwrap_or("photograph")).collect();
+    name_among(&names, i)
 }
 
 /// A cloud beside the rig.

@@ -8,18 +8,21 @@ use image::{DynamicImage, ImageError};
 use maud::{Markup, PreEscaped, html};
 use slcal_core::{Rig, View};
 
-use super::Subject;
 use super::number::significant;
 use super::page::Section;
 use super::residuals::odd_words;
+use super::{Subject, photo_name};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::picture::fit::{self, Fit};
-use crate::picture::{Drawing, sheet, short};
+use crate::picture::{Drawing, sheet};
 
 /// Longer side of a photograph that stands alone, and of one among others, px: sharp on a large screen, and small enough to
 /// send.
 const ALONE_PX: u32 = 1600;
 const AMONG_OTHERS_PX: u32 = 1000;
+/// How much coarser lines and words are than in a picture of its own: pages are narrower than screens, and two columns more so.
+const COARSER_ALONE: f64 = 1.3;
+const COARSER_AMONG_OTHERS: f64 = 2.0;
 /// Quality of the JPEG: what is drawn on it is not part of it.
 const QUALITY: u8 = 80;
 
@@ -59,7 +62,7 @@ pub(super) fn section(subject: &Subject) -> Option<Section> {
     let shown = subject.photos.iter().flatten().count();
     let missing = rig.views.len() - shown.min(rig.views.len());
     let fits = fits(subject);
-    let like = Drawing::new([rig.camera.model.width, rig.camera.model.height], "");
+    let like = drawing(rig, "");
     let factor = fit::magnification(fits.iter().flatten().copied(), like.unit());
     let content = html! {
         @if shown > 0 {
@@ -67,7 +70,7 @@ pub(super) fn section(subject: &Subject) -> Option<Section> {
             div.photos {
                 @for (i, view) in rig.views.iter().enumerate() {
                     @if let Some(Some(photo)) = subject.photos.get(i) {
-                        (shot(rig, view, photo, fits.get(i).copied().flatten(), factor))
+                        (shot(rig, i, view, photo, fits.get(i).copied().flatten(), factor))
                     }
                 }
             }
@@ -92,10 +95,15 @@ fn fits<'a>(subject: &'a Subject) -> Vec<Option<Fit<'a>>> {
     subject.rig.views.iter().enumerate().map(fit).collect()
 }
 
-fn shot(rig: &Rig, view: &View, photo: &Photo, fit: Option<Fit<'_>>, factor: f64) -> Markup {
-    let name = view.photo.as_deref().unwrap_or("photograph");
-    let size = [rig.camera.model.width, rig.camera.model.height];
-    let mut drawing = Drawing::new(size, format!("{name}: the sheet and what was measured on it"));
+/// Pages show photographs smaller than screens do, the smaller the more there are.
+fn drawing(rig: &Rig, title: &str) -> Drawing {
+    let coarser = if rig.views.len() > 1 { COARSER_AMONG_OTHERS } else { COARSER_ALONE };
+    Drawing::new([rig.camera.model.width, rig.camera.model.height], title).coarser(coarser)
+}
+
+fn shot(rig: &Rig, i: usize, view: &View, photo: &Photo, fit: Option<Fit<'_>>, factor: f64) -> Markup {
+    let name = photo_name(rig, i);
+    let mut drawing = drawing(rig, &format!("{name}: the sheet and what was measured on it"));
     match fit {
         Some(fit) => fit::draw(&mut drawing, fit, factor),
         None => sheet::draw_outline(&mut drawing, &view.corners_px),
@@ -105,7 +113,7 @@ fn shot(rig: &Rig, view: &View, photo: &Photo, fit: Option<Fit<'_>>, factor: f64
         figure.odd[odd] {
             (photo.under(&drawing))
             figcaption {
-                strong.file { (short(name)) }
+                strong.file { (name) }
                 @if let Some(rms) = &view.rms_px {
                     ": sides of the sheet " (significant(rms.edges, 2)) " px"
                     @if let Some(corners) = rms.corners { ", projected corners " (significant(corners, 2)) " px" }

@@ -4,11 +4,10 @@ use maud::{Markup, html};
 use serde_json::{Value, json};
 use slcal_core::{PointResidual, Rig, ViewResiduals};
 
-use super::Subject;
 use super::figure::{Figures, flat_layout};
 use super::number::{field, significant};
 use super::page::Section;
-use crate::picture::short;
+use super::{Subject, photo_name};
 
 /// More arrows than this hide each other.
 const MAX_ARROWS: usize = 1500;
@@ -50,9 +49,15 @@ fn over_image(rig: &Rig, views: &[ViewResiduals], figures: &mut Figures) -> Mark
         ("projected corners", "$projector", pairs().collect()),
     ];
     for (name, colour, points) in &kinds {
-        if !points.is_empty() {
-            traces.push(arrows(name, colour, points, scale));
+        let kept: Vec<_> = points.iter().copied().filter(|p| p.kept).collect();
+        if !kept.is_empty() {
+            traces.push(arrows(name, colour, &kept, scale));
         }
+    }
+    // Their arrows would hide everything else.
+    let left_out: Vec<_> = sheet().chain(pairs()).filter(|p| !p.kept).collect();
+    if !left_out.is_empty() {
+        traces.push(crosses(&left_out));
     }
     // The scale's bar stands above the image.
     let y = -0.06 * h;
@@ -71,7 +76,7 @@ fn over_image(rig: &Rig, views: &[ViewResiduals], figures: &mut Figures) -> Mark
         figure {
             (figures.flat("residuals-image", &alt, traces, layout))
             figcaption {
-                "From seen to expected, " (significant(scale, 2)) " times as long as they are. They should point anywhere: a pattern \
+                "From seen to expected" @if scale > 1.0 { ", " (significant(scale, 2)) " times as long as they are" } ". They should point anywhere: a pattern \
                  means that the model misses something (a bent sheet, a lens that distorts)."
             }
         }
@@ -90,6 +95,17 @@ fn arrows(name: &str, colour: &str, points: &[&PointResidual], scale: f64) -> Va
     json!({
         "type": "scatter", "mode": "lines+markers", "name": name, "x": x, "y": y, "hoverinfo": "skip",
         "line": { "color": colour, "width": 1.25 }, "marker": { "size": size, "color": colour, "line": { "width": 0 } },
+    })
+}
+
+/// What was left out of the fit.
+fn crosses(points: &[&PointResidual]) -> Value {
+    let step = points.len().div_ceil(MAX_ARROWS).max(1);
+    let shown = || points.iter().step_by(step);
+    json!({
+        "type": "scatter", "mode": "markers", "name": "left out", "hoverinfo": "skip",
+        "x": shown().map(|p| rounded(p.seen.x)).collect::<Vec<_>>(), "y": shown().map(|p| rounded(p.seen.y)).collect::<Vec<_>>(),
+        "marker": { "symbol": "x-thin", "size": 6, "line": { "width": 1.25, "color": "$ink" } },
     })
 }
 
@@ -193,7 +209,7 @@ fn table(rig: &Rig, views: Option<&Vec<ViewResiduals>>) -> Markup {
                 @let odd = own.is_some_and(ViewResiduals::is_odd);
                 tr.odd[odd] {
                     th scope="row" {
-                        span.file { (short(view.photo.as_deref().unwrap_or("photograph"))) }
+                        span.file { (photo_name(rig, i)) }
                         @if odd { " " span.flag { "⚠ " (odd_words(own)) } }
                     }
                     td.number { (number(format!("views.{i}.rms_px.edges"), view.rms_px.map(|r| r.edges))) }

@@ -85,14 +85,20 @@
   // Paper is light and narrow, and has no canvas that is drawn anew: what is in space is printed as a picture.
   const PAPER_PX = 660;
   const printed = () => {
+    root.classList.add("on-paper");
     for (const figure of figures) {
       const div = drawn.get(figure.id);
       if (!div) continue;
+      const layout = ready(figure.layout, colours());
       if (!figure.space) {
-        const layout = { ...ready(figure.layout, colours()), width: Math.min(div.clientWidth, PAPER_PX), height: 270, autosize: false };
+        Object.assign(layout, { width: Math.min(div.clientWidth, PAPER_PX), height: 270, autosize: false });
         Plotly.react(div, ready(figure.data, colours()), layout, { ...settings, responsive: false });
+        if (figure.chosen) choose(figure, figure.chosen);
         continue;
       }
+      layout.scene.camera = div._fullLayout.scene.camera;
+      Plotly.react(div, ready(figure.data, colours()), layout, settings);
+      if (figure.chosen) choose(figure, figure.chosen);
       const canvas = div.querySelector(".gl-container canvas, canvas");
       if (!canvas) continue;
       const scene = div._fullLayout.scene._scene;
@@ -105,6 +111,7 @@
     }
   };
   const unprinted = () => {
+    root.classList.remove("on-paper");
     for (const picture of document.querySelectorAll(".printed")) picture.remove();
     recolour();
   };
@@ -132,7 +139,12 @@
     if (!navigator.clipboard) continue;
     button.hidden = false;
     button.addEventListener("click", async () => {
-      await navigator.clipboard.writeText(listing.querySelector("code").textContent);
+      try {
+        await navigator.clipboard.writeText(listing.querySelector("code").textContent);
+      } catch {
+        // Not allowed here: the reader selects the words, which stay where they are.
+        return;
+      }
       button.textContent = "Copied";
       setTimeout(() => (button.textContent = "Copy"), 2000);
     });

@@ -29,6 +29,8 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
     }
     let rig = load_rig(&args.rig)?;
     let photos = photos(args, &rig, printer)?;
+    // Also those that were found by their names.
+    check_spares([&place], photos.iter().flatten().map(|p| p.path.as_path()))?;
     let observations = observations(args, &rig, &photos, printer)?;
     let residuals = match &observations {
         Ok(seen) => fits(args, &rig, seen)?,

@@ -38,11 +38,14 @@ pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -
     // Why there is no rig matters more than why there is no picture.
     let (calibration, observations) = done?;
     drawn?;
-    if let Some((place, gallery)) = places.report.as_ref().zip(gallery) {
-        let shown = Calibrated { rig: &calibration.rig, observations: &observations };
-        write_all(&[(place.clone(), report(args, shown, &gallery, typed)?)])?;
-    }
-    finish(args, &calibration, places, printer)
+    let report = match places.report.as_ref().zip(gallery) {
+        Some((place, gallery)) => {
+            let shown = Calibrated { rig: &calibration.rig, observations: &observations };
+            Some((place.clone(), report(args, shown, &gallery, typed)?))
+        }
+        None => None,
+    };
+    finish(args, &calibration, places, report, printer)
 }
 
 /// The report on a calibration.
@@ -230,12 +233,18 @@ pub(super) fn distortion(asked: DistortionArg) -> DistortionModel {
     }
 }
 
-fn finish(args: &CalibrateArgs, calibration: &Calibration, places: Places, printer: Printer) -> Outcome {
+/// Writes the rig and its report, together or not at all, and says what came out.
+fn finish(
+    args: &CalibrateArgs,
+    calibration: &Calibration,
+    places: Places,
+    report: Option<(Destination, Vec<u8>)>,
+    printer: Printer,
+) -> Outcome {
     let bytes = rig_bytes(&calibration.rig)?;
     let to_stdout = places.rig == Some(Destination::Stdout);
-    if let Some(place) = places.rig {
-        write_all(&[(place, bytes.clone())])?;
-    }
+    let rig = places.rig.map(|place| (place, bytes.clone()));
+    write_all(&rig.into_iter().chain(report).collect::<Vec<_>>())?;
     if args.json {
         let rig: serde_json::Value = serde_json::from_slice(&bytes)
             .map_err(|e| Failure::new(Exit::Other, format!("the rig is not valid JSON: {e}")))?;

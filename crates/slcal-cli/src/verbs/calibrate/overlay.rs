@@ -10,6 +10,7 @@ use slcal_core::{Observations, Rig, Verdict, ViewResiduals, residuals};
 use crate::exit::{Failure, Outcome};
 use crate::io::{Destination, input_name, png_bytes, write_all};
 use crate::picture::fit::{self, Fit};
+use crate::picture::name_among;
 use crate::picture::sheet::{self, Partly};
 use crate::picture::tiles::{self, Tile};
 use crate::picture::{Drawing, short};
@@ -166,13 +167,6 @@ fn verdict(rig: &Rig) -> &'static str {
     }
 }
 
-/// The name under which a photograph stands among others: with its folders where it takes them to tell.
-fn name_among(shots: &[Shot], i: usize) -> &str {
-    let name = short(&shots[i].name);
-    let unique = shots.iter().enumerate().all(|(j, other)| j == i || short(&other.name) != name);
-    if unique { name } else { &shots[i].name }
-}
-
 /// All photographs on one sheet.
 fn sheet_of(
     shots: &[Shot],
@@ -184,10 +178,11 @@ fn sheet_of(
     let (_, coarseness) = tiles::tile_size(shots[0].size, expected);
     let like = Drawing::new(shots[0].size, "").coarser(coarseness);
     let factor = fit::magnification(fits.iter().copied(), like.unit());
+    let names: Vec<&str> = shots.iter().map(|s| &*s.name).collect();
     let tiles = shots
         .iter()
         .enumerate()
-        .map(|(i, shot)| shot.tile(name_among(shots, i), fits.get(i).copied(), factor, coarseness))
+        .map(|(i, shot)| shot.tile(name_among(&names, i), fits.get(i).copied(), factor, coarseness))
         .collect::<Outcome<Vec<_>>>()?;
     let shown_as = f64::from(shots[0].photo.width()) / f64::from(shots[0].size[0]);
     let mut legend = match calibrated {
