@@ -53,33 +53,64 @@ fn listing(text: &str) -> Markup {
     }
 }
 
-/// What one does with such a rig, with the names of its files.
+/// What stands for a rig that was piped in: no command can name it.
+const PIPED: &str = "stdin";
+
+/// What one does with such a rig, with the names of its files: only what this rig is enough for.
 fn following(subject: &Subject) -> Vec<(&'static str, String)> {
-    let rig = quoted(&subject.rig_name);
     let mut next = Vec::new();
-    if subject.rig_name.is_empty() {
+    if subject.rig_name.is_empty() || subject.rig_name == PIPED {
         return next;
     }
-    let checker = subject.checker_name.as_deref().map_or_else(|| "checker.json".to_owned(), quoted);
+    let rig = file_word(&subject.rig_name);
+    let pattern = subject.checker_name.as_deref().filter(|name| *name != PIPED).map(file_word);
+    let checker = pattern.as_deref().unwrap_or("checker.json");
+    let sheet_known = !subject.rig.views.is_empty();
+    let can_advise = sheet_known && subject.rig.covariance.is_some();
     if subject.rig.projector.is_none() {
-        next.push(("Which photograph to take next", format!("slcal advise --rig {rig}")));
+        if can_advise {
+            next.push(("Which photograph to take next", format!("slcal advise --rig {rig}")));
+        }
         return next;
     }
-    next.push((
-        "See what the next photograph would bring",
-        format!("slcal advise --rig {rig} --pattern {checker}"),
-    ));
+    if can_advise {
+        // Without a pattern it takes the one that slcal draws.
+        let with = pattern.as_ref().map(|p| format!(" --pattern {p}")).unwrap_or_default();
+        next.push(("See what the next photograph would bring", format!("slcal advise --rig {rig}{with}")));
+    }
     next.push((
         "Measure something: photograph it under the stripes",
         format!("slcal reconstruct --rig {rig} --pattern stripes.json object.jpg -o cloud.ply --mesh --report cloud.html"),
     ));
-    next.push((
-        "Later: is the rig still as it was?",
-        format!("slcal verify --rig {rig} --pattern {checker} --as-drawn photo.jpg"),
-    ));
-    next.push((
-        "Project without keystone",
-        format!("slcal rectify --rig {rig} --pattern {checker} -o straight.png"),
-    ));
+    if sheet_known {
+        next.push((
+            "Later: is the rig still as it was?",
+            format!("slcal verify --rig {rig} --pattern {checker} --as-drawn photo.jpg"),
+        ));
+        next.push((
+            "Project without keystone",
+            format!("slcal rectify --rig {rig} --pattern {checker} -o straight.png"),
+        ));
+    }
     next
+}
+
+/// The name of a file as a word of a command: never taken for an option, nor for a command's place by a shell (`=name` in zsh).
+fn file_word(name: &str) -> String {
+    let word = if name.starts_with('-') { quoted(&format!("./{name}")) } else { quoted(name) };
+    if word.starts_with('=') { format!("'{word}'") } else { word }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_files_are_words_of_a_command() {
+        assert_eq!(file_word("rig.json"), "rig.json");
+        assert_eq!(file_word("-rig.json"), "./-rig.json");
+        assert_eq!(file_word("-my rig.json"), "'./-my rig.json'");
+        assert_eq!(file_word("=rig.json"), "'=rig.json'");
+        assert_eq!(file_word("=it's"), "'=it'\\''s'");
+    }
 }
