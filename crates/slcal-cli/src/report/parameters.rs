@@ -38,7 +38,11 @@ fn device(path: &str, title: &str, device: &Device) -> Markup {
         measured(&at(&format!("K.{axis}.{axis}")), value, sigma.map(|s| (at("sigma.focal_px"), s.focal_px)))
     };
     let share = sigma.filter(|s| s.focal_px > 0.0).map(|s| 100.0 * s.focal_px / k.fx);
-    let degrees = |pixels: u32, f: f64| (2.0 * (f64::from(pixels) / 2.0 / f).atan()).to_degrees();
+    // From edge to edge, to both sides of the principal point.
+    let degrees = |pixels: u32, f: f64, c: f64| {
+        (((c + 0.5) / f).atan() + ((f64::from(pixels) - 0.5 - c) / f).atan()).to_degrees()
+    };
+    let fov = [degrees(size[0], k.fx, k.cx), degrees(size[1], k.fy, k.cy)];
     let d = model.distortion.to_array();
     let bends = d.iter().chain(sigma.iter().flat_map(|s| &s.distortion)).any(|c| *c != 0.0);
     html! {
@@ -57,8 +61,8 @@ fn device(path: &str, title: &str, device: &Device) -> Markup {
                 (row("Focal length, vertical", &focal(1, k.fy), "px"))
             }
             (row("Field of view", &html! {
-                (derived(&at("fov_x_deg"), degrees(size[0], k.fx), &fixed(degrees(size[0], k.fx), 1))) "° × "
-                (derived(&at("fov_y_deg"), degrees(size[1], k.fy), &fixed(degrees(size[1], k.fy), 1))) "°"
+                (derived(&at("fov_x_deg"), fov[0], &fixed(fov[0], 1))) "° × "
+                (derived(&at("fov_y_deg"), fov[1], &fixed(fov[1], 1))) "°"
             }, ""))
             (row("Principal point, x", &measured(&at("K.0.2"), k.cx, sigma.map(|s| (at("sigma.cx_px"), s.cx_px))), "px"))
             (row("Principal point, y", &measured(&at("K.1.2"), k.cy, sigma.map(|s| (at("sigma.cy_px"), s.cy_px))), "px"))
@@ -83,8 +87,7 @@ fn between(rig: &Rig, stereo: &StereoPose) -> Markup {
     let sigma = rig.baseline_sigma_mm();
     let decimals = sigma.map_or(1, decimals_of);
     let turn = pose.rotation.angle().to_degrees();
-    // What the rig states is of the projector's axes; a reader wants one number.
-    let turn_sigma = stereo.sigma_r_rad.map(|s| s.iter().map(|x| x * x).sum::<f64>().sqrt().to_degrees());
+    let turn_sigma = turn_sigma_rad(rig, stereo).map(f64::to_degrees);
     html! {
         tbody {
             tr.group { th scope="rowgroup" colspan="3" { "From camera to projector" } }
@@ -104,6 +107,26 @@ fn between(rig: &Rig, stereo: &StereoPose) -> Markup {
             }, "°"))
         }
     }
+}
+
+/// 1σ of the angle by which the devices are turned against each other, rad: √(uᵀ C u) with u the axis of that rotation and C the
+/// covariance of a small one about the projector's axes. A turn that follows another adds its part along the axis of the other.
+fn turn_sigma_rad(rig: &Rig, stereo: &StereoPose) -> Option<f64> {
+    let covariance = rig.covariance.as_ref()?;
+    let axis = stereo.projector_from_camera.rotation.axis()?;
+    let mut at = [0; 3];
+    for (index, name) in at.iter_mut().zip(["rx_rad", "ry_rad", "rz_rad"]) {
+        let name = format!("projector_from_camera.{name}");
+        *index = covariance.parameters.iter().position(|p| *p == name)?;
+    }
+    let term = |i: usize, j: usize| Some(axis[i] * axis[j] * covariance.matrix.get((at[i], at[j])).copied()?);
+    let mut variance = 0.0;
+    for i in 0..3 {
+        for j in 0..3 {
+            variance += term(i, j)?;
+        }
+    }
+    (variance.is_finite() && variance >= 0.0).then(|| variance.sqrt())
 }
 
 /// The sheet in every photograph, a line each.
