@@ -5,14 +5,14 @@ use nalgebra::{Point2, Point3};
 use serde_json::{Value, json};
 use slcal_core::geometry::Camera;
 use slcal_core::pattern::Axis;
-use slcal_core::reconstruct::SigmaForecast;
+use slcal_core::reconstruct::{ExpectedSigma, SigmaForecast};
 use slcal_core::{Match, Rig};
 
 use super::Subject;
 use super::figure::{Choice, Figures, flat_layout};
 use super::number::significant;
 use super::page::Section;
-use super::verdict::sheet_distance_mm;
+use super::verdict::stripes;
 
 /// The slice reaches from and to these shares of the sheet's distance.
 const NEAREST: f64 = 0.4;
@@ -20,89 +20,167 @@ const FARTHEST: f64 = 2.2;
 /// Points of the slice.
 const COLUMNS: usize = 61;
 const ROWS: usize = 46;
+/// Rows of the image that are tried for each of them: odd, so that the middle is one, and up to both edges.
+const LAYERS: usize = 33;
+/// Patterns have vertical stripes unless asked otherwise: horizontal ones are spoken of where their noise is below this share.
+const CLEARLY_BETTER: f64 = 0.8;
 /// Points of the curve.
 const DEPTHS: usize = 91;
 
 pub(super) fn section(subject: &Subject, figures: &mut Figures) -> Option<Section> {
     let rig = subject.rig;
     rig.projector?;
-    let content = match Volume::new(rig) {
-        Some(mut volume) => html! {
+    let content = match working(rig) {
+        Ok(Some(mut working)) => html! {
             p {
                 "How far a single point is expected to lie from its true place, along the camera’s line of sight (1σ), if the centre of \
-                 a stripe is found to " (Match::DEFAULT_SIGMA_PX) " px. Most of the total is common to all points: it moves and scales \
-                 them together. What differs from point to point, and makes a surface rough, is the noise."
+                 a stripe is found to " (Match::DEFAULT_SIGMA_PX) " px, under " (stripes(working.axis)) ", which tell depths best here. "
+                @if !working.knows_rig {
+                    "What is not known of the rig itself is not in these numbers, as the rig has no covariance: they are the noise, which \
+                     differs from point to point and makes a surface rough."
+                } @else if working.rig_mm() > working.sigma.noise_mm {
+                    "Most of the total is common to all points: it moves and scales them together. What differs from point to point, and \
+                     makes a surface rough, is the noise."
+                } @else {
+                    "Most of the total is noise: it differs from point to point and makes a surface rough."
+                }
             }
-            @if !volume.knows_rig { p.note { "The rig has no covariance: what is not known of the rig itself is not in these numbers." } }
-            div.pair { (volume.slice(rig, figures)) (volume.depths(figures)) }
+            div.pair { (working.slice(rig, figures)) (working.depths(figures)) }
         },
-        None => {
-            html! { p.note { "Not shown: camera and projector of this rig do not see a place together." } }
-        }
+        Ok(None) => html! {
+            p.note {
+                "Not shown: at the distance of "
+                @if rig.views.is_empty() { "a few baselines" } @else { "the sheet" }
+                " no place was found that the camera sees and the projector lights from far enough aside to tell its depth."
+            }
+        },
+        Err(error) => html! { p.note { "Not shown: " (error) "." } },
     };
     Some(Section { id: "expected", title: "How sure a point will be", content })
 }
 
-/// Where σ is foretold.
-struct Volume {
-    forecast: SigmaForecast,
-    /// Which row of the image the slice goes through, as a direction: y/z.
-    slope: f64,
-    /// The pixel of the curve.
-    pixel: Point2<f64>,
-    distance_mm: f64,
-    /// Whether that is the sheet's.
-    of_sheet: bool,
-    knows_rig: bool,
+/// Which place of the image the working distance is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Sheet,
+    Image,
+    Lit,
 }
 
-impl Volume {
-    /// `None` where nothing is lit at the working distance.
-    fn new(rig: &Rig) -> Option<Self> {
-        let mut forecast = SigmaForecast::new(rig, Axis::Columns, Match::DEFAULT_SIGMA_PX).ok()?;
-        let model = &rig.camera.model;
-        let middle = rig.views.first().map(|v| {
-            v.camera_from_sheet.transform(&Point3::new(v.size.width_mm / 2.0, v.size.height_mm / 2.0, 0.0))
-        });
-        let centre = Camera::image_centre(model.width, model.height);
-        let mut lit = |(pixel, depth): &(Point2<f64>, f64)| forecast.at(*pixel, *depth).is_some();
-        let (pixel, depth) = if let Some(m) = middle {
-            model.project(&m).into_iter().chain([centre]).map(|p| (p, m.z)).find(&mut lit)?
-        } else {
-            // Devices side by side overlap from some distance on.
-            let baseline = rig.baseline_mm()?;
-            [3.0, 6.0, 12.0, 24.0].map(|times| (centre, times * baseline)).into_iter().find(&mut lit)?
-        };
-        let bearing = model.bearing(pixel)?;
-        let distance_mm = if middle.is_some() { sheet_distance_mm(rig) } else { depth };
-        Some(Self {
-            forecast,
-            slope: bearing.y,
-            pixel,
-            distance_mm,
-            of_sheet: middle.is_some(),
-            knows_rig: rig.covariance.is_some(),
+/// Where one works with a rig, and what σ is foretold there.
+pub(super) struct Working {
+    /// The slits that tell depths better there.
+    pub(super) axis: Axis,
+    forecast: SigmaForecast,
+    /// Where in the image.
+    pixel: Point2<f64>,
+    place: Place,
+    /// The depth there.
+    pub(super) distance_mm: f64,
+    /// Whether that is the sheet's.
+    pub(super) of_sheet: bool,
+    /// Whether the rig's share of σ is known.
+    pub(super) knows_rig: bool,
+    pub(super) sigma: ExpectedSigma,
+}
+
+/// The middle of the first sheet, or of the image some baselines away, or else any place lit there; under the slits that tell
+/// its depth better. `None` where nothing is lit there.
+pub(super) fn working(rig: &Rig) -> slcal_core::Result<Option<Working>> {
+    let model = &rig.camera.model;
+    let middle = rig.views.first().map(|v| {
+        v.camera_from_sheet.transform(&Point3::new(v.size.width_mm / 2.0, v.size.height_mm / 2.0, 0.0))
+    });
+    let centre = Camera::image_centre(model.width, model.height);
+    let (depths, of_sheet) = match middle {
+        Some(m) => (vec![m.z], model.project(&m)),
+        // Devices side by side overlap from some distance on.
+        None => ([3.0, 6.0, 12.0, 24.0].map(|times| times * rig.baseline_mm().unwrap_or(0.0)).to_vec(), None),
+    };
+    let mut places = vec![(Place::Image, centre)];
+    places.splice(0..0, of_sheet.map(|p| (Place::Sheet, p)));
+    places.extend(grid(model).map(|p| (Place::Lit, p)));
+    let mut forecasts = Vec::new();
+    for axis in [Axis::Columns, Axis::Rows] {
+        forecasts.push((axis, SigmaForecast::new(rig, axis, Match::DEFAULT_SIGMA_PX)?));
+    }
+    for ((place, pixel), depth) in places.iter().flat_map(|p| depths.iter().map(move |d| (*p, *d))) {
+        let told: Vec<_> = forecasts
+            .iter_mut()
+            .enumerate()
+            .filter_map(|(i, (_, f))| Some((i, f.at(pixel, depth)?)))
+            .collect();
+        let clearly = |a: &ExpectedSigma, b: &ExpectedSigma| b.noise_mm < CLEARLY_BETTER * a.noise_mm;
+        let best = told.into_iter().reduce(|a, b| if clearly(&a.1, &b.1) { b } else { a });
+        if let Some((i, sigma)) = best {
+            let (axis, forecast) = forecasts.swap_remove(i);
+            let (of_sheet, knows_rig) = (middle.is_some(), rig.covariance.is_some());
+            return Ok(Some(Working {
+                axis,
+                forecast,
+                pixel,
+                place,
+                distance_mm: depth,
+                of_sheet,
+                knows_rig,
+                sigma,
+            }));
+        }
+    }
+    Ok(None)
+}
+
+/// Slopes y/z of rows of the image, from its middle outwards, by turns up and down.
+fn slopes(model: &Camera) -> Vec<f64> {
+    let h = f64::from(model.height);
+    let row = |i: usize| {
+        let off = i.div_ceil(2) as f64 / (LAYERS / 2) as f64 * h / 2.0;
+        (h - 1.0) / 2.0 + if i % 2 == 1 { -off } else { off }
+    };
+    let slope = |i: usize| Some(model.bearing(Point2::new(model.intrinsics.cx, row(i)))?.y);
+    (0..LAYERS).filter_map(slope).collect()
+}
+
+/// Pixels over the whole image.
+fn grid(model: &Camera) -> impl Iterator<Item = Point2<f64>> {
+    const SIDE: u32 = 12;
+    let [w, h] = [model.width, model.height].map(f64::from);
+    let at = |i: u32, length: f64| (f64::from(i) + 0.5) / f64::from(SIDE) * length - 0.5;
+    (0..SIDE * SIDE).map(move |i| Point2::new(at(i % SIDE, w), at(i / SIDE, h)))
+}
+
+impl Working {
+    /// The share of σ that is common to all points, mm.
+    pub(super) fn rig_mm(&self) -> f64 {
+        (self.sigma.sigma_mm.powi(2) - self.sigma.noise_mm.powi(2)).max(0.0).sqrt()
+    }
+
+    /// σ at a place seen from above, whatever its height: at the row of the image nearest to the middle that is lit there.
+    fn seen_from_above(&mut self, model: &Camera, slopes: &[f64], x: f64, z: f64) -> Option<ExpectedSigma> {
+        let [w, h] = [model.width, model.height].map(f64::from);
+        slopes.iter().find_map(|slope| {
+            let pixel = model.project(&Point3::new(x, slope * z, z))?;
+            let inside = (-0.5..=w - 0.5).contains(&pixel.x) && (-0.5..=h - 0.5).contains(&pixel.y);
+            if inside { self.forecast.at(pixel, z) } else { None }
         })
     }
 
-    /// σ in a plane through the camera, seen from above.
+    /// σ seen from above.
     fn slice(&mut self, rig: &Rig, figures: &mut Figures) -> Markup {
         let model = &rig.camera.model;
-        let [w, h] = [model.width, model.height].map(f64::from);
-        let half = FARTHEST * self.distance_mm * (w / 2.0) / model.intrinsics.fx;
+        let deepest = FARTHEST * self.distance_mm;
+        // To both edges of the image, which need not be alike.
+        let [left, right] = [-0.5, f64::from(model.width) - 0.5].map(|x| {
+            let level = model.bearing(Point2::new(x, (f64::from(model.height) - 1.0) / 2.0));
+            deepest * level.map_or((x - model.intrinsics.cx) / model.intrinsics.fx, |b| b.x)
+        });
         let at = |i: usize, n: usize, low: f64, high: f64| low + (high - low) * i as f64 / (n - 1) as f64;
-        let xs: Vec<f64> = (0..COLUMNS).map(|i| at(i, COLUMNS, -half, half)).collect();
+        let xs: Vec<f64> = (0..COLUMNS).map(|i| at(i, COLUMNS, left, right)).collect();
         let zs: Vec<f64> = (0..ROWS).map(|i| at(i, ROWS, NEAREST, FARTHEST) * self.distance_mm).collect();
+        let slopes = slopes(model);
         let (mut total, mut noise) = (Vec::new(), Vec::new());
         for z in &zs {
-            let row: Vec<_> = xs
-                .iter()
-                .map(|x| {
-                    let pixel = model.project(&Point3::new(*x, self.slope * z, *z))?;
-                    let inside = (-0.5..=w - 0.5).contains(&pixel.x) && (-0.5..=h - 0.5).contains(&pixel.y);
-                    if inside { self.forecast.at(pixel, *z) } else { None }
-                })
-                .collect();
+            let row: Vec<_> = xs.iter().map(|x| self.seen_from_above(model, &slopes, *x, *z)).collect();
             total.push(row.iter().map(|s| s.map(|s| shortened(s.sigma_mm))).collect::<Vec<_>>());
             noise.push(row.iter().map(|s| s.map(|s| shortened(s.noise_mm))).collect::<Vec<_>>());
         }
@@ -114,19 +192,19 @@ impl Volume {
         };
         let range = colours(&total);
         let mut traces = vec![json!({
-            "type": "contour", "x": xs.iter().map(|x| x.round()).collect::<Vec<_>>(), "y": zs.iter().map(|z| z.round()).collect::<Vec<_>>(),
+            "type": "contour", "x": self.drawn(&xs), "y": self.drawn(&zs),
             "z": total, "colorscale": "Cividis", "reversescale": true, "connectgaps": false, "name": "σ",
             "autocontour": false, "ncontours": 12, "line": { "color": "rgba(0,0,0,0.55)", "width": 0.75 },
             "contours": { "showlabels": true, "labelfont": { "size": 11, "color": "#000000" },
                 "start": range[0], "end": range[1], "size": range[2] },
             "zmin": range[0], "zmax": range[1],
             "colorbar": { "title": { "text": "σ, mm" }, "thickness": 12, "outlinewidth": 0, "tickcolor": "$line" },
-            "hovertemplate": "%{x:.0f} mm right, %{y:.0f} mm deep: %{z:.3g} mm<extra></extra>",
+            "hovertemplate": "%{x:.4~r} mm right, %{y:.4~r} mm deep: %{z:.3~r} mm<extra></extra>",
         })];
-        traces.extend(landmarks(rig));
-        let depths = [-0.08 * FARTHEST * self.distance_mm, FARTHEST * self.distance_mm];
+        traces.extend(self.landmarks(rig));
+        let depths = [-0.08 * deepest, deepest];
         let layout = flat_layout(
-            json!({ "title": { "text": "to the right of the camera, mm" }, "zeroline": false, "constrain": "domain", "range": [-half, half] }),
+            json!({ "title": { "text": "to the right of the camera, mm" }, "zeroline": false, "constrain": "domain", "range": [left, right] }),
             json!({ "title": { "text": "depth, mm" }, "zeroline": false, "constrain": "domain", "range": depths, "scaleanchor": "x" }),
         );
         let alt = "Expected σ of a point over a slice of the working volume, seen from above; it grows with the depth.";
@@ -134,28 +212,27 @@ impl Volume {
             figure {
                 (figures.chosen("expected-slice", alt, traces, layout, "Which error", choices))
                 figcaption {
-                    "Seen from above: camera and projector at the bottom, in colour what both reach, the sheet as a black line. The lighter, \
-                     the surer; lines join places of the same σ."
+                    "Seen from above: camera and projector at the bottom, in colour what both reach at some height"
+                    @if !rig.views.is_empty() { ", " @if rig.views.len() == 1 { "the sheet as a black line" } @else { "the sheets as black lines" } }
+                    ". Every σ is that of the height nearest to the middle of the image that is lit there. The lighter, the surer; lines \
+                     join places of the same σ."
                 }
             }
         }
     }
 
-    /// σ along the line of sight through the sheet's middle.
+    /// σ along the line of sight through the sheet's middle, or another place.
     fn depths(&mut self, figures: &mut Figures) -> Markup {
         let depth =
             |i: usize| (NEAREST + (FARTHEST - NEAREST) * i as f64 / (DEPTHS - 1) as f64) * self.distance_mm;
         let zs: Vec<f64> = (0..DEPTHS).map(depth).collect();
         let all: Vec<_> = zs.iter().map(|z| self.forecast.at(self.pixel, *z)).collect();
-        let curve = |name: &str,
-                     colour: &str,
-                     dash: &str,
-                     of: fn(&slcal_core::reconstruct::ExpectedSigma) -> f64| {
+        let curve = |name: &str, colour: &str, dash: &str, of: fn(&ExpectedSigma) -> f64| {
             json!({
-                "type": "scatter", "mode": "lines", "name": name, "x": zs.iter().map(|z| z.round()).collect::<Vec<_>>(),
+                "type": "scatter", "mode": "lines", "name": name, "x": self.drawn(&zs),
                 "y": all.iter().map(|s| s.as_ref().map(|s| shortened(of(s)))).collect::<Vec<_>>(),
                 "line": { "color": colour, "width": 2.5, "dash": dash },
-                "hovertemplate": "%{x:.0f} mm: %{y:.3g} mm<extra>%{fullData.name}</extra>",
+                "hovertemplate": "%{x:.4~r} mm: %{y:.3~r} mm<extra>%{fullData.name}</extra>",
             })
         };
         let mut traces = Vec::new();
@@ -185,20 +262,75 @@ impl Volume {
                 "xanchor": "left", "yanchor": "top", "font": { "color": "$ink" }, "xshift": 4,
             }]);
         }
-        let at = self.forecast.at(self.pixel, self.distance_mm);
         html! {
             figure {
                 (figures.flat("expected-depth", "Expected σ of a point against its depth, total and noise alone.", traces, layout))
                 figcaption {
-                    "Along the line of sight through the middle of the sheet."
-                    @if let Some(at) = at {
-                        " At " (format!("{:.0}", self.distance_mm)) " mm: " (significant(at.sigma_mm, 2)) " mm, of which "
-                        (significant(at.noise_mm, 2)) " mm are noise."
-                    }
+                    "Along the line of sight through "
+                    (match self.place {
+                        Place::Sheet => "the middle of the sheet",
+                        Place::Image => "the middle of the image",
+                        Place::Lit => "a place that is lit",
+                    })
+                    ". At a depth of " (significant(self.distance_mm, 4)) " mm: " (significant(self.sigma.sigma_mm, 2)) " mm"
+                    @if self.knows_rig { ", of which " (significant(self.sigma.noise_mm, 2)) " mm are noise." } @else { " of noise." }
                 }
             }
         }
     }
+
+    /// Places as they are drawn: what counts at the scale of the working distance, however small that is.
+    fn drawn(&self, places: &[f64]) -> Vec<f64> {
+        places.iter().map(|x| rounded(*x, self.distance_mm)).collect()
+    }
+
+    /// Camera, projector and sheets from above.
+    fn landmarks(&self, rig: &Rig) -> Vec<Value> {
+        let projector = rig.stereo.as_ref().map(|s| s.projector_from_camera.centre());
+        // Names stand apart from each other.
+        let sides = if projector.is_some_and(|p| p.x < 0.0) { ["right", "left"] } else { ["left", "right"] };
+        let marks = [
+            Some(("camera", "$camera", "square", sides[0], Point3::origin())),
+            projector.map(|p| ("projector", "$projector", "diamond", sides[1], p)),
+        ];
+        let mut traces: Vec<Value> = marks
+            .into_iter()
+            .flatten()
+            .map(|(name, colour, symbol, side, p)| {
+                json!({
+                    "type": "scatter", "mode": "markers+text", "x": [p.x], "y": [p.z], "text": [name],
+                    "textposition": format!("middle {side}"), "marker": { "color": colour, "size": 10, "symbol": symbol },
+                    "textfont": { "color": colour }, "showlegend": false, "hoverinfo": "text", "cliponaxis": false,
+                })
+            })
+            .collect();
+        for view in &rig.views {
+            let corner = |x: f64, y: f64| view.camera_from_sheet.transform(&Point3::new(x, y, 0.0));
+            let (w, h) = (view.size.width_mm, view.size.height_mm);
+            // Its middle line: what the slice cuts, nearly.
+            let ends = [corner(0.0, h / 2.0), corner(w, h / 2.0)];
+            traces.push(json!({
+                "type": "scatter", "mode": "lines", "x": self.drawn(&ends.map(|p| p.x)), "y": self.drawn(&ends.map(|p| p.z)), "name": "sheet",
+                "line": { "color": "#ffffff", "width": 5 }, "showlegend": false, "hoverinfo": "skip",
+            }));
+            traces.push(json!({
+                "type": "scatter", "mode": "lines", "x": self.drawn(&ends.map(|p| p.x)), "y": self.drawn(&ends.map(|p| p.z)), "name": "sheet",
+                "line": { "color": "#000000", "width": 2.5 }, "showlegend": false, "hoverinfo": "name",
+            }));
+        }
+        traces
+    }
+}
+
+/// To five digits of `scale`.
+fn rounded(x: f64, scale: f64) -> f64 {
+    let decimals = 4.0 - scale.abs().log10().floor();
+    if !decimals.is_finite() {
+        return x;
+    }
+    // A power below one would leave digits behind.
+    let power = 10f64.powf(decimals.abs());
+    if decimals >= 0.0 { (x * power).round() / power } else { (x / power).round() * power }
 }
 
 /// Three digits are enough to draw.
@@ -227,39 +359,15 @@ fn contours(values: &[Vec<Option<f64>>]) -> [f64; 3] {
     [(low / size).floor() * size, (high / size).ceil() * size, size]
 }
 
-/// Camera, projector and sheets from above.
-fn landmarks(rig: &Rig) -> Vec<Value> {
-    let projector = rig.stereo.as_ref().map(|s| s.projector_from_camera.centre());
-    // Names stand apart from each other.
-    let sides = if projector.is_some_and(|p| p.x < 0.0) { ["right", "left"] } else { ["left", "right"] };
-    let marks = [
-        Some(("camera", "$camera", "square", sides[0], Point3::origin())),
-        projector.map(|p| ("projector", "$projector", "diamond", sides[1], p)),
-    ];
-    let mut traces: Vec<Value> = marks
-        .into_iter()
-        .flatten()
-        .map(|(name, colour, symbol, side, p)| {
-            json!({
-                "type": "scatter", "mode": "markers+text", "x": [p.x], "y": [p.z], "text": [name],
-                "textposition": format!("middle {side}"), "marker": { "color": colour, "size": 10, "symbol": symbol },
-                "textfont": { "color": colour }, "showlegend": false, "hoverinfo": "text", "cliponaxis": false,
-            })
-        })
-        .collect();
-    for view in &rig.views {
-        let corner = |x: f64, y: f64| view.camera_from_sheet.transform(&Point3::new(x, y, 0.0));
-        let (w, h) = (view.size.width_mm, view.size.height_mm);
-        // Its middle line: what the slice cuts, nearly.
-        let ends = [corner(0.0, h / 2.0), corner(w, h / 2.0)];
-        traces.push(json!({
-            "type": "scatter", "mode": "lines", "x": ends.map(|p| p.x.round()), "y": ends.map(|p| p.z.round()), "name": "sheet",
-            "line": { "color": "#ffffff", "width": 5 }, "showlegend": false, "hoverinfo": "skip",
-        }));
-        traces.push(json!({
-            "type": "scatter", "mode": "lines", "x": ends.map(|p| p.x.round()), "y": ends.map(|p| p.z.round()), "name": "sheet",
-            "line": { "color": "#000000", "width": 2.5 }, "showlegend": false, "hoverinfo": "name",
-        }));
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_keep_the_digits_that_count() {
+        assert_eq!(rounded(1.234_567, 30.0), 1.235);
+        assert_eq!(rounded(-1.234_567, 1100.0), -1.2);
+        assert_eq!(rounded(123_456.0, 1e6), 123_500.0);
+        assert_eq!(rounded(0.3, 0.0), 0.3);
     }
-    traces
 }

@@ -3,10 +3,21 @@
 use maud::{Markup, html};
 use slcal_core::pattern::Axis;
 use slcal_core::reconstruct::length_sigma;
-use slcal_core::{Match, Rig, Verdict};
+use slcal_core::{Match, Quality, Rig, Verdict};
 
 use super::Subject;
+use super::expected::{Working, working};
 use super::number::{derived, field, fixed, significant};
+
+/// Warnings that only repeat how well the geometry determines the result, which the cause says already.
+const SAID_BY_CAUSE: [&str; 6] = [
+    "weak-geometry",
+    "degenerate-geometry",
+    "principal-point-limited",
+    "lens-shift-undetermined",
+    "poses-alike",
+    "two-vp-assumptions",
+];
 
 /// How a verdict looks: never by its colour alone.
 struct Look {
@@ -14,44 +25,74 @@ struct Look {
     symbol: &'static str,
     word: &'static str,
     /// What it allows.
-    lead: &'static str,
+    lead: String,
 }
 
 fn look(rig: &Rig) -> Look {
-    let (class, symbol, word, lead) = match rig.quality.as_ref().map(|q| q.verdict) {
-        Some(Verdict::Good) => (
-            "good",
-            "✓",
-            "Good",
-            "Shapes and lengths that are measured with it can be relied on, within their ±.",
-        ),
-        Some(Verdict::Fair) => (
-            "fair",
-            "≈",
-            "Fair",
-            "Good enough for projection mapping and rough shapes; lengths may be off by several per cent.",
-        ),
-        Some(Verdict::Weak) => ("weak", "!", "Weak", "Good for a look; treat all lengths as rough."),
-        Some(Verdict::Degenerate) => (
-            "degenerate",
-            "✕",
-            "Degenerate",
-            "Do not rely on any of this: the photographs do not determine the focal length.",
-        ),
-        None => (
-            "none",
-            "?",
-            "No verdict",
-            "This rig does not say how sure its numbers are, as those that slcal calibrates do.",
-        ),
+    let (class, symbol, word) = match rig.quality.as_ref().map(|q| q.verdict) {
+        Some(Verdict::Good) => ("good", "✓", "Good"),
+        Some(Verdict::Fair) => ("fair", "≈", "Fair"),
+        Some(Verdict::Weak) => ("weak", "!", "Weak"),
+        Some(Verdict::Degenerate) => ("degenerate", "✕", "Degenerate"),
+        None => ("none", "?", "No verdict"),
     };
-    let lead = match rig.quality.as_ref().map(|q| q.verdict) {
-        Some(Verdict::Good) if rig.projector.is_none() => {
+    Look { class, symbol, word, lead: lead(rig) }
+}
+
+/// What the verdict allows.
+fn lead(rig: &Rig) -> String {
+    let Some(quality) = &rig.quality else {
+        return "This rig does not say how sure its numbers are, as those that slcal calibrates do.".into();
+    };
+    let warned = |code: &str| quality.warnings.iter().any(|w| w.code == code);
+    let text = match quality.verdict {
+        Verdict::Good if noise_alone(rig) => "The measurements determine it well.",
+        Verdict::Good if rig.projector.is_none() => {
             "Directions that are seen with it can be relied on, within their ±."
         }
-        _ => lead,
+        Verdict::Good => "Shapes and lengths that are measured with it can be relied on, within their ±.",
+        Verdict::Fair => {
+            "Good enough for projection mapping and rough shapes; lengths may be off by several per cent."
+        }
+        Verdict::Weak => "Good for a look; treat all lengths as rough.",
+        Verdict::Degenerate if warned("focal-length-outlandish") => {
+            "Do not rely on any of this: the focal length came out as that of no ordinary lens."
+        }
+        Verdict::Degenerate if of_sigma(quality) == Verdict::Degenerate => {
+            "Do not rely on any of this: the photographs do not determine the focal length."
+        }
+        Verdict::Degenerate => "Do not rely on any of this.",
     };
-    Look { class, symbol, word, lead }
+    if noise_alone(rig) && quality.verdict != Verdict::Degenerate {
+        return format!(
+            "{text} But its ± holds the noise alone: principal points are taken as exact and lenses as undistorted, and what these \
+             are off by comes on top."
+        );
+    }
+    text.into()
+}
+
+/// Whether σ leaves out what is not known of principal points: so does the method of the two vanishing points.
+fn noise_alone(rig: &Rig) -> bool {
+    rig.method == "two-vp"
+}
+
+/// The verdict that the focal lengths' σ alone would give.
+fn of_sigma(quality: &Quality) -> Verdict {
+    let worst = quality.focal_sigma_percent_projector.map_or(quality.focal_sigma_percent_camera, |p| {
+        // NaN counts as worst.
+        if p <= quality.focal_sigma_percent_camera { quality.focal_sigma_percent_camera } else { p }
+    });
+    Verdict::of_focal_sigma(worst / 100.0)
+}
+
+/// Why the verdict is what it is, and what to do: what the cause says, or the doubt that made it worse than σ would.
+fn why(quality: &Quality) -> (&str, &str) {
+    let doubt = quality.warnings.iter().find(|w| !SAID_BY_CAUSE.contains(&w.code.as_str()));
+    match doubt {
+        Some(w) if quality.verdict > of_sigma(quality) => (&w.message, &w.advice),
+        _ => (&quality.cause, &quality.advice),
+    }
 }
 
 /// The title of the page.
@@ -79,23 +120,32 @@ pub(super) fn head(subject: &Subject) -> Markup {
 /// The few numbers that the verdict rests on.
 fn tiles(rig: &Rig) -> Markup {
     let Some(quality) = &rig.quality else { return html! {} };
-    let percent = |path: &str, value: f64| field(path, value, &significant(value, 2));
+    // What was given is not measured: no ± of zero.
+    let measured = |path: &str, value: f64, unit: &str| {
+        html! {
+            @if value == 0.0 { (field(path, value, "given")) }
+            @else { "± " (field(path, value, &significant(value, 2))) (unit) }
+        }
+    };
+    let rows = working(rig).ok().flatten().is_some_and(|w| w.axis == Axis::Rows);
     html! {
         ul.tiles {
             li {
-                span.value { "± " (percent("quality.focal_sigma_percent.camera", quality.focal_sigma_percent_camera)) " %" }
+                span.value { (measured("quality.focal_sigma_percent.camera", quality.focal_sigma_percent_camera, " %")) }
                 span.label { "focal length of the camera" }
             }
             @if let Some(sigma) = quality.focal_sigma_percent_projector {
                 li {
-                    span.value { "± " (percent("quality.focal_sigma_percent.projector", sigma)) " %" }
+                    span.value { (measured("quality.focal_sigma_percent.projector", sigma, " %")) }
                     span.label { "focal length of the projector" }
                 }
             }
             @if let Some(sigma) = quality.expected_point_sigma_mm {
                 li {
-                    span.value { "± " (field("quality.expected_point_sigma_mm", sigma, &significant(sigma, 2))) " mm" }
-                    span.label { "place of a point at the sheet, along the line of sight" }
+                    span.value { (measured("quality.expected_point_sigma_mm", sigma, " mm")) }
+                    span.label {
+                        "place of a point at the sheet, along the line of sight" @if rows { ", under vertical stripes" }
+                    }
                 }
             }
             li {
@@ -116,58 +166,109 @@ fn reasons(rig: &Rig) -> Markup {
             }
         };
     };
+    let (why, advice) = why(quality);
     html! {
         dl.reasons {
-            @if !quality.cause.is_empty() { dt { "Why" } dd { (sentence(&quality.cause)) } }
-            dt { "What it means" }
-            dd { (meaning(rig)) }
-            @if !quality.advice.is_empty() { dt { "What to do next" } dd { (sentence(&quality.advice)) } }
+            @if !why.is_empty() { dt { "Why" } dd { (sentence(why)) } }
+            // A ± that rests on a focal length that is not known means nothing.
+            @if quality.verdict != Verdict::Degenerate { dt { "What it means" } dd { (meaning(rig)) } }
+            @if !advice.is_empty() { dt { "What to do next" } dd { (sentence(advice)) } }
         }
     }
 }
 
 /// What the numbers mean for somebody who measures with the rig.
 fn meaning(rig: &Rig) -> Markup {
-    let distance = rig.views.first().map(|_| sheet_distance_mm(rig));
-    let sigma = rig.quality.as_ref().and_then(|q| q.expected_point_sigma_mm);
     html! {
-        @if let (Some(sigma), Some(distance)) = (sigma, distance) {
-            "A point at the sheet’s distance (" (derived("sheet_distance_mm", distance, &fixed(distance, 0)))
-            " mm) comes out within " (significant(sigma, 2)) " mm of its true place along the line of sight, "
-            (significant(100.0 * sigma / distance, 2)) " % of that distance. Most of that is common to all points, so that sizes and "
-            "shapes are surer: "
-            @match lengths(rig) {
-                Some((length, [across, along])) => {
-                    "a length of " (fixed(length, 0)) " mm there comes out within "
-                    (derived("length_across_sigma_mm", across, &significant(across, 2))) " mm when it lies across the line of sight, and within "
-                    (derived("length_along_sigma_mm", along, &significant(along, 2))) " mm when it lies along it, beside how well its ends can be told. "
-                }
-                None => "a flat thing comes out flat. ",
-            }
-        } @else if rig.projector.is_none() {
+        @if rig.projector.is_none() {
             "Directions in the photograph are known; there is no projector in this rig, so no points can be measured. "
+        } @else if let Ok(Some(working)) = working(rig) {
+            (of_a_point(rig, &working))
+            @if let Some((length, [across, along])) = lengths(rig, working.axis) {
+                "A length of " (fixed(length, 0)) " mm there is off by about ± "
+                (derived("length_across_sigma_mm", across, &significant(across, 2))) " mm across and ± "
+                (derived("length_along_sigma_mm", along, &significant(along, 2))) " mm along the line of sight (1σ), beside how well its "
+                "ends can be told: the worst of the sheet’s surroundings. "
+                @if !is_good(rig) { "Take that as rough: with a focal length as unsure as this, it may be several times more. " }
+            }
         }
-        "Every ± on this page is one standard deviation: the truth lies within it about two times in three, and within "
-        "twice of it 19 times in 20."
+        @if noise_alone(rig) {
+            "Every ± on this page is one standard deviation, and holds the noise of what was measured alone: principal points are taken \
+             as exact and lenses as undistorted."
+        } @else {
+            "Every ± on this page is one standard deviation: the truth lies within it about two times in three, and within \
+             twice of it 19 times in 20."
+        }
     }
 }
 
-/// A length in the middle of the first sheet, and its σ across and along the line of sight, mm.
-fn lengths(rig: &Rig) -> Option<(f64, [f64; 2])> {
+fn is_good(rig: &Rig) -> bool {
+    rig.quality.as_ref().is_some_and(|q| q.verdict == Verdict::Good)
+}
+
+/// How sure a point is at the sheet, and what that is made of.
+fn of_a_point(rig: &Rig, working: &Working) -> Markup {
+    let told = rig.quality.as_ref().and_then(|q| q.expected_point_sigma_mm).filter(|s| *s > 0.0);
+    // The rig's own number is that of vertical stripes, over all sheets.
+    let (sigma, distance) = match (told, working.axis) {
+        (Some(told), Axis::Columns) if working.of_sheet => (told, sheet_distance_mm(rig)),
+        _ => (working.sigma.sigma_mm, working.distance_mm),
+    };
+    html! {
+        "A point " @if working.of_sheet { "at the sheet’s distance (" } @else { "in the middle of the image (at "}
+        (derived("sheet_distance_mm", distance, &significant(distance, 4))) " mm), under " (stripes(working.axis)) ", is off by about ± "
+        (derived("point_sigma_mm", sigma, &significant(sigma, 2))) " mm along the line of sight (1σ), "
+        (significant(100.0 * sigma / distance, 2)) " % of that distance. "
+        @if !working.knows_rig {
+            "That is noise alone: what is not known of the rig itself is not in it. "
+        } @else if working.rig_mm() > working.sigma.noise_mm {
+            "Most of that is common to all points, so that sizes and shapes are surer. "
+        } @else {
+            "Most of that is noise, which differs from point to point: it makes a surface rough, and the mean of many points is surer. "
+        }
+    }
+}
+
+/// How a reader knows the slits.
+pub(super) fn stripes(axis: Axis) -> &'static str {
+    match axis {
+        Axis::Columns => "vertical stripes",
+        Axis::Rows => "horizontal stripes",
+    }
+}
+
+/// A length near the first sheet, and its σ across and along the line of sight, mm: the worst of the middle and a quarter of
+/// the sheet beside, before and behind it, as the sheet pins what lies at its own place. `None` for rigs that are too unsure
+/// for a first-order σ to mean anything.
+fn lengths(rig: &Rig, axis: Axis) -> Option<(f64, [f64; 2])> {
+    if rig.quality.as_ref()?.verdict > Verdict::Fair {
+        return None;
+    }
     let view = rig.views.first()?;
     let (w, h) = (view.size.width_mm, view.size.height_mm);
     let middle = view.camera_from_sheet.transform(&nalgebra::Point3::new(w / 2.0, h / 2.0, 0.0));
-    // As long as things are that one measures there: a quarter of the sheet, in round numbers.
+    // As long as things are that one measures there: at most half of the sheet, in round numbers.
     let length = [1000.0, 100.0, 10.0].into_iter().find(|l| *l <= w.max(h) / 2.0)?;
     let along = middle.coords.try_normalize(0.0)?;
     let across = nalgebra::Vector3::y().cross(&along).try_normalize(0.0)?;
-    let sigma = |direction: nalgebra::Vector3<f64>| {
+    let upright = along.cross(&across);
+    let aside = w.max(h) / 4.0;
+    let sigma = |at: nalgebra::Point3<f64>, direction: nalgebra::Vector3<f64>| {
         let step = direction * (length / 2.0);
-        let ends = [middle - step, middle + step];
-        let found = length_sigma(rig, Axis::Columns, Match::DEFAULT_SIGMA_PX, ends).ok()??;
+        let found = length_sigma(rig, axis, Match::DEFAULT_SIGMA_PX, [at - step, at + step]).ok()??;
         Some(found.total_mm())
     };
-    Some((length, [sigma(across)?, sigma(along)?]))
+    let worst = |directions: &[nalgebra::Vector3<f64>]| {
+        let offsets =
+            [nalgebra::Vector3::zeros(), across * aside, -across * aside, along * aside, -along * aside];
+        // Places that are not lit say nothing.
+        let all = offsets
+            .iter()
+            .flat_map(|o| directions.iter().map(move |d| (*o, *d)))
+            .filter_map(|(o, d)| sigma(middle + o, d));
+        all.reduce(f64::max)
+    };
+    Some((length, [worst(&[across, upright])?, worst(&[along])?]))
 }
 
 /// The rig behind a cloud.
@@ -177,7 +278,7 @@ pub(super) fn in_a_line(rig: &Rig, name: &str) -> Markup {
         span class=(look.class) { strong.mark { (look.symbol) " " (look.word) } }
         @if !name.is_empty() { " (" span.file { (name) } ")" }
         ": " (look.lead)
-        @if let Some(quality) = rig.quality.as_ref().filter(|q| !q.cause.is_empty()) { " " (sentence(&quality.cause)) }
+        @if let Some((why, _)) = rig.quality.as_ref().map(why).filter(|(why, _)| !why.is_empty()) { " " (sentence(why)) }
     }
 }
 
