@@ -22,8 +22,8 @@ const COLUMNS: usize = 61;
 const ROWS: usize = 46;
 /// Rows of the image that are tried for each of them: odd, so that the middle is one, and up to both edges.
 const LAYERS: usize = 33;
-/// Patterns have vertical stripes unless asked otherwise: horizontal ones are spoken of where their noise is below this share.
-const CLEARLY_BETTER: f64 = 0.8;
+/// Patterns have vertical stripes unless asked otherwise: horizontal ones are spoken of where their σ is below this share.
+const CLEARLY_BETTER: f64 = 0.5;
 /// Points of the curve.
 const DEPTHS: usize = 91;
 
@@ -34,7 +34,7 @@ pub(super) fn section(subject: &Subject, figures: &mut Figures) -> Option<Sectio
         Ok(Some(mut working)) => html! {
             p {
                 "How far a single point is expected to lie from its true place, along the camera’s line of sight (1σ), if the centre of \
-                 a stripe is found to " (Match::DEFAULT_SIGMA_PX) " px, under " (stripes(working.axis)) ", which tell depths best here. "
+                 a stripe is found to " (Match::DEFAULT_SIGMA_PX) " px, under " (stripes(working.axis)) ". "
                 @if !working.knows_rig {
                     "What is not known of the rig itself is not in these numbers, as the rig has no covariance: they are the noise, which \
                      differs from point to point and makes a surface rough."
@@ -108,9 +108,9 @@ pub(super) fn working(rig: &Rig) -> slcal_core::Result<Option<Working>> {
         let told: Vec<_> = forecasts
             .iter_mut()
             .enumerate()
-            .filter_map(|(i, (_, f))| Some((i, f.at(pixel, depth)?)))
+            .filter_map(|(i, (_, f))| Some((i, foretold(f, pixel, depth)?)))
             .collect();
-        let clearly = |a: &ExpectedSigma, b: &ExpectedSigma| b.noise_mm < CLEARLY_BETTER * a.noise_mm;
+        let clearly = |a: &ExpectedSigma, b: &ExpectedSigma| b.sigma_mm < CLEARLY_BETTER * a.sigma_mm;
         let best = told.into_iter().reduce(|a, b| if clearly(&a.1, &b.1) { b } else { a });
         if let Some((i, sigma)) = best {
             let (axis, forecast) = forecasts.swap_remove(i);
@@ -128,6 +128,14 @@ pub(super) fn working(rig: &Rig) -> slcal_core::Result<Option<Working>> {
         }
     }
     Ok(None)
+}
+
+/// σ at a pixel that is on no line of pixels: a whole coordinate would stand for the line that a stripe was looked for on, and
+/// the noise be that along it, whichever way the stripes run.
+fn foretold(forecast: &mut SigmaForecast, pixel: Point2<f64>, depth_mm: f64) -> Option<ExpectedSigma> {
+    /// Nothing to σ.
+    const ASIDE_PX: f64 = 0.01;
+    forecast.at(pixel.map(|x| if x.fract() == 0.0 { x + ASIDE_PX } else { x }), depth_mm)
 }
 
 /// Slopes y/z of rows of the image, from its middle outwards, by turns up and down.
@@ -161,7 +169,7 @@ impl Working {
         slopes.iter().find_map(|slope| {
             let pixel = model.project(&Point3::new(x, slope * z, z))?;
             let inside = (-0.5..=w - 0.5).contains(&pixel.x) && (-0.5..=h - 0.5).contains(&pixel.y);
-            if inside { self.forecast.at(pixel, z) } else { None }
+            if inside { foretold(&mut self.forecast, pixel, z) } else { None }
         })
     }
 
@@ -226,7 +234,7 @@ impl Working {
         let depth =
             |i: usize| (NEAREST + (FARTHEST - NEAREST) * i as f64 / (DEPTHS - 1) as f64) * self.distance_mm;
         let zs: Vec<f64> = (0..DEPTHS).map(depth).collect();
-        let all: Vec<_> = zs.iter().map(|z| self.forecast.at(self.pixel, *z)).collect();
+        let all: Vec<_> = zs.iter().map(|z| foretold(&mut self.forecast, self.pixel, *z)).collect();
         let curve = |name: &str, colour: &str, dash: &str, of: fn(&ExpectedSigma) -> f64| {
             json!({
                 "type": "scatter", "mode": "lines", "name": name, "x": self.drawn(&zs),
@@ -361,7 +369,22 @@ fn contours(values: &[Vec<Option<f64>>]) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
+    use slcal_core::geometry::{Distortion, Intrinsics};
+
     use super::*;
+
+    #[test]
+    fn rows_are_tried_from_the_middle_outwards_up_to_both_edges() {
+        let lens = Intrinsics { fx: 500.0, fy: 400.0, cx: 320.0, cy: 100.0, skew: 0.0 };
+        let model = Camera { width: 640, height: 480, intrinsics: lens, distortion: Distortion::default() };
+        let found = slopes(&model);
+        let row = |i: usize| found[i] * 400.0 + 100.0;
+        assert_eq!(found.len(), LAYERS);
+        assert!(
+            (row(0) - 239.5).abs() < 1e-9 && (row(1) - 224.5).abs() < 1e-9 && (row(2) - 254.5).abs() < 1e-9
+        );
+        assert!((row(LAYERS - 2) + 0.5).abs() < 1e-9 && (row(LAYERS - 1) - 479.5).abs() < 1e-9);
+    }
 
     #[test]
     fn places_keep_the_digits_that_count() {

@@ -144,7 +144,7 @@ fn tiles(rig: &Rig) -> Markup {
                 li {
                     span.value { (measured("quality.expected_point_sigma_mm", sigma, " mm")) }
                     span.label {
-                        "place of a point at the sheet, along the line of sight" @if rows { ", under vertical stripes" }
+                        "place of a point at the sheet, along the line of sight" @if rows && sigma > 0.0 { ", under vertical stripes" }
                     }
                 }
             }
@@ -222,7 +222,9 @@ fn of_a_point(rig: &Rig, working: &Working) -> Markup {
         @if !working.knows_rig {
             "That is noise alone: what is not known of the rig itself is not in it. "
         } @else if working.rig_mm() > working.sigma.noise_mm {
-            "Most of that is common to all points, so that sizes and shapes are surer. "
+            "Most of that is common to all points"
+            // Of a weak rig, all lengths are rough.
+            @if rig.quality.as_ref().is_none_or(|q| q.verdict <= Verdict::Fair) { ", so that sizes and shapes are surer" } ". "
         } @else {
             "Most of that is noise, which differs from point to point: it makes a surface rough, and the mean of many points is surer. "
         }
@@ -298,4 +300,34 @@ pub(super) fn sentence(clause: &str) -> String {
     let first = letters.next().map(|c| if c.is_ascii() { c.to_ascii_uppercase() } else { c });
     let text: String = first.into_iter().chain(letters).collect();
     if text.ends_with(['.', '!', '?']) { text } else { text + "." }
+}
+
+#[cfg(test)]
+mod tests {
+    use slcal_core::Warning;
+
+    use super::*;
+
+    #[test]
+    fn a_doubt_is_the_reason_only_where_it_made_the_verdict_worse() {
+        let warning = |code: &str, message: &str| Warning {
+            code: code.into(),
+            message: message.into(),
+            advice: format!("do against {message}"),
+        };
+        let mut quality = Quality {
+            verdict: Verdict::Weak,
+            focal_sigma_percent_camera: 1.0,
+            focal_sigma_percent_projector: Some(2.0),
+            expected_point_sigma_mm: None,
+            cause: "cause".into(),
+            advice: "advice".into(),
+            warnings: vec![warning("weak-geometry", "cause"), warning("sheet-corners-off", "corners")],
+        };
+        assert_eq!(why(&quality), ("corners", "do against corners"));
+        quality.focal_sigma_percent_projector = Some(12.0);
+        assert_eq!(why(&quality), ("cause", "advice"));
+        quality.focal_sigma_percent_projector = Some(f64::NAN);
+        assert_eq!(of_sigma(&quality), Verdict::Degenerate);
+    }
 }
