@@ -3,10 +3,9 @@
 use maud::{Markup, html};
 use slcal_core::{Device, Rig, StereoPose, View};
 
-use super::Subject;
 use super::number::{decimals_of, derived, field, fixed, significant};
 use super::page::Section;
-use crate::picture::short;
+use super::{Subject, photo_name};
 
 const COEFFICIENTS: [&str; 5] = ["k1", "k2", "p1", "p2", "k3"];
 
@@ -149,7 +148,7 @@ fn pose(rig: &Rig, i: usize, view: &View) -> Markup {
     let distance = view.camera_from_sheet.transform(&centre).coords.norm();
     let tilt = rig.tilt_rad(i).map(f64::to_degrees);
     html! { tr {
-        th.file scope="row" { (short(view.photo.as_deref().unwrap_or("photograph"))) }
+        th.file scope="row" { (photo_name(rig, i)) }
         td.number {
             (field(&at("size_mm.0"), view.size.width_mm, &fixed(view.size.width_mm, 1))) " × "
             (field(&at("size_mm.1"), view.size.height_mm, &fixed(view.size.height_mm, 1)))
