@@ -100,7 +100,10 @@ fn messages_name_no_options_of_the_command() {
     for file in sources(&root) {
         let text = fs::read_to_string(&file).unwrap();
         for (i, line) in text.lines().enumerate().filter(|(_, l)| !l.trim_start().starts_with("//")) {
-            if line.split("--").skip(1).any(is_option) {
+            // What is written for other programs, and said of them, may name their options.
+            let of_others =
+                file.components().any(|c| c.as_os_str() == "exchange") && !line.contains("slcal ");
+            if !of_others && line.split("--").skip(1).any(is_option) {
                 wrong.push(format!("{}:{}: {}", file.display(), i + 1, line.trim()));
             }
         }

@@ -84,7 +84,7 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
         });
         let _ = writeln!(script, "    [{}],", corners.join(", "));
     }
-    script.push_str("]\n# The whole rig, which `slcal import --from blender` reads back; changes above do not come back.\n");
+    script.push_str("]\n# The whole rig, which slcal imports again; changes above do not come back.\n");
     let mut json = Vec::new();
     write_rig(rig, &mut json)?;
     let json =
@@ -202,7 +202,7 @@ pub(super) fn import(bytes: &[u8]) -> Result<Rig> {
     let json = rest.and_then(|rest| rest.split_once(AFTER_RIG)).map(|(json, _)| json.trim());
     let Some(json) = json else {
         return Err(FILE.malformed(
-            "expected a script that `slcal export --to blender` wrote, with the rig in it, found none; scenes of one's own cannot be read",
+            "expected a script that slcal wrote for Blender, with the rig in it, found none; scenes of one's own cannot be read",
         ));
     };
     read_rig(json.as_bytes()).map_err(|e| extras::renamed(e, FILE))

@@ -498,7 +498,7 @@ fn what_is_no_import_is_told() {
     has(&import(b""), &["none of the formats"]);
     has(&import(b"\xff\xd8\xff"), &["other bytes"]);
     has(&import(b"PK\x03\x04 no zip"), &["zip"]);
-    has(&import(b"import bpy\nprint()"), &["slcal export"]);
+    has(&import(b"import bpy\nprint()"), &["slcal wrote for Blender"]);
     assert!(import_rig(None, &[], &ImportConfig::default()).is_err());
     has(&ExchangeFormat::of_name("collada").unwrap_err().to_string(), &["opencv, ros, colmap", "collada"]);
 }
