@@ -41,6 +41,8 @@ def test_records_are_read_from_what_the_extension_says():
         "verdict": "good",
         "focal_sigma_percent": {"camera": 1.5, "projector": None},
         "expected_point_sigma_mm": None,
+        "cause": "seen flat",
+        "advice": "tilt it",
         "warnings": [{"code": "a", "message": "b", "advice": "c"}],
         "beyond": 1,
     }
