@@ -108,7 +108,7 @@ pub(super) fn working(rig: &Rig) -> slcal_core::Result<Option<Working>> {
         let told: Vec<_> = forecasts
             .iter_mut()
             .enumerate()
-            .filter_map(|(i, (_, f))| Some((i, foretold(f, pixel, depth)?)))
+            .filter_map(|(i, (_, f))| Some((i, f.at(pixel, depth)?)))
             .collect();
         let clearly = |a: &ExpectedSigma, b: &ExpectedSigma| b.sigma_mm < CLEARLY_BETTER * a.sigma_mm;
         let best = told.into_iter().reduce(|a, b| if clearly(&a.1, &b.1) { b } else { a });
@@ -128,14 +128,6 @@ pub(super) fn working(rig: &Rig) -> slcal_core::Result<Option<Working>> {
         }
     }
     Ok(None)
-}
-
-/// σ at a pixel that is on no line of pixels: a whole coordinate would stand for the line that a stripe was looked for on, and
-/// the noise be that along it, whichever way the stripes run.
-fn foretold(forecast: &mut SigmaForecast, pixel: Point2<f64>, depth_mm: f64) -> Option<ExpectedSigma> {
-    /// Nothing to σ.
-    const ASIDE_PX: f64 = 0.01;
-    forecast.at(pixel.map(|x| if x.fract() == 0.0 { x + ASIDE_PX } else { x }), depth_mm)
 }
 
 /// Slopes y/z of rows of the image, from its middle outwards, by turns up and down.
@@ -169,7 +161,7 @@ impl Working {
         slopes.iter().find_map(|slope| {
             let pixel = model.project(&Point3::new(x, slope * z, z))?;
             let inside = (-0.5..=w - 0.5).contains(&pixel.x) && (-0.5..=h - 0.5).contains(&pixel.y);
-            if inside { foretold(&mut self.forecast, pixel, z) } else { None }
+            if inside { self.forecast.at(pixel, z) } else { None }
         })
     }
 
@@ -234,7 +226,7 @@ impl Working {
         let depth =
             |i: usize| (NEAREST + (FARTHEST - NEAREST) * i as f64 / (DEPTHS - 1) as f64) * self.distance_mm;
         let zs: Vec<f64> = (0..DEPTHS).map(depth).collect();
-        let all: Vec<_> = zs.iter().map(|z| foretold(&mut self.forecast, self.pixel, *z)).collect();
+        let all: Vec<_> = zs.iter().map(|z| self.forecast.at(self.pixel, *z)).collect();
         let curve = |name: &str, colour: &str, dash: &str, of: fn(&ExpectedSigma) -> f64| {
             json!({
                 "type": "scatter", "mode": "lines", "name": name, "x": self.drawn(&zs),

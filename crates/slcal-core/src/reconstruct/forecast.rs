@@ -2,11 +2,11 @@
 
 use nalgebra::{Point2, Point3};
 
-use super::triangulate::{TriangulateConfig, Triangulator};
+use super::probe::Probe;
+use super::triangulate::Triangulator;
 use crate::cloud::PointCloud;
-use crate::error::{Error, Result};
-use crate::geometry::{Camera, Pose};
-use crate::matches::{Match, Matches};
+use crate::error::Result;
+use crate::matches::Matches;
 use crate::pattern::Axis;
 use crate::rig::Rig;
 
@@ -22,11 +22,8 @@ pub struct ExpectedSigma {
 /// Foretells the σ of points by making a match for each and triangulating it: what is told is what reconstruction says.
 #[derive(Debug, Clone)]
 pub struct SigmaForecast {
+    probe: Probe,
     triangulator: Triangulator,
-    camera: Camera,
-    projector: Camera,
-    projector_from_camera: Pose,
-    axis: Axis,
     one: Matches,
     cloud: PointCloud,
 }
@@ -35,51 +32,19 @@ impl SigmaForecast {
     /// For slits along `axis`, whose matches have a noise of `match_sigma_px` camera px (1σ).
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a rig without a projector, or a noise that is negative or not finite.
+    /// [`Error::Invalid`](crate::Error::Invalid) for a rig without a projector, or a noise that is negative or not finite.
     pub fn new(rig: &Rig, axis: Axis, match_sigma_px: f64) -> Result<Self> {
-        if !(match_sigma_px.is_finite() && match_sigma_px >= 0.0) {
-            return Err(Error::invalid("the noise of matches", "zero or more pixels", match_sigma_px));
-        }
-        let triangulator = Triangulator::new(rig, TriangulateConfig::default())?;
-        let (Some(projector), Some(stereo)) = (rig.projector, rig.stereo) else {
-            return Err(Error::invalid("rig", "a calibrated projector", "a rig that holds the camera alone"));
-        };
-        let one = Match {
-            camera: Point2::origin(),
-            projector_column: None,
-            projector_row: None,
-            slit: None,
-            confidence: 1.0,
-            sigma_px: match_sigma_px,
-            color: [0; 3],
-        };
-        Ok(Self {
-            triangulator,
-            camera: rig.camera.model,
-            projector: projector.model,
-            projector_from_camera: stereo.projector_from_camera,
-            axis,
-            one: Matches { items: vec![one] },
-            cloud: PointCloud::default(),
-        })
+        let probe = Probe::new(rig, axis, match_sigma_px)?;
+        let triangulator = Probe::triangulator(rig)?;
+        Ok(Self { probe, triangulator, one: Matches::default(), cloud: PointCloud::default() })
     }
 
     /// 1σ of a point at `depth_mm` (along the optical axis) behind a camera pixel, on a surface at constant depth; `None`
     /// where the projector does not light it or its light cannot be told from its neighbours'.
     pub fn at(&mut self, pixel: Point2<f64>, depth_mm: f64) -> Option<ExpectedSigma> {
-        let bearing = self.camera.bearing(pixel)?;
-        let point = Point3::from(bearing * depth_mm);
-        let lit = self.projector.project(&self.projector_from_camera.transform(&point))?;
-        let one = self.one.items.first_mut()?;
-        one.camera = pixel;
-        (one.projector_column, one.projector_row) = match self.axis {
-            Axis::Columns => (Some(lit.x), None),
-            Axis::Rows => (None, Some(lit.y)),
-        };
-        let [w, h] = [self.projector.width, self.projector.height].map(f64::from);
-        if !((-0.5..=w - 0.5).contains(&lit.x) && (-0.5..=h - 0.5).contains(&lit.y)) {
-            return None;
-        }
+        let point = Point3::from(self.probe.camera().bearing(pixel)? * depth_mm);
+        self.one.items.clear();
+        self.one.items.push(self.probe.seen(&point)?);
         self.triangulator.triangulate(&self.one, &mut self.cloud);
         let point = self.cloud.points.first()?;
         Some(ExpectedSigma { sigma_mm: point.sigma_mm, noise_mm: point.noise_mm })
@@ -89,16 +54,8 @@ impl SigmaForecast {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::tests::scene::{observe, pose, rig, rng, size, with_edges};
-    use crate::calibrate::{CalibrateConfig, calibrate_observations};
-
-    fn calibrated() -> Rig {
-        let truth = rig(700.0, vec![pose(25.0, 28.0)]);
-        let mut rng = rng(3);
-        let seen = observe(&truth, 0.1, 0.1, &mut rng);
-        let seen = with_edges(seen, &truth, 40, 0.1, &mut rng);
-        calibrate_observations(&seen, &CalibrateConfig::default()).unwrap().rig
-    }
+    use crate::calibrate::tests::scene::{calibrated, size};
+    use crate::geometry::Pose;
 
     #[test]
     fn the_middle_of_the_sheet_has_the_sigma_that_the_calibration_expects() {
@@ -133,6 +90,28 @@ mod tests {
         assert_eq!(forecast.at(Point2::new(1279.0, 480.0), 100.0), None);
         assert_eq!(forecast.at(k.principal_point(), -800.0), None);
         assert_eq!(forecast.at(k.principal_point(), f64::NAN), None);
+    }
+
+    #[test]
+    fn a_whole_coordinate_is_no_line_that_stripes_were_looked_for_on() {
+        // Light from above: rows of the panel tell depths, and move along the image's columns alone. A pixel with a whole
+        // column and a row between two would pass for a stripe that was measured across its column.
+        let mut rig = calibrated();
+        let mut projector = rig.projector.unwrap();
+        projector.model = rig.camera.model;
+        rig.projector = Some(projector);
+        rig.covariance = None;
+        let between = Pose { translation: nalgebra::Vector3::new(0.0, 200.0, 0.0), ..Pose::identity() };
+        rig.stereo.as_mut().unwrap().projector_from_camera = between;
+        let expected = 1e6 * 0.1 / (rig.camera.model.intrinsics.fx * 200.0);
+        let mut forecast = SigmaForecast::new(&rig, Axis::Rows, 0.1).unwrap();
+        let k = rig.camera.model.intrinsics;
+        for pixel in [Point2::new(k.cx.round(), 400.0), Point2::new(640.3, 400.0), Point2::new(640.0, 400.4)]
+        {
+            let found = forecast.at(pixel, 1000.0).unwrap().noise_mm;
+            let ray = rig.camera.model.bearing(pixel).unwrap().norm();
+            assert!((found / (expected * ray) - 1.0).abs() < 1e-9, "{pixel}: {found} {expected}");
+        }
     }
 
     #[test]

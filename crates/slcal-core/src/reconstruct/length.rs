@@ -2,11 +2,11 @@
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use super::triangulate::{TriangulateConfig, Triangulator};
+use super::probe::Probe;
 use crate::cloud::PointCloud;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{Camera, Pose};
-use crate::matches::{Match, Matches};
+use crate::matches::Matches;
 use crate::pattern::Axis;
 use crate::rig::Rig;
 
@@ -36,35 +36,15 @@ impl LengthSigma {
 /// covariance of parameters that are known here.
 ///
 /// # Errors
-/// [`Error::Invalid`] for a rig without a projector.
+/// [`Error::Invalid`](crate::Error::Invalid) for a rig without a projector, or a noise that is negative or not finite.
 pub fn length_sigma(
     rig: &Rig,
     axis: Axis,
     match_sigma_px: f64,
     [a, b]: [Point3<f64>; 2],
 ) -> Result<Option<LengthSigma>> {
-    let (Some(projector), Some(stereo)) = (&rig.projector, &rig.stereo) else {
-        return Err(Error::invalid("rig", "a calibrated projector", "a rig that holds the camera alone"));
-    };
-    let seen = |p: &Point3<f64>| {
-        let lit = projector.model.project(&stereo.projector_from_camera.transform(p))?;
-        let camera = rig.camera.model.project(p)?;
-        let (projector_column, projector_row) = match axis {
-            Axis::Columns => (Some(lit.x), None),
-            Axis::Rows => (None, Some(lit.y)),
-        };
-        let (slit, color) = (None, [0; 3]);
-        Some(Match {
-            camera,
-            projector_column,
-            projector_row,
-            slit,
-            confidence: 1.0,
-            sigma_px: match_sigma_px,
-            color,
-        })
-    };
-    let (Some(from), Some(to)) = (seen(&a), seen(&b)) else { return Ok(None) };
+    let probe = Probe::new(rig, axis, match_sigma_px)?;
+    let (Some(from), Some(to)) = (probe.seen(&a), probe.seen(&b)) else { return Ok(None) };
     let matches = Matches { items: vec![from, to] };
     let Some(points) = ends(rig, &matches)? else { return Ok(None) };
     let Some(along) = (points[1].0 - points[0].0).try_normalize(0.0) else { return Ok(None) };
@@ -80,7 +60,7 @@ type End = (Point3<f64>, f64);
 /// Both ends; `None` where one is no point.
 fn ends(rig: &Rig, matches: &Matches) -> Result<Option<[End; 2]>> {
     let mut cloud = PointCloud::default();
-    Triangulator::new(rig, TriangulateConfig::default())?.triangulate(matches, &mut cloud);
+    Probe::triangulator(rig)?.triangulate(matches, &mut cloud);
     Ok(match cloud.points.as_slice() {
         [a, b] => Some([(a.position, a.noise_mm), (b.position, b.noise_mm)]),
         _ => None,
@@ -92,7 +72,7 @@ fn rig_share(rig: &Rig, matches: &Matches) -> Result<Option<f64>> {
     let Some(covariance) = &rig.covariance else { return Ok(None) };
     let n = covariance.parameters.len();
     // Of the bare rig, whose points need no σ of their own.
-    let bare = Rig { covariance: None, ..rig.clone() };
+    let bare = Rig { covariance: None, views: Vec::new(), quality: None, ..rig.clone() };
     let length = |moved: &Rig| -> Result<Option<f64>> {
         Ok(ends(moved, matches)?.map(|[(a, _), (b, _)]| (b - a).norm()))
     };
@@ -172,18 +152,9 @@ mod tests {
     use nalgebra::DMatrix;
 
     use super::*;
-    use crate::calibrate::tests::scene::{observe, pose, rig, rng, size, with_edges};
-    use crate::calibrate::{CalibrateConfig, calibrate_observations};
+    use crate::calibrate::tests::scene::{calibrated, size};
     use crate::reconstruct::SigmaForecast;
     use crate::rig::Covariance;
-
-    fn calibrated() -> Rig {
-        let truth = rig(700.0, vec![pose(25.0, 28.0)]);
-        let mut rng = rng(3);
-        let seen = observe(&truth, 0.1, 0.1, &mut rng);
-        let seen = with_edges(seen, &truth, 40, 0.1, &mut rng);
-        calibrate_observations(&seen, &CalibrateConfig::default()).unwrap().rig
-    }
 
     /// The middle of the sheet.
     fn middle(rig: &Rig) -> Point3<f64> {
@@ -243,5 +214,6 @@ mod tests {
         assert_eq!(length_sigma(&bare, Axis::Columns, 0.1, [at, beside]), Ok(None));
         let alone = Rig { projector: None, stereo: None, ..rig };
         assert!(length_sigma(&alone, Axis::Columns, 0.1, [at, beside]).is_err());
+        assert!(length_sigma(&calibrated(), Axis::Columns, f64::NAN, [at, beside]).is_err());
     }
 }

@@ -7,6 +7,7 @@ mod length;
 mod light;
 mod neighbourhood;
 mod net;
+mod probe;
 mod sigma;
 mod triangulate;
 #[cfg(test)]

@@ -149,6 +149,8 @@ pub struct Triangulator {
     by_pixel: Matrix2<f64>,
     light: Light,
     rig: Option<RigSigma>,
+    /// Whether matches were looked for on lines of pixels, see [`across`].
+    on_lines: bool,
     same_px: f64,
     sample: Vec<f64>,
     #[cfg(feature = "rayon")]
@@ -192,11 +194,17 @@ impl Triangulator {
                 config.panel_margin,
             ),
             rig: RigSigma::of(rig),
+            on_lines: true,
             same_px: SAME_SHARE * f64::from(camera.width.max(camera.height)),
             sample: Vec::with_capacity(2 * SAMPLE),
             #[cfg(feature = "rayon")]
             parts: Vec::new(),
         })
+    }
+
+    /// The same for matches whose whole coordinates mean nothing, as nobody looked for them on lines of pixels.
+    pub(super) fn off_lines(rig: &Rig, config: TriangulateConfig) -> Result<Self> {
+        Ok(Self { on_lines: false, ..Self::new(rig, config)? })
     }
 
     /// Replaces the content of `cloud` by the points of the matches, in the camera's frame and in their order.
@@ -341,7 +349,7 @@ impl Triangulator {
                 let step = ray.by_pixel.column(k);
                 c.h.dot(&(rotation.column(0) * step.x + rotation.column(1) * step.y)) / hit.depth_ratio
             };
-            let across = across(m, facing);
+            let across = if self.on_lines { across(m, facing) } else { faster(facing) };
             let slope = surface_slope(matches, i, c.axis, across).unwrap_or_else(|| facing(across));
             let on_panel = (slope * m.sigma_px).powi(2) + self.config.projector_sigma_px.powi(2);
             variance += on_panel * c.gain.powi(2);
@@ -386,8 +394,14 @@ fn across(m: &Match, facing: impl Fn(usize) -> f64) -> usize {
     match (whole(m.camera.x), whole(m.camera.y)) {
         (false, true) => 0,
         (true, false) => 1,
-        _ => usize::from(facing(1).abs() > facing(0).abs()),
+        _ => faster(facing),
     }
+}
+
+/// The image coordinate by which the panel's coordinate changes faster.
+#[inline(always)]
+fn faster(facing: impl Fn(usize) -> f64) -> usize {
+    usize::from(facing(1).abs() > facing(0).abs())
 }
 
 /// How fast the panel's coordinate changes along a line of the image, px per px, from the neighbouring slits on it.

@@ -7,8 +7,10 @@ use rand_distr::{Distribution, Normal};
 
 use crate::calibrate::joint::model::Model;
 use crate::calibrate::joint::residual::lit_point;
+use crate::calibrate::{CalibrateConfig, calibrate_observations};
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
 use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
+use crate::rig::Rig;
 
 pub(crate) fn rng(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
@@ -101,4 +103,13 @@ pub(crate) fn with_edges(
         view.sheet = SheetObservation::Edges(sides);
     }
     observations
+}
+
+/// A rig that was calibrated from one view with noise of 0.1 px.
+pub(crate) fn calibrated() -> Rig {
+    let truth = rig(700.0, vec![pose(25.0, 28.0)]);
+    let mut rng = rng(3);
+    let seen = observe(&truth, 0.1, 0.1, &mut rng);
+    let seen = with_edges(seen, &truth, 40, 0.1, &mut rng);
+    calibrate_observations(&seen, &CalibrateConfig::default()).unwrap().rig
 }

@@ -1,0 +1,81 @@
+//! A match for a point that is not there yet: how forecasts ask triangulation.
+
+use nalgebra::Point3;
+
+use super::triangulate::{TriangulateConfig, Triangulator};
+use crate::error::{Error, Result};
+use crate::geometry::{Camera, Pose};
+use crate::matches::Match;
+use crate::pattern::Axis;
+use crate::rig::Rig;
+
+/// A rig's devices, and how a point in space would be matched by them.
+#[derive(Debug, Clone)]
+pub(super) struct Probe {
+    camera: Camera,
+    projector: Camera,
+    projector_from_camera: Pose,
+    axis: Axis,
+    sigma_px: f64,
+}
+
+impl Probe {
+    /// For slits along `axis`, whose matches have a noise of `sigma_px` camera px (1σ).
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a rig without a projector, or a noise that is negative or not finite.
+    pub(super) fn new(rig: &Rig, axis: Axis, sigma_px: f64) -> Result<Self> {
+        if !(sigma_px.is_finite() && sigma_px >= 0.0) {
+            return Err(Error::invalid("the noise of matches", "zero or more pixels", sigma_px));
+        }
+        let (Some(projector), Some(stereo)) = (rig.projector, rig.stereo) else {
+            return Err(Error::invalid(
+                "rig",
+                "a calibrated projector (calibrate with a pattern)",
+                "a rig that holds the camera alone",
+            ));
+        };
+        Ok(Self {
+            camera: rig.camera.model,
+            projector: projector.model,
+            projector_from_camera: stereo.projector_from_camera,
+            axis,
+            sigma_px,
+        })
+    }
+
+    /// What becomes points of such matches: they were not looked for on lines of pixels.
+    ///
+    /// # Errors
+    /// As [`Triangulator::new`].
+    pub(super) fn triangulator(rig: &Rig) -> Result<Triangulator> {
+        Triangulator::off_lines(rig, TriangulateConfig::default())
+    }
+
+    /// The camera, whose frame points are in.
+    pub(super) fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The match of a point in the camera's frame, mm; `None` where the camera does not see it or the panel does not light it.
+    pub(super) fn seen(&self, point: &Point3<f64>) -> Option<Match> {
+        let lit = self.projector.project(&self.projector_from_camera.transform(point))?;
+        let [w, h] = [self.projector.width, self.projector.height].map(f64::from);
+        if !((-0.5..=w - 0.5).contains(&lit.x) && (-0.5..=h - 0.5).contains(&lit.y)) {
+            return None;
+        }
+        let (projector_column, projector_row) = match self.axis {
+            Axis::Columns => (Some(lit.x), None),
+            Axis::Rows => (None, Some(lit.y)),
+        };
+        Some(Match {
+            camera: self.camera.project(point)?,
+            projector_column,
+            projector_row,
+            slit: None,
+            confidence: 1.0,
+            sigma_px: self.sigma_px,
+            color: [0; 3],
+        })
+    }
+}
