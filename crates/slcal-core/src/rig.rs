@@ -127,9 +127,10 @@ pub struct Quality {
     pub focal_sigma_percent_projector: Option<f64>,
     /// Expected 1σ of a reconstructed point at the sheet's distance, mm.
     pub expected_point_sigma_mm: Option<f64>,
-    /// How the sheet was seen and how well the focal length is known from it, in one sentence; empty where it is not said.
+    /// Why the verdict is what it is, in one sentence: how the sheet was seen and how well the focal length is known from it,
+    /// or what does not fit, where that made the verdict worse; empty where it is not said.
     pub cause: String,
-    /// What would make it better, with predicted numbers; empty where it is not said.
+    /// What would make it better, with predicted numbers where it is the geometry; empty where it is not said.
     pub advice: String,
     /// What else was noticed.
     pub warnings: Vec<Warning>,

@@ -107,6 +107,7 @@ pub(crate) fn rig(joint: &Joint, fit: &Fit, judgement: &Judgement) -> Rig {
         }
     });
     let percent = |s: f64| 100.0 * s;
+    let (cause, advice) = judgement.why();
     Rig {
         camera: device(model.camera, &layout.camera, fit),
         projector: model.projector.map(|p| device(p, &layout.projector, fit)),
@@ -118,8 +119,8 @@ pub(crate) fn rig(joint: &Joint, fit: &Fit, judgement: &Judgement) -> Rig {
             focal_sigma_percent_camera: percent(judgement.sigma.camera),
             focal_sigma_percent_projector: judgement.sigma.projector.map(percent),
             expected_point_sigma_mm: expected_point_sigma(layout, fit, &joint.sizes),
-            cause: judgement.cause.clone(),
-            advice: judgement.advice.clone(),
+            cause: cause.to_owned(),
+            advice: advice.to_owned(),
             warnings: judgement.warnings.clone(),
         }),
         covariance: Some(Covariance {

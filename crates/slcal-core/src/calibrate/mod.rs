@@ -51,9 +51,11 @@ pub struct CalibrationReport {
     pub edge_inliers: f64,
     /// Share of the projected corners that the robust loss kept; 1 without a pattern.
     pub corner_inliers: f64,
-    /// How the sheet is seen and how well the focal length is known from it, in one sentence.
+    /// Why the verdict is what it is, in one sentence: how the sheet is seen and how well the focal length is known from it,
+    /// or what does not fit, where that made the verdict worse.
     pub cause: String,
-    /// What more tilt or another photograph would bring, with predicted numbers; computed from the Jacobian.
+    /// What to do: what more tilt or another photograph would bring, with predicted numbers computed from the Jacobian, or how
+    /// to mend what does not fit.
     pub advice: String,
 }
 
@@ -91,12 +93,10 @@ fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> 
     };
     let mut judgement = judge::verdict::judge(solved, config);
     judgement.warnings.extend(repetition);
-    if let Some(hint) = judge::transposed::hint(&observations, config) {
-        judgement.advice.clone_from(&hint.advice);
-        judgement.warnings.insert(0, hint);
-    } else if let Some(doubt) = judge::contradiction::hint(&observations, config, solved)
-        .or_else(|| judge::aspect::hint(&observations, config, solved))
-    {
+    let doubt = judge::transposed::hint(&observations, config)
+        .or_else(|| judge::contradiction::hint(&observations, config, solved))
+        .or_else(|| judge::aspect::hint(&observations, config, solved));
+    if let Some(doubt) = doubt {
         judgement.doubt(doubt);
     }
     if judgement.verdict == Verdict::Degenerate && !config.allow_degenerate {
@@ -109,12 +109,13 @@ fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> 
         let (kept, all) = kept.fold((0usize, 0usize), |(k, n), (_, keep)| (k + usize::from(*keep), n + 1));
         if all == 0 { 1.0 } else { kept as f64 / all as f64 }
     };
+    let (cause, advice) = judgement.why();
     let report = CalibrationReport {
         iterations: solved.fit.iterations,
         edge_inliers: share(joint::Kind::Edge),
         corner_inliers: share(joint::Kind::Pair),
-        cause: judgement.cause,
-        advice: judgement.advice,
+        cause: cause.to_owned(),
+        advice: advice.to_owned(),
     };
     Ok(Calibration { rig, report })
 }

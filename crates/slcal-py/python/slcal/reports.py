@@ -109,7 +109,8 @@ class Quality(Report):
     focal_sigma_percent: FocalSigma
     #: Expected 1σ of a reconstructed point at the sheet's distance, mm.
     expected_point_sigma_mm: float | None
-    #: How the sheet was seen and how well the focal length is known from it; empty where a rig does not say.
+    #: Why the verdict is what it is: how the sheet was seen and how well the focal length is known from it, or what does not
+    #: fit, where that made the verdict worse; empty where a rig does not say.
     cause: str
     #: What would make it better, with predicted numbers; empty where a rig does not say.
     advice: str

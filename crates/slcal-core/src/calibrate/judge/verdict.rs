@@ -46,21 +46,41 @@ pub(crate) fn warning(code: &str, message: String, advice: impl Into<String>) ->
 pub(crate) struct Judgement {
     pub(crate) sigma: FocalSigma,
     pub(crate) verdict: Verdict,
-    pub(crate) cause: String,
-    pub(crate) advice: String,
+    /// How the sheet is seen and how well the focal length is known from it.
+    cause: String,
+    advice: String,
+    /// What is worse than σ says.
+    doubt: Option<Warning>,
     pub(crate) warnings: Vec<Warning>,
 }
 
 impl Judgement {
-    /// Adds what makes the result wrong by more than σ says: it is never called good then.
+    /// Adds what makes the result wrong by more than σ says, before all else: it is never called good then.
     pub(crate) fn doubt(&mut self, warning: Warning) {
         self.verdict = self.verdict.max(Verdict::Weak);
+        self.doubt = Some(warning.clone());
         self.warnings.insert(0, warning);
+    }
+
+    fn worsen(&mut self, to: Verdict, warning: &Warning) {
+        if self.verdict < to {
+            self.verdict = to;
+            self.doubt = Some(warning.clone());
+        }
+    }
+
+    /// Why the verdict is what it is, and what to do: the geometry, or what is worse than σ says.
+    pub(crate) fn why(&self) -> (&str, &str) {
+        match &self.doubt {
+            Some(w) => (&w.message, &w.advice),
+            None => (&self.cause, &self.advice),
+        }
     }
 
     /// The error that refuses a degenerate view. Where the model does not fit, that is said first: more tilt would not help.
     pub(crate) fn refusal(&self) -> Error {
-        let advice = match self.warnings.iter().find(|w| !SAID_BY_CAUSE.contains(&w.code.as_str())) {
+        let misfit = self.warnings.iter().find(|w| !SAID_BY_CAUSE.contains(&w.code.as_str()));
+        let advice = match misfit {
             Some(w) => format!("{}: {}; as it is, {}", w.message, w.advice, self.cause),
             None => {
                 format!(
@@ -110,11 +130,17 @@ fn cause(solved: &Solved, sigma: &FocalSigma, config: &CalibrateConfig) -> Strin
 pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
     let Solved { joint, fit } = solved;
     let sigma = focal_sigma(&fit.covariance, &joint.layout);
-    let mut verdict = Verdict::of_focal_sigma(sigma.worst());
-    let mut warnings = Vec::new();
+    let mut judgement = Judgement {
+        sigma,
+        verdict: Verdict::of_focal_sigma(sigma.worst()),
+        cause: cause(solved, &sigma, config),
+        advice: advise(joint, fit, sigma.worst()),
+        doubt: None,
+        warnings: Vec::new(),
+    };
     if let Some(w) = outlandish(solved) {
-        verdict = Verdict::Degenerate;
-        warnings.push(w);
+        judgement.worsen(Verdict::Degenerate, &w);
+        judgement.warnings.push(w);
     }
     let misfits = misfits(solved);
     let far: Vec<_> =
@@ -123,21 +149,21 @@ pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
             .flatten()
             .collect();
     // Corners are too few to widen their own σ, and a prior never does: what they miss by is not in σ of the focal length.
-    if misfits.iter().any(|w| w.code == CORNERS_OFF) || far.iter().any(|(_, against)| *against) {
-        verdict = verdict.max(Verdict::Weak);
+    let against = far.iter().filter(|(_, against)| *against).map(|(w, _)| w);
+    for w in misfits.iter().filter(|w| w.code == CORNERS_OFF).chain(against) {
+        judgement.worsen(Verdict::Weak, w);
     }
-    let cause = cause(solved, &sigma, config);
-    let advice = advise(joint, fit, sigma.worst());
-    if verdict >= Verdict::Weak {
-        let code = if verdict == Verdict::Weak { "weak-geometry" } else { "degenerate-geometry" };
+    let Judgement { verdict, cause, advice, warnings, .. } = &mut judgement;
+    if *verdict >= Verdict::Weak {
+        let code = if *verdict == Verdict::Weak { "weak-geometry" } else { "degenerate-geometry" };
         warnings.push(warning(code, cause.clone(), advice.clone()));
     }
-    warnings.extend(principal_point_limited(solved, &sigma, &advice));
+    warnings.extend(principal_point_limited(solved, &sigma, advice));
     warnings.extend(shift_undetermined(solved, config));
     warnings.extend(far.into_iter().map(|(w, _)| w));
     warnings.extend(misfits);
     warnings.extend(poses_alike(solved));
-    Judgement { sigma, verdict, cause, advice, warnings }
+    judgement
 }
 
 /// A focal length at the end of the range that the search is confined to.

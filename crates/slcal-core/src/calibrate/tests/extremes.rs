@@ -95,8 +95,12 @@ fn a_principal_point_against_its_prior_is_not_called_good() {
         }
     }
     let c = calibrate_observations(&o, &CalibrateConfig::default()).unwrap();
-    assert!(codes(&c).contains(&"principal-point-far"), "{:?}", codes(&c));
-    assert_eq!(c.rig.quality.unwrap().verdict, Verdict::Weak);
+    let quality = c.rig.quality.unwrap();
+    assert_eq!(quality.verdict, Verdict::Weak);
+    let far = quality.warnings.iter().find(|w| w.code == "principal-point-far").unwrap();
+    // σ alone would be called good: it is no reason.
+    assert_eq!(Verdict::of_focal_sigma(quality.focal_sigma_percent_camera / 100.0), Verdict::Good);
+    assert_eq!((&quality.cause, &quality.advice), (&far.message, &far.advice));
 }
 
 #[test]
@@ -139,7 +143,9 @@ fn wrong_corners_by_hand_are_not_called_good() {
     let c = calibrate_observations(&o, &allowing(Method::Ml)).unwrap();
     written(&c);
     assert!(codes(&c).contains(&"sheet-corners-off"), "{:?}", codes(&c));
-    assert!(c.rig.quality.unwrap().verdict >= Verdict::Weak);
+    let quality = c.rig.quality.unwrap();
+    assert!(quality.verdict >= Verdict::Weak);
+    assert_eq!((c.report.cause, c.report.advice), (quality.cause, quality.advice));
 }
 
 #[test]

@@ -129,8 +129,10 @@ fn a_transposed_size_is_suspected_but_not_swapped() {
     o.views[0].size = o.views[0].size.transposed();
     match calibrate_observations(&o, &CalibrateConfig::default()) {
         Ok(c) => {
-            let warnings = c.rig.quality.unwrap().warnings;
-            assert!(warnings.iter().any(|w| w.code == "size-transposed"), "{warnings:?}");
+            let quality = c.rig.quality.unwrap();
+            let swap = quality.warnings.iter().find(|w| w.code == "size-transposed").unwrap();
+            assert_eq!((&quality.cause, &quality.advice), (&swap.message, &swap.advice));
+            assert!(quality.verdict >= Verdict::Weak);
         }
         Err(e) => assert!(e.to_string().contains("swap"), "{e}"),
     }
