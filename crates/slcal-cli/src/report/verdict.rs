@@ -9,16 +9,6 @@ use super::Subject;
 use super::expected::{Working, working};
 use super::number::{derived, field, fixed, significant};
 
-/// Warnings that only repeat how well the geometry determines the result, which the cause says already.
-const SAID_BY_CAUSE: [&str; 6] = [
-    "weak-geometry",
-    "degenerate-geometry",
-    "principal-point-limited",
-    "lens-shift-undetermined",
-    "poses-alike",
-    "two-vp-assumptions",
-];
-
 /// How a verdict looks: never by its colour alone.
 struct Look {
     class: &'static str,
@@ -86,15 +76,6 @@ fn of_sigma(quality: &Quality) -> Verdict {
     Verdict::of_focal_sigma(worst / 100.0)
 }
 
-/// Why the verdict is what it is, and what to do: what the cause says, or the doubt that made it worse than σ would.
-fn why(quality: &Quality) -> (&str, &str) {
-    let doubt = quality.warnings.iter().find(|w| !SAID_BY_CAUSE.contains(&w.code.as_str()));
-    match doubt {
-        Some(w) if quality.verdict > of_sigma(quality) => (&w.message, &w.advice),
-        _ => (&quality.cause, &quality.advice),
-    }
-}
-
 /// The title of the page.
 pub(super) fn title(subject: &Subject) -> String {
     let word = look(subject.rig).word.to_lowercase();
@@ -104,6 +85,7 @@ pub(super) fn title(subject: &Subject) -> String {
 pub(super) fn head(subject: &Subject) -> Markup {
     let rig = subject.rig;
     let look = look(rig);
+    let working = working(rig).ok().flatten();
     html! {
         div class={ "verdict " (look.class) } {
             h1 {
@@ -111,14 +93,14 @@ pub(super) fn head(subject: &Subject) -> Markup {
                 span.word { span.symbol aria-hidden="true" { (look.symbol) } " " (look.word) }
             }
             p.lead { (look.lead) }
-            (tiles(rig))
-            (reasons(rig))
+            (tiles(rig, working.as_ref()))
+            (reasons(rig, working.as_ref()))
         }
     }
 }
 
 /// The few numbers that the verdict rests on.
-fn tiles(rig: &Rig) -> Markup {
+fn tiles(rig: &Rig, working: Option<&Working>) -> Markup {
     let Some(quality) = &rig.quality else { return html! {} };
     // What was given is not measured: no ± of zero.
     let measured = |path: &str, value: f64, unit: &str| {
@@ -127,7 +109,7 @@ fn tiles(rig: &Rig) -> Markup {
             @else { "± " (field(path, value, &significant(value, 2))) (unit) }
         }
     };
-    let rows = working(rig).ok().flatten().is_some_and(|w| w.axis == Axis::Rows);
+    let rows = working.is_some_and(|w| w.axis == Axis::Rows);
     html! {
         ul.tiles {
             li {
@@ -157,7 +139,7 @@ fn tiles(rig: &Rig) -> Markup {
 }
 
 /// Why, what it means, what to do.
-fn reasons(rig: &Rig) -> Markup {
+fn reasons(rig: &Rig, working: Option<&Working>) -> Markup {
     let Some(quality) = &rig.quality else {
         return html! {
             dl.reasons {
@@ -166,24 +148,24 @@ fn reasons(rig: &Rig) -> Markup {
             }
         };
     };
-    let (why, advice) = why(quality);
+    let Quality { cause, advice, .. } = quality;
     html! {
         dl.reasons {
-            @if !why.is_empty() { dt { "Why" } dd { (sentence(why)) } }
+            @if !cause.is_empty() { dt { "Why" } dd { (sentence(cause)) } }
             // A ± that rests on a focal length that is not known means nothing.
-            @if quality.verdict != Verdict::Degenerate { dt { "What it means" } dd { (meaning(rig)) } }
+            @if quality.verdict != Verdict::Degenerate { dt { "What it means" } dd { (meaning(rig, working)) } }
             @if !advice.is_empty() { dt { "What to do next" } dd { (sentence(advice)) } }
         }
     }
 }
 
 /// What the numbers mean for somebody who measures with the rig.
-fn meaning(rig: &Rig) -> Markup {
+fn meaning(rig: &Rig, working: Option<&Working>) -> Markup {
     html! {
         @if rig.projector.is_none() {
             "Directions in the photograph are known; there is no projector in this rig, so no points can be measured. "
-        } @else if let Ok(Some(working)) = working(rig) {
-            (of_a_point(rig, &working))
+        } @else if let Some(working) = working {
+            (of_a_point(rig, working))
             @if let Some((length, [across, along])) = lengths(rig, working.axis) {
                 "A length of " (fixed(length, 0)) " mm there is off by about ± "
                 (derived("length_across_sigma_mm", across, &significant(across, 2))) " mm across and ± "
@@ -280,7 +262,7 @@ pub(super) fn in_a_line(rig: &Rig, name: &str) -> Markup {
         span class=(look.class) { strong.mark { (look.symbol) " " (look.word) } }
         @if !name.is_empty() { " (" span.file { (name) } ")" }
         ": " (look.lead)
-        @if let Some((why, _)) = rig.quality.as_ref().map(why).filter(|(why, _)| !why.is_empty()) { " " (sentence(why)) }
+        @if let Some(quality) = rig.quality.as_ref().filter(|q| !q.cause.is_empty()) { " " (sentence(&quality.cause)) }
     }
 }
 
@@ -304,30 +286,20 @@ pub(super) fn sentence(clause: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use slcal_core::Warning;
-
     use super::*;
 
     #[test]
-    fn a_doubt_is_the_reason_only_where_it_made_the_verdict_worse() {
-        let warning = |code: &str, message: &str| Warning {
-            code: code.into(),
-            message: message.into(),
-            advice: format!("do against {message}"),
-        };
-        let mut quality = Quality {
+    fn the_worse_focal_length_decides_and_what_is_no_number_is_worst() {
+        let quality = |projector: f64| Quality {
             verdict: Verdict::Weak,
             focal_sigma_percent_camera: 1.0,
-            focal_sigma_percent_projector: Some(2.0),
+            focal_sigma_percent_projector: Some(projector),
             expected_point_sigma_mm: None,
-            cause: "cause".into(),
-            advice: "advice".into(),
-            warnings: vec![warning("weak-geometry", "cause"), warning("sheet-corners-off", "corners")],
+            cause: String::new(),
+            advice: String::new(),
+            warnings: Vec::new(),
         };
-        assert_eq!(why(&quality), ("corners", "do against corners"));
-        quality.focal_sigma_percent_projector = Some(12.0);
-        assert_eq!(why(&quality), ("cause", "advice"));
-        quality.focal_sigma_percent_projector = Some(f64::NAN);
-        assert_eq!(of_sigma(&quality), Verdict::Degenerate);
+        let found = [0.5, 12.0, f64::NAN].map(|p| of_sigma(&quality(p)));
+        assert_eq!(found, [Verdict::Good, Verdict::Weak, Verdict::Degenerate]);
     }
 }
