@@ -59,7 +59,9 @@ pub(super) fn html(title: &str, verdict: &Markup, sections: &[Section], figures:
                 @if !figures.is_empty() {
                     noscript { p.note { "The plots need JavaScript; everything else is here without it." } }
                     script type="application/json" id="figures" { (PreEscaped(figures.json())) }
-                    @for script in scripts { script { (PreEscaped(script)) } }
+                    // Read by the last script, once the page is shown.
+                    script type="text/plain" id="plotly" { (PreEscaped(&library)) }
+                    @for script in [BEFORE, SCRIPT] { script { (PreEscaped(script)) } }
                 }
             }
         }

@@ -1,4 +1,4 @@
-// Draws the plots of the page: unpacks numbers, puts in the page's colours, draws one after the other once the page is shown.
+// Draws the plots of the page once it is shown: unpacks numbers, puts in the page's colours, draws one after the other.
 (() => {
   "use strict";
   const figures = JSON.parse(document.getElementById("figures").textContent);
@@ -116,12 +116,24 @@
     recolour();
   };
   const pause = () => new Promise((next) => requestAnimationFrame(() => setTimeout(next)));
+  // The library is long: the page shall be there to read before it is.
+  const load = () => {
+    const library = document.createElement("script");
+    library.textContent = document.getElementById("plotly").textContent;
+    document.head.append(library);
+  };
+  const seen = (figure) => {
+    const { top, bottom } = document.getElementById(figure.id).getBoundingClientRect();
+    return bottom > 0 && top < innerHeight;
+  };
 
   const all = async () => {
     await pause();
-    // Plots in space take longest; those that are flat shall not wait for them.
-    const order = [...figures].sort((a, b) => a.space - b.space);
-    for (const figure of order) {
+    load();
+    // Plots in space take longest; those that are flat shall not wait for them. What is looked at comes first of all.
+    const left = [...figures].sort((a, b) => a.space - b.space);
+    while (left.length) {
+      const [figure] = left.splice(Math.max(0, left.findIndex(seen)), 1);
       performance.mark(figure.id);
       await draw(figure);
       performance.measure(`draw ${figure.id}`, figure.id);
