@@ -307,5 +307,5 @@ fn plain_rig(camera: Device, projector: Option<(Device, Pose)>, format: Exchange
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "npz"))]
 mod tests;

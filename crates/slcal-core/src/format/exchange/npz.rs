@@ -75,8 +75,7 @@ pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
     }
     if let Some(q) = &rig.quality {
         let optional = |x: Option<f64>| x.unwrap_or(f64::NAN);
-        let verdict = serde_json::to_value(q.verdict).ok().and_then(|v| v.as_str().map(str::to_owned));
-        arrays.push(("verdict", Array::Words(vec![], vec![verdict.unwrap_or_default()])));
+        arrays.push(("verdict", Array::Words(vec![], vec![q.verdict.name().to_owned()])));
         arrays.push(("verdict_cause", Array::Words(vec![], vec![q.cause.clone()])));
         arrays.push(("verdict_advice", Array::Words(vec![], vec![q.advice.clone()])));
         let focal = vec![q.focal_sigma_percent_camera, optional(q.focal_sigma_percent_projector)];
@@ -193,17 +192,13 @@ impl Arrays<'_> {
         self.0.iter().find(|(n, _)| n == name).map(|(_, array)| array)
     }
 
-    /// Numbers of `n` things with this shape each, NaN as null; `None` where there is no such array.
-    fn numbers(&self, name: &str, n: usize, shape: &[usize]) -> Result<Option<Vec<Value>>> {
-        let Some(array) = self.get(name) else { return Ok(None) };
-        let each: usize = shape.iter().product();
-        match array {
-            Array::Numbers(found, values) if values.len() == n * each && each > 0 => {
-                Ok(Some(values.chunks_exact(each).map(|c| nested(c, shape)).collect()))
-            }
-            other => Err(FILE.malformed(format!(
-                "{name}: expected numbers of shape {:?}, found {}",
-                [&[n], shape].concat(),
+    /// The numbers of the array of this name, which must have this shape; `None` where there is no such array.
+    fn numbers(&self, name: &str, shape: &[usize]) -> Result<Option<&[f64]>> {
+        match self.get(name) {
+            None => Ok(None),
+            Some(Array::Numbers(found, values)) if found.as_slice() == shape => Ok(Some(values)),
+            Some(other) => Err(FILE.malformed(format!(
+                "{name}: expected numbers of shape {shape:?}, found {}",
                 match other {
                     Array::Numbers(found, _) | Array::Wholes(found, _) => format!("{found:?}"),
                     Array::Words(..) => "words".to_owned(),
@@ -245,8 +240,9 @@ fn nested(values: &[f64], shape: &[usize]) -> Value {
 /// What is there beside the devices, as rig.json has it.
 fn read_extras(arrays: &Arrays<'_>) -> Result<Map<String, Value>> {
     let mut found = Map::new();
-    let one =
-        |name: &str, shape: &[usize]| Ok(arrays.numbers(name, 1, shape)?.and_then(|v| v.into_iter().next()));
+    let one = |name: &str, shape: &[usize]| -> Result<Option<Value>> {
+        Ok(arrays.numbers(name, shape)?.map(|v| nested(v, shape)))
+    };
     for name in ["camera_sigma", "projector_sigma"] {
         if let Some(Value::Array(s)) = one(name, &[8])? {
             let sigma = json!({"focal_px": s[0], "cx_px": s[1], "cy_px": s[2], "distortion": s[3..]});
@@ -284,7 +280,11 @@ fn read_extras(arrays: &Arrays<'_>) -> Result<Map<String, Value>> {
 fn read_views(arrays: &Arrays<'_>, photos: &[String]) -> Result<Value> {
     let n = photos.len();
     let part = |name: &str, shape: &[usize]| -> Result<Vec<Value>> {
-        Ok(arrays.numbers(name, n, shape)?.unwrap_or_else(|| vec![Value::Null; n]))
+        let each: usize = shape.iter().product();
+        Ok(match arrays.numbers(name, &[&[n], shape].concat())? {
+            Some(values) => values.chunks_exact(each).map(|c| nested(c, shape)).collect(),
+            None => vec![Value::Null; n],
+        })
     };
     let size = part("view_size_mm", &[2])?;
     let pose = |name: &str| -> Result<Vec<Value>> {
@@ -311,4 +311,17 @@ fn read_views(arrays: &Arrays<'_>, photos: &[String]) -> Result<Value> {
         })
     };
     Ok((0..n).map(view).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrays_of_another_shape_are_refused() {
+        let arrays = [("corners_px".to_owned(), Array::Numbers(vec![1, 2, 4], vec![0.0; 8]))];
+        assert!(Arrays(&arrays).numbers("corners_px", &[1, 2, 4]).unwrap().is_some());
+        let said = Arrays(&arrays).numbers("corners_px", &[1, 4, 2]).unwrap_err().to_string();
+        assert!(said.contains("[1, 4, 2]") && said.contains("[1, 2, 4]"), "{said}");
+    }
 }
