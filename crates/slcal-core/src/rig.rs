@@ -103,6 +103,17 @@ impl Verdict {
             _ => Self::Degenerate,
         }
     }
+
+    /// Its word in files: "good".
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Fair => "fair",
+            Self::Weak => "weak",
+            Self::Degenerate => "degenerate",
+        }
+    }
 }
 
 /// Something the user should know about a result, and what to do about it.
@@ -175,17 +186,29 @@ impl Rig {
     /// strongly correlated, so that their own σ would not do. `None` where the rig has no such covariance.
     #[must_use]
     pub fn baseline_sigma_mm(&self) -> Option<f64> {
+        let along = self.stereo?.projector_from_camera.translation.try_normalize(0.0)?;
+        self.stereo_sigma(["tx_mm", "ty_mm", "tz_mm"], &along)
+    }
+
+    /// 1σ of the angle by which the devices are turned against each other, rad: a small turn that follows another adds its
+    /// part along the axis of the other. `None` where the rig has no such covariance, or the devices are not turned.
+    #[must_use]
+    pub fn turn_sigma_rad(&self) -> Option<f64> {
+        let axis = self.stereo?.projector_from_camera.rotation.axis()?;
+        self.stereo_sigma(["rx_rad", "ry_rad", "rz_rad"], &axis)
+    }
+
+    /// √(uᵀ C u) with C the covariance of three parameters between the devices.
+    fn stereo_sigma(&self, names: [&str; 3], u: &Vector3<f64>) -> Option<f64> {
         let covariance = self.covariance.as_ref()?;
         let mut at = [0; 3];
-        for (index, name) in at.iter_mut().zip(["tx_mm", "ty_mm", "tz_mm"]) {
+        for (index, name) in at.iter_mut().zip(names) {
             let name = format!("projector_from_camera.{name}");
             *index = covariance.parameters.iter().position(|p| *p == name)?;
         }
-        let along = self.stereo?.projector_from_camera.translation.try_normalize(0.0)?;
-        let of_t =
-            Matrix3::from_fn(|i, j| covariance.matrix.get((at[i], at[j])).copied().unwrap_or(f64::NAN));
-        let variance = (along.transpose() * of_t * along)[0];
-        (variance >= 0.0).then(|| variance.sqrt())
+        let c = Matrix3::from_fn(|i, j| covariance.matrix.get((at[i], at[j])).copied().unwrap_or(f64::NAN));
+        let variance = (u.transpose() * c * u)[0];
+        (variance.is_finite() && variance >= 0.0).then(|| variance.sqrt())
     }
 
     /// The projector, when `what` is for it: a pattern that was drawn for a panel of this size.
@@ -247,5 +270,17 @@ mod tests {
             matrix: DMatrix::from_iterator(3, 3, matrix.iter().copied()),
         });
         assert!((rig.baseline_sigma_mm().unwrap() - 0.5).abs() < 1e-12);
+
+        // Of a turn about z, errors about x and y turn into another direction.
+        assert_eq!(rig.turn_sigma_rad(), None);
+        let turned = Pose { rotation: nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 0.5), ..pose };
+        rig.stereo.as_mut().unwrap().projector_from_camera = turned;
+        rig.covariance = Some(Covariance {
+            parameters: ["rx_rad", "ry_rad", "rz_rad"].map(|n| format!("projector_from_camera.{n}")).to_vec(),
+            matrix: DMatrix::from_diagonal(&nalgebra::dvector![1e-6, 4e-6, 9e-6]),
+        });
+        assert!((rig.turn_sigma_rad().unwrap() - 3e-3).abs() < 1e-15);
+        rig.stereo.as_mut().unwrap().projector_from_camera = pose;
+        assert_eq!(rig.turn_sigma_rad(), None);
     }
 }

@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_that_misfits_in_one_place_is_odd() {
+    fn a_view_that_misfits_in_one_place_stands_out() {
         let (rig, seen) = calibrated(|seen| {
             // A bump under the board's upper left corner.
             for pair in

@@ -3,9 +3,10 @@
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::probe::Probe;
+use super::sigma::{LENS, place};
 use crate::cloud::PointCloud;
 use crate::error::Result;
-use crate::geometry::{Camera, Pose};
+use crate::geometry::{Camera, Distortion, Pose};
 use crate::matches::Matches;
 use crate::pattern::Axis;
 use crate::rig::Rig;
@@ -98,53 +99,42 @@ fn rig_share(rig: &Rig, matches: &Matches) -> Result<Option<f64>> {
 
 /// The rig with one parameter of its covariance moved; `None` for names that are not known here.
 fn moved(rig: &Rig, name: &str, by: f64) -> Option<Rig> {
-    let (of, name) = name.split_once('.')?;
     let mut rig = rig.clone();
-    match of {
-        "camera" => move_lens(&mut rig.camera.model, name, by)?,
-        "projector" => move_lens(&mut rig.projector.as_mut()?.model, name, by)?,
-        "projector_from_camera" => move_pose(&mut rig.stereo.as_mut()?.projector_from_camera, name, by)?,
-        _ => return None,
+    match place(name)? {
+        i if i < LENS => move_lens(&mut rig.camera.model, i, by),
+        i if i < 2 * LENS => move_lens(&mut rig.projector.as_mut()?.model, i - LENS, by),
+        i => move_pose(&mut rig.stereo.as_mut()?.projector_from_camera, i - 2 * LENS, by),
     }
     Some(rig)
 }
 
-fn move_lens(model: &mut Camera, name: &str, by: f64) -> Option<()> {
-    let (k, d) = (&mut model.intrinsics, &mut model.distortion);
-    match name {
-        "focal_px" => {
+fn move_lens(model: &mut Camera, i: usize, by: f64) {
+    let k = &mut model.intrinsics;
+    match i {
+        0 => {
             // One focal length of pixels that are as square as they are.
             let share = 1.0 + by / k.fx;
             k.fx *= share;
             k.fy *= share;
         }
-        "cx_px" => k.cx += by,
-        "cy_px" => k.cy += by,
-        "k1" => d.k1 += by,
-        "k2" => d.k2 += by,
-        "p1" => d.p1 += by,
-        "p2" => d.p2 += by,
-        "k3" => d.k3 += by,
-        _ => return None,
+        1 => k.cx += by,
+        2 => k.cy += by,
+        _ => {
+            let mut terms = model.distortion.to_array();
+            terms[i - 3] += by;
+            model.distortion = Distortion::from_array(terms);
+        }
     }
-    Some(())
 }
 
 /// Rotations are about the projector's axes.
-fn move_pose(pose: &mut Pose, name: &str, by: f64) -> Option<()> {
-    let axis = |i: usize| Vector3::ith(i, by);
-    let (rotation, translation) = match name {
-        "rx_rad" => (axis(0), Vector3::zeros()),
-        "ry_rad" => (axis(1), Vector3::zeros()),
-        "rz_rad" => (axis(2), Vector3::zeros()),
-        "tx_mm" => (Vector3::zeros(), axis(0)),
-        "ty_mm" => (Vector3::zeros(), axis(1)),
-        "tz_mm" => (Vector3::zeros(), axis(2)),
-        _ => return None,
-    };
-    pose.rotation = Rotation3::new(rotation) * pose.rotation;
-    pose.translation += translation;
-    Some(())
+fn move_pose(pose: &mut Pose, i: usize, by: f64) {
+    let step = Vector3::ith(i % 3, by);
+    if i < 3 {
+        pose.rotation = Rotation3::new(step) * pose.rotation;
+    } else {
+        pose.translation += step;
+    }
 }
 
 #[cfg(test)]
@@ -163,8 +153,8 @@ mod tests {
     }
 
     #[test]
-    fn a_length_from_the_camera_has_the_sigma_of_its_far_end() {
-        // As the near end comes close to the camera's centre, which does not move, the error is that of the point.
+    fn a_length_along_a_ray_is_surer_than_its_far_end() {
+        // The errors of both ends are alike: the nearer they are to each other, the surer the length.
         let rig = calibrated();
         let far = middle(&rig);
         let pixel = rig.camera.model.project(&far).unwrap();

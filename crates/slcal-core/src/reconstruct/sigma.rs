@@ -6,7 +6,8 @@ use super::light::{Hit, Light};
 use crate::geometry::{Camera, Distortion};
 use crate::rig::Rig;
 
-const LENS: usize = 8;
+/// Parameters of a device: focal length, principal point, distortion.
+pub(super) const LENS: usize = 8;
 const LENS_NAMES: [&str; LENS] = ["focal_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2", "k3"];
 const POSE_NAMES: [&str; 6] = ["rx_rad", "ry_rad", "rz_rad", "tx_mm", "ty_mm", "tz_mm"];
 const ALL: usize = 2 * LENS + POSE_NAMES.len();
@@ -32,8 +33,9 @@ pub(super) struct RigSigma {
     matrix: Vec<f64>,
 }
 
-/// The place of a parameter by its name; `None` for unknown names.
-fn place(name: &str) -> Option<usize> {
+/// The place of a parameter by its name among those of camera, projector and the transform between them; `None` for unknown
+/// names.
+pub(super) fn place(name: &str) -> Option<usize> {
     let (of, name) = name.split_once('.')?;
     let find = |names: &[&str]| names.iter().position(|n| *n == name);
     match of {

@@ -6,16 +6,12 @@ use pyo3::prelude::*;
 use slcal_core::Rig;
 use slcal_core::format::{ExchangeFormat, ExportConfig, ImportConfig, NamedBytes, export_rig, import_rig};
 
-use crate::convert::option::{shown, whole_pair};
+use crate::convert::option::{one_of, shown, whole_pair};
 use crate::errors::{self, Looking, Raise as _, raised_from};
 use crate::files;
 
 fn format_of(value: &Bound<'_, PyAny>, what: &str) -> PyResult<ExchangeFormat> {
-    let name = value.extract::<String>().ok();
-    name.and_then(|n| ExchangeFormat::of_name(&n).ok()).ok_or_else(|| {
-        let all = ExchangeFormat::ALL.map(|f| format!("\"{}\"", f.name())).join(", ");
-        errors::invalid(value.py(), what, &format!("one of {all}"), &shown(value))
-    })
+    one_of(value, what, &ExchangeFormat::ALL.map(|f| (f.name(), f)))
 }
 
 fn path_of(file: &Bound<'_, PyAny>, what: &str) -> PyResult<PathBuf> {

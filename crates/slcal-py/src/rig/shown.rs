@@ -20,11 +20,6 @@ pub(super) fn quality(q: &Quality) -> Value {
     })
 }
 
-/// The verdict in the word that files have for it.
-fn verdict(quality: &Quality) -> String {
-    json!(quality.verdict).as_str().unwrap_or_default().to_owned()
-}
-
 fn focal(device: &Device) -> String {
     let m = &device.model;
     let sigma = device.sigma.as_ref().filter(|s| s.focal_px > 0.0);
@@ -42,7 +37,7 @@ pub(super) fn in_a_line(rig: &Rig) -> String {
     let mut text = String::from("Rig(");
     // Writing into a string cannot fail.
     if let Some(q) = &rig.quality {
-        let _ = write!(text, "{}: ", verdict(q));
+        let _ = write!(text, "{}: ", q.verdict.name());
     }
     let _ = write!(text, "camera {}", focal(&rig.camera));
     if let Some(projector) = &rig.projector {
@@ -70,7 +65,7 @@ pub(super) fn as_html(rig: &Rig) -> String {
         );
     };
     if let Some(q) = &rig.quality {
-        row("verdict", &verdict(q));
+        row("verdict", q.verdict.name());
     }
     for (label, device) in [("camera", Some(&rig.camera)), ("projector", rig.projector.as_ref())] {
         if let Some(device) = device {

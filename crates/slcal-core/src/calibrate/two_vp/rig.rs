@@ -250,11 +250,16 @@ fn judge(
             advice,
         });
     }
-    let mut rig = assemble(output, sigma, input, found, known, verdict, warnings);
-    if let Some(quality) = &mut rig.quality {
-        quality.cause.clone_from(&cause);
-        quality.advice.clone_from(&advice);
-    }
+    let quality = Quality {
+        verdict,
+        focal_sigma_percent_camera: 100.0 * camera_sigma,
+        focal_sigma_percent_projector: projector_sigma.map(|s| 100.0 * s),
+        expected_point_sigma_mm: None,
+        cause: cause.clone(),
+        advice: advice.clone(),
+        warnings,
+    };
+    let rig = assemble(output, sigma, input, found, known, quality);
     Ok(Calibration {
         rig,
         report: CalibrationReport { iterations: 0, edge_inliers: 1.0, corner_inliers: 1.0, cause, advice },
@@ -267,8 +272,7 @@ fn assemble(
     input: &Input,
     found: ViewRms,
     known: Option<Camera>,
-    verdict: Verdict,
-    warnings: Vec<Warning>,
+    quality: Quality,
 ) -> Rig {
     let device = |model: Camera, s: f64| Device {
         sigma: Some(DeviceSigma {
@@ -305,15 +309,7 @@ fn assemble(
             rms_px: Some(found),
         }],
         method: "two-vp".into(),
-        quality: Some(Quality {
-            verdict,
-            focal_sigma_percent_camera: 100.0 * camera_sigma,
-            focal_sigma_percent_projector: output.projector.map(|_| 100.0 * sigma[1]),
-            expected_point_sigma_mm: None,
-            cause: String::new(),
-            advice: String::new(),
-            warnings,
-        }),
+        quality: Some(quality),
         covariance: None,
     }
 }

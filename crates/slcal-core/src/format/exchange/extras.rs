@@ -4,8 +4,8 @@
 use serde_json::{Map, Value};
 
 use crate::error::{Error, Result};
+use crate::format::rig_json::{rig_of_value, rig_value};
 use crate::format::tree::{Expecting, Node};
-use crate::format::{read_rig, write_rig};
 use crate::rig::Rig;
 
 /// Values that are words, also where they look like numbers.
@@ -23,16 +23,9 @@ const PLACES: [(&str, &str); 8] = [
     ("/covariance", "covariance"),
 ];
 
-/// The rig as rig.json has it.
-fn value_of(rig: &Rig) -> Result<Value> {
-    let mut text = Vec::new();
-    write_rig(rig, &mut text)?;
-    serde_json::from_slice(&text).map_err(|e| Error::Io { what: "rewriting a rig", detail: e.to_string() })
-}
-
 /// All that is there.
 pub(super) fn of_rig(rig: &Rig) -> Result<Map<String, Value>> {
-    let value = value_of(rig)?;
+    let value = rig_value(rig)?;
     let found = PLACES.iter().filter_map(|(place, name)| {
         let part = value.pointer(place)?;
         // No covariance is one of no parameters.
@@ -45,14 +38,14 @@ pub(super) fn of_rig(rig: &Rig) -> Result<Map<String, Value>> {
 
 /// The rig with what was read beside its devices.
 pub(super) fn added_to(rig: &Rig, extras: &Map<String, Value>, expecting: Expecting) -> Result<Rig> {
-    let mut value = value_of(rig)?;
+    let mut value = rig_value(rig)?;
     for (place, name) in PLACES {
         let Some((parent, field)) = place.rsplit_once('/') else { continue };
         if let (Some(part), Some(Value::Object(fields))) = (extras.get(name), value.pointer_mut(parent)) {
             fields.insert(field.to_owned(), part.clone());
         }
     }
-    read_rig(value.to_string().as_bytes()).map_err(|e| renamed(e, expecting))
+    rig_of_value(value).map_err(|e| renamed(e, expecting))
 }
 
 /// An error of the rig's reader as one of the file that it was in.

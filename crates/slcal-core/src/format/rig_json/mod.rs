@@ -146,7 +146,11 @@ pub fn read_rig(mut input: impl Read) -> Result<Rig> {
     input
         .read_to_end(&mut text)
         .map_err(|e| Error::Io { what: "reading a rig JSON", detail: e.to_string() })?;
-    let value: Value = serde_json::from_slice(&text).map_err(|e| malformed(e.to_string()))?;
+    rig_of_value(serde_json::from_slice(&text).map_err(|e| malformed(e.to_string()))?)
+}
+
+/// The rig of the values that [`read_rig`] reads.
+pub(super) fn rig_of_value(value: Value) -> Result<Rig> {
     let Some(object) = value.as_object() else {
         return Err(malformed("expected an object with \"schema\": \"slcal-rig/1\""));
     };
@@ -161,6 +165,12 @@ pub fn read_rig(mut input: impl Read) -> Result<Rig> {
     read::expect(&dto.units, UNITS, "units")?;
     read::expect(&dto.pixel_centre, PIXEL_CENTRE, "pixel_centre")?;
     read::rig_from_dto(dto)
+}
+
+/// The values that [`write_rig`] writes.
+pub(super) fn rig_value(rig: &Rig) -> Result<Value> {
+    serde_json::to_value(write::rig_to_dto(rig)?)
+        .map_err(|e| Error::Io { what: "writing a rig JSON", detail: e.to_string() })
 }
 
 /// Writes a rig as indented JSON with a final newline.
