@@ -4,30 +4,6 @@ use std::process::{Command, Stdio};
 
 use crate::bench;
 
-const VERBS: [&str; 12] = [
-    "demo",
-    "pattern checker",
-    "pattern stripes",
-    "calibrate",
-    "rectify",
-    "decode",
-    "triangulate",
-    "reconstruct",
-    "evaluate",
-    "report",
-    "export",
-    "import",
-];
-
-#[test]
-fn every_verb_has_help_with_a_worked_example() {
-    for verb in VERBS {
-        let run = bench().run(&format!("{verb} --help")).ok();
-        assert!(run.text().contains("Example"), "{verb}: {}", run.text());
-        assert!(run.text().contains(&format!("  slcal {verb}")), "{verb}: {}", run.text());
-    }
-}
-
 #[test]
 fn a_wrong_command_line_has_code_2() {
     for line in

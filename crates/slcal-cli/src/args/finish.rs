@@ -20,6 +20,7 @@ const HEADINGS: [(&str, &[&str]); 4] = [
             "mesh",
             "overlay",
             "report",
+            "fit",
             "save_observations",
             "csv",
             "truth",
@@ -28,8 +29,6 @@ const HEADINGS: [(&str, &[&str]); 4] = [
             "resume",
             "to",
             "lossy",
-            "name",
-            "prefix",
         ],
     ),
     (
@@ -73,6 +72,8 @@ const HEADINGS: [(&str, &[&str]); 4] = [
         ],
     ),
 ];
+/// Those that hold the same in every verb.
+const ALIKE: [&str; 2] = ["Output", "General"];
 /// Options that are in none of them.
 const OTHERS: &str = "Choices";
 
@@ -85,7 +86,7 @@ const FOLDERS: [&str; 2] = ["out", "out_dir"];
 pub(crate) fn command() -> Command {
     let version =
         Arg::new("version").short('V').long("version").action(ArgAction::Version).help("Print the version");
-    finished(Cli::command().disable_version_flag(true).arg(version)).disable_help_subcommand(false)
+    finished(Cli::command().disable_version_flag(true).arg(version))
 }
 
 /// A verb and those beneath it.
@@ -139,12 +140,16 @@ fn headed(arg: Arg) -> Arg {
         other => other,
     };
     let arg = arg.value_hint(hint);
-    if arg.is_positional() || arg.get_help_heading().is_some() {
+    if arg.is_positional() {
         return arg;
     }
     let name = arg.get_id().as_str();
     let heading =
         HEADINGS.iter().find(|(_, names)| names.contains(&name)).map_or(OTHERS, |(heading, _)| heading);
+    // clap hands the heading of flattened arguments on to all that follow; these stand alike in all verbs.
+    if arg.get_help_heading().is_some() && !ALIKE.contains(&heading) {
+        return arg;
+    }
     arg.help_heading(heading)
 }
 
@@ -255,12 +260,22 @@ mod tests {
     fn options_stand_under_headings_and_verbs_end_with_examples() {
         for (path, verb) in all_verbs() {
             for arg in verb.get_arguments().filter(|a| !a.is_positional()) {
-                assert!(arg.get_help_heading().is_some(), "{path} --{}", arg.get_id());
+                let id = arg.get_id().as_str();
+                let of_id =
+                    HEADINGS.iter().find(|(_, names)| names.contains(&id)).map(|(heading, _)| *heading);
+                if let Some(heading) = of_id.filter(|heading| ALIKE.contains(heading)) {
+                    assert_eq!(arg.get_help_heading(), Some(heading), "{path} --{id}");
+                }
                 assert!(arg.get_help().is_some(), "{path} --{} has no help", arg.get_id());
             }
             let text = verb.get_after_long_help().map(ToString::to_string).unwrap_or_default();
             assert!(text.starts_with("Example"), "{path}: expected examples, found {text}");
             assert!(text.contains(&format!("slcal {path}")), "{path}: no example of its own in {text}");
+        }
+        let (all, root) = (all_verbs(), command());
+        for name in HEADINGS.iter().flat_map(|(_, names)| *names) {
+            let has = |c: &Command| c.get_arguments().any(|a| a.get_id().as_str() == *name);
+            assert!(has(&root) || all.iter().any(|(_, verb)| has(verb)), "{name} is no option");
         }
     }
 
