@@ -123,9 +123,11 @@ fn wrong_places_are_refused() {
         ("--to opencv -o none/a.yml", 1, &["does not exist"]),
         ("--to colmap -o none/model", 1, &["folder"]),
         ("--to opencv -o rig.json --force", 2, &["rig.json", "input"]),
+        ("--to kalibr -o - --json", 2, &["stdout"]),
     ] {
         bench.run(&format!("export --rig rig.json {line}")).fails(code, words);
     }
+    bench.run("import rig.npz -o - --json").fails(2, &["stdout"]);
     bench.put("file", "x");
     bench.run("export --rig rig.json --to colmap -o file").fails(1, &["file"]);
     std::fs::create_dir(bench.path("folder.yml")).unwrap();

@@ -22,7 +22,8 @@ pub(crate) use text::{
     load_stripes, read_exchange,
 };
 pub(crate) use write::{
-    Destination, check_distinct, check_spares, end_whole_on_interrupt, png_bytes, write_all, write_whole,
+    Destination, check_distinct, check_json, check_spares, end_whole_on_interrupt, png_bytes, write_all,
+    write_whole,
 };
 
 use crate::exit::{Exit, Failure, Outcome};

@@ -144,6 +144,14 @@ pub(crate) fn check_distinct<'a>(destinations: impl IntoIterator<Item = &'a Dest
     Ok(())
 }
 
+/// Refuses a command line that would print both its output and `--json`.
+pub(crate) fn check_json(json: bool, output: &Destination) -> Outcome {
+    if json && *output == Destination::Stdout {
+        return Err(Failure::usage("--json and -o - both print to stdout; give one of them"));
+    }
+    Ok(())
+}
+
 /// Refuses a command line whose output would replace one of its own inputs: no `--force` means that.
 pub(crate) fn check_spares<'a>(
     destinations: impl IntoIterator<Item = &'a Destination>,

@@ -10,8 +10,8 @@ use slcal_core::photo::PhotoView;
 use crate::args::{self, DecodeArgs};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_distinct, check_spares, input_name, is_dash, load_photo, load_stripes, png_bytes,
-    write_all,
+    Destination, check_distinct, check_json, check_spares, input_name, is_dash, load_photo, load_stripes,
+    png_bytes, write_all,
 };
 use crate::output::{Printer, print_json, print_result};
 use crate::picture::{as_seen, stripes};
@@ -22,9 +22,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     let overlay = Destination::prepare_overlay(args.overlay.as_ref(), args.force)?;
     check_distinct([&output].into_iter().chain(&overlay))?;
     check_spares([&output].into_iter().chain(&overlay), args.input.files().chain([args.image.as_path()]))?;
-    if args.json && output == Destination::Stdout {
-        return Err(Failure::usage("--json and -o - both print to stdout; give one of them"));
-    }
+    check_json(args.json, &output)?;
     let pattern = load_stripes(&args.input.pattern)?;
     let busy = printer.busy(format!("decoding {}", input_name(&args.image)));
     let frames = Frames::load(&args.input, printer)?;

@@ -12,7 +12,7 @@ use slcal_core::format::{
 use crate::args::{ExportArgs, ImportArgs};
 use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_distinct, check_spares, export_places, import_paths, input_name, load_rig,
+    Destination, check_distinct, check_json, check_spares, export_places, import_paths, input_name, load_rig,
     read_exchange, storage_of, write_all,
 };
 use crate::output::{Page, Printer, print_json, print_result, shown};
@@ -53,6 +53,7 @@ pub(super) fn export(args: &ExportArgs, printer: Printer) -> Outcome {
     let outputs =
         places.paths.iter().map(|p| Destination::prepare(p, args.force)).collect::<Outcome<Vec<_>>>()?;
     check_distinct(&outputs)?;
+    outputs.iter().try_for_each(|o| check_json(args.json, o))?;
     check_spares(&outputs, [args.rig.as_path()])?;
     let report = ExportReport {
         schema: "slcal-export/1",
@@ -82,6 +83,7 @@ pub(super) fn export(args: &ExportArgs, printer: Printer) -> Outcome {
 
 pub(super) fn import(args: &ImportArgs, printer: Printer) -> Outcome {
     let output = Destination::prepare(&args.output, args.force)?;
+    check_json(args.json, &output)?;
     let paths = import_paths(&args.files)?;
     check_spares([&output], paths.iter().map(PathBuf::as_path))?;
     let contents = paths.iter().map(|p| read_exchange(p)).collect::<Outcome<Vec<_>>>()?;

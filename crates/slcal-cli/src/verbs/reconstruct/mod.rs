@@ -23,8 +23,8 @@ use super::decode::Frames;
 use crate::args::{CullArg, FrameArg, ReconstructArgs, ShapeArg};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, RawFormat, check_distinct, check_panel, check_spares, cloud_bytes, cloud_format_of,
-    input_name, is_dash, load_rig, load_stripes, png_bytes, read_photo, write_all,
+    Destination, RawFormat, check_distinct, check_json, check_panel, check_spares, cloud_bytes,
+    cloud_format_of, input_name, is_dash, load_rig, load_stripes, png_bytes, read_photo, write_all,
 };
 use crate::output::{Printer, Remarks};
 use crate::picture::{as_seen, stripes};
@@ -122,9 +122,7 @@ fn check_raw_size(raw: RawFormat, rig: &Rig, path: &Path) -> Outcome {
 fn places(args: &ReconstructArgs) -> Outcome<Vec<Place>> {
     if let Some(output) = &args.output {
         let place = Destination::prepare(output, args.force)?;
-        if args.json && place == Destination::Stdout {
-            return Err(Failure::usage("--json and -o - both print to stdout; give one of them"));
-        }
+        check_json(args.json, &place)?;
         return Ok(vec![Place { name: place.name(), output: Some(place) }]);
     }
     let folder = Folder::of(args).ok_or_else(|| Failure::usage("expected -o FILE or --out-dir DIR"))?;
