@@ -465,3 +465,15 @@ fn a_drawing_is_not_mixed_with_what_is_said() {
         }
     }
 }
+
+#[test]
+fn a_report_names_only_files_that_there_are() {
+    let bench = with_photos(&THREE[1..2]);
+    let words = "reconstruct --rig - --pattern stripes.json b.jpg -o c.ply --report c.html";
+    let words: Vec<&str> = words.split(' ').collect();
+    let _ = bench.run_args(&words, &bytes(&bench, "rig.json")).ok();
+    let page = bench.text("c.html");
+    assert!(page.contains("slcal evaluate plane c.ply") && !page.contains("--rig stdin"));
+    let _ = bench.run(&format!("{MANY} b.jpg -o c.ply --report c.html --force")).ok();
+    assert!(bench.text("c.html").contains("slcal report --rig rig.json --cloud c.ply"));
+}

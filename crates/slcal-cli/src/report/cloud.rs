@@ -5,11 +5,12 @@ use slcal_core::Rig;
 use slcal_core::reconstruct::Reconstruction;
 
 use super::figure::Figures;
+use super::next::{PIPED, file_word};
 use super::number::{derived, fixed, significant};
 use super::page::{self, Section};
 use super::photographs::Photo;
 use super::points::{self, Surface};
-use super::{ShownCloud, decoding, next, quoted, space, verdict};
+use super::{ShownCloud, decoding, next, space, verdict};
 use crate::picture::stripes::{self, thousands};
 use crate::summary;
 
@@ -131,14 +132,17 @@ fn photograph(subject: &CloudSubject, photo: &Photo) -> Section {
 }
 
 fn following(subject: &CloudSubject) -> Vec<(&'static str, String)> {
-    let (rig, cloud) = (quoted(&subject.rig_name), quoted(&subject.cloud_name));
     let mut next = Vec::new();
     if subject.cloud_name.to_lowercase().ends_with(".ply") {
+        let cloud = file_word(&subject.cloud_name);
         next.push(("How flat, how round?", format!("slcal evaluate plane {cloud}")));
-        next.push((
-            "Beside the calibration",
-            format!("slcal report --rig {rig} --cloud {cloud} -o report.html"),
-        ));
+        if subject.rig_name != PIPED {
+            let rig = file_word(&subject.rig_name);
+            next.push((
+                "Beside the calibration",
+                format!("slcal report --rig {rig} --cloud {cloud} -o report.html"),
+            ));
+        }
     }
     next
 }

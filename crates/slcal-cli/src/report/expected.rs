@@ -27,10 +27,15 @@ const CLEARLY_BETTER: f64 = 0.5;
 /// Points of the curve.
 const DEPTHS: usize = 91;
 
-pub(super) fn section(subject: &Subject, figures: &mut Figures) -> Option<Section> {
+/// The section on what [`working`] found.
+pub(super) fn section(
+    subject: &Subject,
+    working: slcal_core::Result<Option<Working>>,
+    figures: &mut Figures,
+) -> Option<Section> {
     let rig = subject.rig;
     rig.projector?;
-    let content = match working(rig) {
+    let content = match working {
         Ok(Some(mut working)) => html! {
             p {
                 "How far a single point is expected to lie from its true place, along the camera’s line of sight (1σ), if the centre of \
@@ -267,15 +272,20 @@ impl Working {
                 (figures.flat("expected-depth", "Expected σ of a point against its depth, total and noise alone.", traces, layout))
                 figcaption {
                     "Along the line of sight through "
-                    (match self.place {
-                        Place::Sheet => "the middle of the sheet",
-                        Place::Image => "the middle of the image",
-                        Place::Lit => "a place that is lit",
-                    })
+                    (self.place_in_words())
                     ". At a depth of " (significant(self.distance_mm, 4)) " mm: " (significant(self.sigma.sigma_mm, 2)) " mm"
                     @if self.knows_rig { ", of which " (significant(self.sigma.noise_mm, 2)) " mm are noise." } @else { " of noise." }
                 }
             }
+        }
+    }
+
+    /// Where in the image that is.
+    pub(super) fn place_in_words(&self) -> &'static str {
+        match self.place {
+            Place::Sheet => "the middle of the sheet",
+            Place::Image => "the middle of the image",
+            Place::Lit => "a place that is lit",
         }
     }
 

@@ -68,15 +68,17 @@ pub(crate) struct ShownCloud<'a> {
 /// The report, complete.
 pub(crate) fn html(subject: &Subject) -> Vec<u8> {
     let mut figures = Figures::default();
+    let working = expected::working(subject.rig);
+    let head = verdict::head(subject, working.as_ref().ok().and_then(Option::as_ref));
     let sections = [
         Some(parameters::section(subject)),
         photographs::section(subject),
         residuals::section(subject, &mut figures),
         Some(space::section(subject.rig, subject.cloud.as_ref(), &mut figures)),
-        expected::section(subject, &mut figures),
+        expected::section(subject, working, &mut figures),
         next::warnings(subject),
         next::commands(subject),
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
-    page::html(&verdict::title(subject), &verdict::head(subject), &sections, &figures)
+    page::html(&verdict::title(subject), &head, &sections, &figures)
 }

@@ -54,7 +54,7 @@ fn listing(text: &str) -> Markup {
 }
 
 /// What stands for a rig that was piped in: no command can name it.
-const PIPED: &str = "stdin";
+pub(super) const PIPED: &str = "stdin";
 
 /// What one does with such a rig, with the names of its files: only what this rig is enough for.
 fn following(subject: &Subject) -> Vec<(&'static str, String)> {
@@ -96,7 +96,7 @@ fn following(subject: &Subject) -> Vec<(&'static str, String)> {
 }
 
 /// The name of a file as a word of a command: never taken for an option, nor for a command's place by a shell (`=name` in zsh).
-fn file_word(name: &str) -> String {
+pub(super) fn file_word(name: &str) -> String {
     let word = if name.starts_with('-') { quoted(&format!("./{name}")) } else { quoted(name) };
     if word.starts_with('=') { format!("'{word}'") } else { word }
 }

@@ -86,7 +86,7 @@ fn between(rig: &Rig, stereo: &StereoPose) -> Markup {
     let sigma = rig.baseline_sigma_mm();
     let decimals = sigma.map_or(1, decimals_of);
     let turn = pose.rotation.angle().to_degrees();
-    let turn_sigma = turn_sigma_rad(rig, stereo).map(f64::to_degrees);
+    let turn_sigma = rig.turn_sigma_rad().map(f64::to_degrees);
     html! {
         tbody {
             tr.group { th scope="rowgroup" colspan="3" { "From camera to projector" } }
@@ -106,26 +106,6 @@ fn between(rig: &Rig, stereo: &StereoPose) -> Markup {
             }, "°"))
         }
     }
-}
-
-/// 1σ of the angle by which the devices are turned against each other, rad: √(uᵀ C u) with u the axis of that rotation and C the
-/// covariance of a small one about the projector's axes. A turn that follows another adds its part along the axis of the other.
-fn turn_sigma_rad(rig: &Rig, stereo: &StereoPose) -> Option<f64> {
-    let covariance = rig.covariance.as_ref()?;
-    let axis = stereo.projector_from_camera.rotation.axis()?;
-    let mut at = [0; 3];
-    for (index, name) in at.iter_mut().zip(["rx_rad", "ry_rad", "rz_rad"]) {
-        let name = format!("projector_from_camera.{name}");
-        *index = covariance.parameters.iter().position(|p| *p == name)?;
-    }
-    let term = |i: usize, j: usize| Some(axis[i] * axis[j] * covariance.matrix.get((at[i], at[j])).copied()?);
-    let mut variance = 0.0;
-    for i in 0..3 {
-        for j in 0..3 {
-            variance += term(i, j)?;
-        }
-    }
-    (variance.is_finite() && variance >= 0.0).then(|| variance.sqrt())
 }
 
 /// The sheet in every photograph, a line each.

@@ -61,8 +61,7 @@ pub(super) fn fit(surface: &Result<Surface, String>, cloud: &PointCloud, figures
         Err(why) => html! { p.note { "No surface was fitted: " (why) } },
         Ok(Surface::Plane(found)) => {
             let n = found.plane.normal;
-            let from =
-                cloud.points.iter().map(|p| n.dot(&p.position.coords) + found.plane.offset_mm).collect();
+            let from = cloud.points.iter().map(|p| found.plane.signed_distance_mm(&p.position)).collect();
             fitted(
                 "plane",
                 html! {

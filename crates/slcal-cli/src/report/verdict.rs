@@ -6,7 +6,7 @@ use slcal_core::reconstruct::length_sigma;
 use slcal_core::{Match, Quality, Rig, Verdict};
 
 use super::Subject;
-use super::expected::{Working, working};
+use super::expected::Working;
 use super::number::{derived, field, fixed, significant};
 
 /// How a verdict looks: never by its colour alone.
@@ -82,10 +82,10 @@ pub(super) fn title(subject: &Subject) -> String {
     format!("{}: {word} – slcal", subject.name())
 }
 
-pub(super) fn head(subject: &Subject) -> Markup {
+/// The head of the page; `working` is where one works with the rig.
+pub(super) fn head(subject: &Subject, working: Option<&Working>) -> Markup {
     let rig = subject.rig;
     let look = look(rig);
-    let working = working(rig).ok().flatten();
     html! {
         div class={ "verdict " (look.class) } {
             h1 {
@@ -93,8 +93,8 @@ pub(super) fn head(subject: &Subject) -> Markup {
                 span.word { span.symbol aria-hidden="true" { (look.symbol) } " " (look.word) }
             }
             p.lead { (look.lead) }
-            (tiles(rig, working.as_ref()))
-            (reasons(rig, working.as_ref()))
+            (tiles(rig, working))
+            (reasons(rig, working))
         }
     }
 }
@@ -197,7 +197,7 @@ fn of_a_point(rig: &Rig, working: &Working) -> Markup {
         _ => (working.sigma.sigma_mm, working.distance_mm),
     };
     html! {
-        "A point " @if working.of_sheet { "at the sheet’s distance (" } @else { "in the middle of the image (at "}
+        "A point " @if working.of_sheet { "at the sheet’s distance (" } @else { "in " (working.place_in_words()) " (at " }
         (derived("sheet_distance_mm", distance, &significant(distance, 4))) " mm), under " (stripes(working.axis)) ", is off by about ± "
         (derived("point_sigma_mm", sigma, &significant(sigma, 2))) " mm along the line of sight (1σ), "
         (significant(100.0 * sigma / distance, 2)) " % of that distance. "

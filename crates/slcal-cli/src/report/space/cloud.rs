@@ -12,8 +12,6 @@ use super::{camera_from_cloud, plotted};
 
 /// More points than this are thinned: enough for a shape, and a report that opens at once and stays small.
 const MAX_SHOWN: usize = 20_000;
-/// The colours of the points are mixed with the page's, where neither photograph nor σ are known.
-const PLAIN: &str = "$cloud";
 
 /// Points as they are shown.
 pub(super) struct Shown {
@@ -77,19 +75,19 @@ impl Shown {
         let axis = |k: usize| packed(&self.positions.iter().map(|p| plotted(p)[k]).collect::<Vec<_>>());
         let points = traces.len();
         let colours = self.colours();
-        let first =
-            colours.first().map_or_else(|| json!({ "marker.color": PLAIN }), |(_, change)| change.clone());
         let mut trace = json!({
             "type": "scatter3d", "mode": "markers", "name": "points", "x": axis(0), "y": axis(1), "z": axis(2),
             "marker": {
                 // Squares have two triangles, circles dozens.
-                "symbol": "square", "size": 2, "line": { "width": 0 }, "opacity": 1, "color": first["marker.color"], "showscale": false,
+                "symbol": "square", "size": 2, "line": { "width": 0 }, "opacity": 1,
                 "colorbar": { "thickness": 12, "len": 0.6, "outlinewidth": 0, "tickcolor": "$line" },
             },
             "hovertemplate": "%{x:.1f} right, %{y:.1f} deep, %{z:.1f} up<extra></extra>",
         });
-        if colours.is_empty() {
-            trace["marker"]["color"] = json!(PLAIN);
+        // As the first choice, which is pressed, shows them.
+        for (path, value) in colours.first().and_then(|(_, change)| change.as_object()).into_iter().flatten()
+        {
+            *path.split('.').fold(&mut trace, |at, key| &mut at[key]) = value.clone();
         }
         traces.push(trace);
         let choice = |(label, change): &(&'static str, Value)| Choice {
@@ -239,6 +237,28 @@ fn bulk(values: &[f64]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_begin_as_the_choice_that_is_pressed() {
+        let at = |z: f64| Point3::new(0.0, 0.0, z);
+        let one_colour = Shown {
+            positions: vec![at(900.0), at(1100.0)],
+            colours: vec![[7; 3]; 2],
+            sigma_mm: vec![f64::NAN; 2],
+            noise_mm: vec![f64::NAN; 2],
+            triangles: Vec::new(),
+            total: 2,
+            total_triangles: 0,
+        };
+        let mut traces = Vec::new();
+        one_colour.add_to(&mut traces);
+        let marker = &traces[0]["marker"];
+        assert_eq!(
+            (&marker["showscale"], &marker["colorbar"]["title"]["text"]),
+            (&json!(true), &json!("depth, mm"))
+        );
+        assert_eq!(marker["colorbar"]["thickness"], 12);
+    }
 
     #[test]
     fn thinning_keeps_one_point_per_cell_and_depth() {
