@@ -12,8 +12,8 @@ pub(super) const DEMO: &str = "\
 Example:
     slcal demo --out demo
 
-writes the patterns, the photographs, rig.json, clouds and pictures of what was
-found into demo/, and says how close all of it came to the truth.";
+writes the patterns, the photographs, rig.json, clouds, pictures of what was
+found and report.html into demo/, and says how close it came to the truth.";
 
 pub(super) const CHECKER: &str = "\
 Example:

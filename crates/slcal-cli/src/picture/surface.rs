@@ -183,9 +183,8 @@ mod tests {
         };
         let fit = fit_plane(&finite, &FitConfig::default()).unwrap();
         // Towards the camera counts up.
-        let sign = -fit.plane.normal.z.signum();
         let distances: Vec<f64> =
-            cloud.points.iter().map(|p| sign * fit.plane.signed_distance_mm(&p.position)).collect();
+            cloud.points.iter().map(|p| fit.plane.signed_distance_mm(&p.position)).collect();
         let surface = Surface {
             name: "a/board.ply",
             what: "plane",

@@ -36,16 +36,15 @@ pub(crate) fn advice(advice: &Advice) -> String {
         page.line("now", predicted(now));
     }
     let with_projector = advice.table.iter().filter_map(|t| t.one).any(|p| p.projector_focal.is_some());
-    let (camera, projector): (Figure, Figure) = (|p| Some(p.camera_focal), |p| p.projector_focal);
     let tables: &[(&str, Outlook)] = if advice.now.is_some() {
         &[("after one more photograph", |t| t.one)]
     } else {
         &[("after one photograph", |t| t.one), ("after two, the second with the tilt reversed", |t| t.pair)]
     };
     for (title, of) in tables {
-        table(&mut page, advice, &format!("camera, {title}"), |t| of(t).and_then(|p| camera(&p)));
+        table(&mut page, advice, &format!("camera, {title}"), |t| Some(of(t)?.camera_focal));
         if with_projector {
-            table(&mut page, advice, &format!("projector, {title}"), |t| of(t).and_then(|p| projector(&p)));
+            table(&mut page, advice, &format!("projector, {title}"), |t| of(t)?.projector_focal);
         }
     }
     page.gap();
@@ -61,8 +60,6 @@ pub(crate) fn advice(advice: &Advice) -> String {
 
 /// Which photographs are forecast.
 type Outlook = fn(&TiltForecast) -> Option<Predicted>;
-/// Which number of a forecast.
-type Figure = fn(&Predicted) -> Option<f64>;
 
 fn table(page: &mut Page, advice: &Advice, title: &str, of: impl Fn(&TiltForecast) -> Option<f64>) {
     let Some(first) = advice.table.first() else { return };

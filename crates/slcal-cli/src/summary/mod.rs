@@ -22,12 +22,18 @@ pub(crate) use verification::{rig_in_words, verification};
 
 /// A verdict in its colour.
 pub(crate) fn verdict(verdict: Verdict) -> String {
-    match verdict {
-        Verdict::Good => paint(GOOD, "good"),
-        Verdict::Fair => paint(FAIR, "fair"),
-        Verdict::Weak => paint(FAIR, "weak"),
-        Verdict::Degenerate => paint(BAD, "degenerate"),
-    }
+    let colour = match verdict {
+        Verdict::Good => GOOD,
+        Verdict::Fair | Verdict::Weak => FAIR,
+        Verdict::Degenerate => BAD,
+    };
+    paint(colour, verdict.name())
+}
+
+/// A number that prints with `decimals`, without the sign of a zero.
+pub(crate) fn unsigned(x: f64, decimals: usize) -> f64 {
+    let unit = 10_f64.powi(decimals as i32);
+    (x * unit).round() / unit + 0.0
 }
 
 /// A number with `decimals`, or with as many more as a small one needs to show two digits.

@@ -5,6 +5,7 @@ use slcal_core::simulate::{
     Statistics,
 };
 
+use super::unsigned;
 use crate::output::{Page, Table, glued};
 
 /// Tilts below this about one of the axes leave one vanishing point near infinity, rad.
@@ -139,9 +140,7 @@ fn error(e: &ErrorStatistics, unit: f64, decimals: usize) -> String {
     match (e.rms, e.bias) {
         // Beyond a thousand the digits behind the point mean nothing, and the column would burst.
         (Some(rms), Some(bias)) if rms / unit < 1000.0 => {
-            // Adding zero takes the sign off a negative one.
-            let grid = 10_f64.powi(decimals as i32);
-            let bias = (bias / unit * grid).round() / grid + 0.0;
+            let bias = unsigned(bias / unit, decimals);
             format!("{:.decimals$} ({bias:.decimals$})", rms / unit)
         }
         (Some(rms), Some(bias)) => format!("{:.1e} ({:.1e})", rms / unit, bias / unit),

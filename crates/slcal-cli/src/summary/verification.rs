@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use slcal_core::verify::{Change, Measured, SheetCheck, Verification};
 
+use super::unsigned;
 use crate::output::{BAD, GOOD, Page, glued, paint};
 
 /// A keystone below this is not seen by the eye, degrees: 1 mm over 0.6 m.
@@ -18,12 +19,6 @@ fn degrees(m: Measured) -> String {
 /// Decimals that show two digits of a σ, and no more than anybody needs.
 fn digits(sigma: f64) -> usize {
     if sigma > 0.0 { (1.0 - sigma.log10().floor()).clamp(1.0, 4.0) as usize } else { 4 }
-}
-
-/// A number that prints without the sign of a zero.
-fn unsigned(x: f64, digits: usize) -> f64 {
-    let unit = 10f64.powi(digits as i32);
-    (x * unit).round() / unit + 0.0
 }
 
 fn probability(p: f64) -> String {

@@ -10,7 +10,7 @@ use slcal_core::pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, 
 use slcal_core::photo::PhotoView;
 use slcal_core::reconstruct::{ReconstructConfig, Reconstruction, reconstruct};
 use slcal_core::{
-    CalibrateConfig, Calibration, Device, Observations, Rig, calibrate_observations, residuals,
+    CalibrateConfig, Calibration, Device, Observations, Rig, ViewResiduals, calibrate_observations, residuals,
 };
 
 use super::calibrate::rig_bytes;
@@ -70,7 +70,7 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
     let stripes = StripePattern::new(PANEL, &StripeConfig::default())?;
     let busy = printer.busy("calibrating from the photograph of the sheet");
     let sheet_photo = decode_photo(SHEET, "sheet.jpg")?.0;
-    let (detection, calibration) = calibrate(&sheet_photo, &checker)?;
+    let (detection, observations, calibration) = calibrate(&sheet_photo, &checker)?;
     let rig = &calibration.rig;
     busy.say("reconstructing a board and a head from one photograph each");
     let (board_photo, head_photo) = (decode_photo(BOARD, "board.jpg")?.0, decode_photo(HEAD, "head.jpg")?.0);
@@ -78,7 +78,8 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
     let head = cloud(rig, &stripes, &head_photo)?;
     let flatness = fit_plane(&board.cloud, &FitConfig::default())?.report;
 
-    let seen = draw_sheet(&sheet_photo, &detection, &calibration)?;
+    let misses = residuals(rig, &observations)?;
+    let seen = draw_sheet(&sheet_photo, &detection, rig, &misses)?;
     let contents = [
         png_bytes(&DynamicImage::ImageRgb8(checker.image()?))?,
         pattern_bytes(&Pattern::Checker(checker))?,
@@ -92,31 +93,39 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
         cloud_bytes(CloudFormat::Ply, &board.cloud)?,
         cloud_bytes(CloudFormat::Ply, &head.cloud)?,
         draw(&head_photo, "head.jpg", &head)?,
-        report(&sheet_photo, &detection, &calibration, &head)?,
+        report(&sheet_photo, rig, &observations, misses, &head)?,
     ];
     write_all(&places.into_iter().zip(contents).collect::<Vec<_>>())?;
     drop(busy);
     print_result(&story(args, &calibration, &detection, &flatness, &head)?)
 }
 
-fn calibrate(sheet: &DynamicImage, checker: &CheckerPattern) -> Outcome<(Detection, Calibration)> {
+fn calibrate(
+    sheet: &DynamicImage,
+    checker: &CheckerPattern,
+) -> Outcome<(Detection, Observations, Calibration)> {
     let size = RectangleSize::new(SHEET_SIZE_MM[0], SHEET_SIZE_MM[1])?;
     let detection =
         observe(PhotoView::try_from(sheet)?, None, size, Some(checker), &DetectConfig::default())?;
-    let observations = observations([sheet.width(), sheet.height()], &detection);
+    let camera = [sheet.width(), sheet.height()];
+    let observations =
+        Observations { camera, projector: Some(PANEL), views: vec![detection.observation.clone()] };
     let mut calibration = calibrate_observations(&observations, &CalibrateConfig::default())?;
     if let Some(view) = calibration.rig.views.first_mut() {
         view.photo = Some("sheet.jpg".to_owned());
     }
-    Ok((detection, calibration))
+    Ok((detection, observations, calibration))
 }
 
 /// What was found on the sheet and how well it fits.
-fn draw_sheet(photo: &DynamicImage, found: &Detection, calibration: &Calibration) -> Outcome<DynamicImage> {
+fn draw_sheet(
+    photo: &DynamicImage,
+    found: &Detection,
+    rig: &Rig,
+    misses: &[ViewResiduals],
+) -> Outcome<DynamicImage> {
     let size = [photo.width(), photo.height()];
-    let observations = observations(size, found);
-    let misses = residuals(&calibration.rig, &observations)?;
-    let drawing = match (calibration.rig.views.first(), misses.first()) {
+    let drawing = match (rig.views.first(), misses.first()) {
         (Some(view), Some(residuals)) => {
             let fit = Fit { observed: &found.observation, residuals, view };
             fit::calibrated(size, "sheet.jpg", &format!("sheet.jpg: {}", fit.in_words()), fit)
@@ -129,26 +138,22 @@ fn draw_sheet(photo: &DynamicImage, found: &Detection, calibration: &Calibration
 /// The calibration and the head, to look at.
 fn report(
     photo: &DynamicImage,
-    found: &Detection,
-    calibration: &Calibration,
+    rig: &Rig,
+    observations: &Observations,
+    residuals: Vec<ViewResiduals>,
     head: &Reconstruction,
 ) -> Outcome<Vec<u8>> {
-    let observations = observations([photo.width(), photo.height()], found);
     let subject = Subject {
-        rig: &calibration.rig,
+        rig,
         rig_name: "rig.json".to_owned(),
         checker_name: Some("checker.json".to_owned()),
         photos: vec![Some(Photo::new(photo, 1)?)],
-        observations: Some(&observations),
-        residuals: residuals(&calibration.rig, &observations).map_err(|e| e.to_string()),
+        observations: Some(observations),
+        residuals: Ok(residuals),
         cloud: Some(ShownCloud { name: "cloud.ply".to_owned(), cloud: &head.cloud }),
         made_by: BY_HAND.map(str::to_owned).to_vec(),
     };
     Ok(html(&subject))
-}
-
-fn observations(camera: [u32; 2], found: &Detection) -> Observations {
-    Observations { camera, projector: Some(PANEL), views: vec![found.observation.clone()] }
 }
 
 fn cloud(rig: &Rig, stripes: &StripePattern, photo: &DynamicImage) -> Outcome<Reconstruction> {

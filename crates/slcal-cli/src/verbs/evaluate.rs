@@ -45,10 +45,9 @@ pub(super) fn run(args: &EvaluateArgs, printer: Printer) -> Outcome {
 }
 
 fn draw_plane(args: &EvaluateArgs, cloud: &PointCloud, fit: &PlaneFit) -> Outcome<Vec<u8>> {
-    // What is nearer to the camera counts up.
-    let sign = if fit.plane.signed_distance_mm(&cloud.camera_centre) < 0.0 { -1.0 } else { 1.0 };
-    let distance = |p: &_| sign * fit.plane.signed_distance_mm(p);
-    let distances: Vec<f64> = cloud.points.iter().map(|p| distance(&p.position)).collect();
+    // The normal points to the camera: what is nearer counts up.
+    let distances: Vec<f64> =
+        cloud.points.iter().map(|p| fit.plane.signed_distance_mm(&p.position)).collect();
     let surface = Surface {
         name: &input_name(&args.cloud),
         what: "plane",

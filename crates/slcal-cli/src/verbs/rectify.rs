@@ -11,6 +11,7 @@ use crate::io::{
     Destination, check_panel, check_spares, load_checker, load_photo, load_rig, png_bytes, write_all,
 };
 use crate::output::{Page, Printer, print_result};
+use crate::summary::unsigned;
 
 pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
     let output = Destination::prepare(&args.output, args.force)?;
@@ -37,8 +38,8 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
         "{:.1} x {:.1} mm on the sheet, {:.1} mm from its left and {:.1} mm from its top",
         place.size_mm.width_mm,
         place.size_mm.height_mm,
-        unsigned_zero(place.origin_mm.x),
-        unsigned_zero(place.origin_mm.y)
+        unsigned(place.origin_mm.x, 1),
+        unsigned(place.origin_mm.y, 1)
     );
     page.line("placed", placed);
     let text = page.into_text();
@@ -47,9 +48,4 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
         return Ok(());
     }
     print_result(&text)
-}
-
-/// A millimetre value to one decimal without the sign of a zero.
-fn unsigned_zero(mm: f64) -> f64 {
-    (mm * 10.0).round() / 10.0 + 0.0
 }

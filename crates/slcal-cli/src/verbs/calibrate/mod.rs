@@ -9,7 +9,7 @@ use slcal_core::format::{KnownCamera, write_observations, write_rig};
 use slcal_core::geometry::Camera;
 use slcal_core::{
     CalibrateConfig, Calibration, DistortionModel, ExternalObservations, Method, NoiseFound, Observations,
-    PrincipalPointRule, Rig, calibrate_external, residuals,
+    PrincipalPointRule, Rig, ViewResiduals, calibrate_external, residuals,
 };
 
 use self::overlay::{Calibrated, Gallery};
@@ -28,10 +28,14 @@ pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -
     let pictured = places.overlay.is_some() || places.report.is_some();
     let mut gallery = pictured.then(|| Gallery::new(args.photos.len()));
     let done = calibrate(args, &places, gallery.as_mut(), printer);
+    let misses = match &done {
+        Ok((c, o)) if pictured => residuals(&c.rig, o).map_err(|e| e.to_string()),
+        _ => Ok(Vec::new()),
+    };
     let drawn = match (places.overlay.as_ref(), &gallery) {
         (Some(place), Some(gallery)) => {
             let shown = done.as_ref().ok().map(|(c, o)| Calibrated { rig: &c.rig, observations: o });
-            gallery.write(place, shown, done.as_ref().err())
+            gallery.write(place, shown, misses.as_deref().unwrap_or_default(), done.as_ref().err())
         }
         _ => Ok(()),
     };
@@ -41,7 +45,7 @@ pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -
     let report = match places.report.as_ref().zip(gallery) {
         Some((place, gallery)) => {
             let shown = Calibrated { rig: &calibration.rig, observations: &observations };
-            Some((place.clone(), report(args, shown, &gallery, typed)?))
+            Some((place.clone(), report(args, shown, misses, &gallery, typed)?))
         }
         None => None,
     };
@@ -52,6 +56,7 @@ pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -
 fn report(
     args: &CalibrateArgs,
     Calibrated { rig, observations }: Calibrated<'_>,
+    residuals: Result<Vec<ViewResiduals>, String>,
     gallery: &Gallery,
     typed: &CommandLine,
 ) -> Outcome<Vec<u8>> {
@@ -66,7 +71,7 @@ fn report(
         checker_name: args.pattern.as_deref().map(input_name),
         photos,
         observations: Some(observations),
-        residuals: residuals(rig, observations).map_err(|e| e.to_string()),
+        residuals,
         cloud: None,
         made_by: vec![typed.typed()],
     };

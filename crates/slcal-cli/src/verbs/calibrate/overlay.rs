@@ -5,7 +5,7 @@ use std::path::Path;
 use image::DynamicImage;
 use image::imageops::FilterType;
 use slcal_core::detect::Detection;
-use slcal_core::{Observations, Rig, Verdict, ViewResiduals, residuals};
+use slcal_core::{Observations, Rig, Verdict, ViewResiduals};
 
 use crate::exit::{Failure, Outcome};
 use crate::io::{Destination, input_name, png_bytes, write_all};
@@ -76,15 +76,15 @@ impl Gallery {
         self.shots.iter().map(|s| &s.photo)
     }
 
-    /// Draws and writes; `failed` says why there is no rig.
+    /// Draws and writes; `misses` are the residuals of what was calibrated, `failed` says why there is no rig.
     pub(super) fn write(
         &self,
         place: &Destination,
         calibrated: Option<Calibrated<'_>>,
+        misses: &[ViewResiduals],
         failed: Option<&Failure>,
     ) -> Outcome {
-        let misses = calibrated.and_then(|c| residuals(c.rig, c.observations).ok()).unwrap_or_default();
-        let fits = calibrated.map_or_else(Vec::new, |c| fits(c, &misses));
+        let fits = calibrated.map_or_else(Vec::new, |c| fits(c, misses));
         let picture = match self.shots.as_slice() {
             [] => return Ok(()),
             [one] => one.drawing(fits.first().copied(), calibrated, failed).over(&one.photo)?,
