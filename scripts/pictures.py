@@ -53,7 +53,7 @@ def beside(left: Image.Image, right: Image.Image) -> Image.Image:
 
 
 def found(demo: Path) -> None:
-    """The demonstration's overlays, beside each other's size."""
+    """The demonstration's overlays."""
     for name in ("sheet_found", "head_found"):
         save(f"{name}.jpg", Image.open(demo / f"{name}.png"))
 

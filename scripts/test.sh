@@ -10,6 +10,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 echo "== Rust"
 cargo test --locked
 cargo test --locked -p slcal-core --features rayon --test threads
+# Without the formats that bring dependencies of their own.
+RUSTFLAGS="-D warnings" cargo check --locked --quiet -p slcal-core --no-default-features --target-dir target/bare
 
 echo "== Python"
 rm -rf target/wheels
