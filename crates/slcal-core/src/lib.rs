@@ -34,7 +34,7 @@ mod verify_photo;
 pub use calibrate::{
     CalibrateConfig, Calibration, CalibrationReport, DistortionModel, ExternalCalibration, FocalPrior,
     Method, NoiseFound, NoiseOf, PairResidual, PointResidual, PrincipalPointRule, Rectification,
-    ViewResiduals, calibrate_external, calibrate_observations, rectify, rectify_checker,
+    ViewResiduals, calibrate_external, calibrate_observations, external_residuals, rectify, rectify_checker,
     rectify_checker_picture, rectify_picture, residuals,
 };
 pub use cloud::{CloudPoint, Frame, PointCloud};

@@ -6,7 +6,7 @@ use image::DynamicImage;
 use slcal_core::detect::{DetectConfig, observe};
 use slcal_core::format::read_ply;
 use slcal_core::photo::PhotoView;
-use slcal_core::{Observations, Rig, ViewResiduals, residuals};
+use slcal_core::{Observations, Rig, ViewResiduals, external_residuals, residuals};
 
 use crate::args::ReportArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
@@ -31,10 +31,9 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
     let photos = photos(args, &rig, printer)?;
     // Also those that were found by their names.
     check_spares([&place], photos.iter().flatten().map(|p| p.path.as_path()))?;
-    let observations = observations(args, &rig, &photos, printer)?;
-    let residuals = match &observations {
-        Ok(seen) => fits(args, &rig, seen)?,
-        Err(why) => Err(why.clone()),
+    let (observations, residuals) = match seen(args, &rig, &photos, printer)? {
+        Ok((seen, residuals)) => (Some(seen), residuals),
+        Err(why) => (None, Err(why)),
     };
     let cloud = match &args.cloud {
         Some(path) => {
@@ -51,7 +50,7 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
         rig: &rig,
         rig_name: input_name(&args.rig),
         photos: photos.into_iter().map(shown).collect::<Outcome<_>>()?,
-        observations: observations.as_ref().ok(),
+        observations: observations.as_ref(),
         residuals,
         checker_name: args.pattern.as_deref().map(input_name),
         cloud: cloud.as_ref().map(|(path, cloud)| ShownCloud { name: input_name(path), cloud }),
@@ -135,15 +134,19 @@ fn sized(path: &Path, picture: DynamicImage, rig: &Rig) -> Outcome<DynamicImage>
     ))
 }
 
-/// What was seen: from a file, or from the photographs once more; why not, where neither is at hand.
-fn observations(
+/// How far what was seen lies from the rig, or why that is not known.
+type Residuals = Result<Vec<ViewResiduals>, String>;
+
+/// What was seen, from a file or from the photographs once more, with its residuals; why not, where neither is at hand.
+fn seen(
     args: &ReportArgs,
     rig: &Rig,
     photos: &[Option<Photo>],
     printer: Printer,
-) -> Outcome<Result<Observations, String>> {
+) -> Outcome<Result<(Observations, Residuals), String>> {
     if let Some(path) = &args.observations {
-        return Ok(Ok(load_observations(path)?.observations));
+        let (seen, residuals) = external_residuals(rig, &load_observations(path)?).in_file(path)?;
+        return Ok(Ok((seen, Ok(residuals))));
     }
     let pattern = args.pattern.as_deref().map(load_checker).transpose()?;
     if let Some((pattern, path)) = pattern.as_ref().zip(args.pattern.as_ref()) {
@@ -171,14 +174,8 @@ fn observations(
         }
     }
     let size = [rig.camera.model.width, rig.camera.model.height];
-    Ok(Ok(Observations { camera: size, projector: pattern.map(|p| p.projector), views }))
-}
-
-/// The residuals; observations that were given must belong to the rig, those that were made anew may not fit.
-fn fits(args: &ReportArgs, rig: &Rig, seen: &Observations) -> Outcome<Result<Vec<ViewResiduals>, String>> {
-    match (residuals(rig, seen), &args.observations) {
-        (Ok(views), _) => Ok(Ok(views)),
-        (Err(error), Some(path)) => Err(Failure::in_file(path, &error)),
-        (Err(error), None) => Ok(Err(error.to_string())),
-    }
+    let seen = Observations { camera: size, projector: pattern.map(|p| p.projector), views };
+    // What was measured anew may not fit.
+    let residuals = residuals(rig, &seen).map_err(|e| e.to_string());
+    Ok(Ok((seen, residuals)))
 }

@@ -20,7 +20,7 @@ mod start;
 mod two_vp;
 
 pub use config::{CalibrateConfig, DistortionModel, FocalPrior, Method, PrincipalPointRule};
-pub use noise::{ExternalCalibration, NoiseFound, NoiseOf, calibrate_external};
+pub use noise::{ExternalCalibration, NoiseFound, NoiseOf, calibrate_external, external_residuals};
 pub use plan::outlook::Predicted;
 pub use plan::{Advice, CameraPlan, NextView, TiltForecast, advise_first, advise_next};
 pub use rectified::{rectify_checker_picture, rectify_picture};

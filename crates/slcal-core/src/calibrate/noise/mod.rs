@@ -12,10 +12,11 @@ use crate::calibrate::joint::ml::{Solved, solve};
 use crate::calibrate::joint::refine::covariance_at;
 use crate::calibrate::joint::{Joint, Kind};
 use crate::calibrate::judge::verdict::warning;
-use crate::calibrate::{Calibration, calibrate_observations, check};
+use crate::calibrate::{Calibration, ViewResiduals, calibrate_observations, check, residuals};
 use crate::error::Result;
 use crate::observations::{ExternalObservations, Observations, SheetObservation, Unstated};
-use crate::rig::Warning;
+use crate::rig::{Rig, Warning};
+use crate::solve::median;
 
 /// σ that is assumed where it cannot be measured, as a part of the image's diagonal: 0.5 px at 1280×960. Detectors that
 /// look at pixels come to between a tenth and the whole of it, corners pointed at by hand to several times as much.
@@ -151,11 +152,7 @@ fn measure_noise(
     config: &CalibrateConfig,
 ) -> Result<(Observations, Vec<NoiseFound>)> {
     let diagonal = diagonal(&external.observations);
-    let mut noise: Vec<NoiseFound> = NoiseOf::ALL
-        .into_iter()
-        .filter(|of| is_wanted(external, *of))
-        .map(|of| NoiseFound { of, sigma_px: ASSUMED * diagonal, redundancy: None })
-        .collect();
+    let mut noise = assumed(external);
     let mut all = external.observations.clone();
     fill(&mut all, external, &noise);
     check::check(&all, config)?;
@@ -185,15 +182,56 @@ fn measure_noise(
     Ok((all, noise))
 }
 
-fn is_wanted(external: &ExternalObservations, of: NoiseOf) -> bool {
-    external.observations.views.iter().enumerate().any(|(i, view)| {
-        let there = match of {
-            NoiseOf::SheetEdges => matches!(view.sheet, SheetObservation::Edges(_)),
-            NoiseOf::SheetCorners => matches!(view.sheet, SheetObservation::Corners { .. }),
-            NoiseOf::Pairs => external.observations.projector.is_some() && !view.pairs.is_empty(),
-        };
-        there && of.is_unstated(external.unstated(i))
-    })
+/// What is not stated, before anything is known of it.
+fn assumed(external: &ExternalObservations) -> Vec<NoiseFound> {
+    let sigma_px = ASSUMED * diagonal(&external.observations);
+    let views = 0..external.observations.views.len();
+    let wanted = NoiseOf::ALL.into_iter().filter(|of| views.clone().any(|i| is_wanted(external, i, *of)));
+    wanted.map(|of| NoiseFound { of, sigma_px, redundancy: None }).collect()
+}
+
+/// Whether view `i` has measurements of this kind whose σ is not stated.
+fn is_wanted(external: &ExternalObservations, i: usize, of: NoiseOf) -> bool {
+    let view = &external.observations.views[i];
+    let there = match of {
+        NoiseOf::SheetEdges => matches!(view.sheet, SheetObservation::Edges(_)),
+        NoiseOf::SheetCorners => matches!(view.sheet, SheetObservation::Corners { .. }),
+        NoiseOf::Pairs => external.observations.projector.is_some() && !view.pairs.is_empty(),
+    };
+    there && of.is_unstated(external.unstated(i))
+}
+
+/// The residuals of observations of one's own against the rig that was calibrated from them, and these observations with every
+/// σ filled in: one that is not stated is how widely the residuals themselves scatter, pooled over the views (their median).
+///
+/// # Errors
+/// As [`residuals`].
+pub fn external_residuals(
+    rig: &Rig,
+    external: &ExternalObservations,
+) -> Result<(Observations, Vec<ViewResiduals>)> {
+    /// Outliers are told by σ: the first, which is assumed, may be far off.
+    const ROUNDS: usize = 3;
+    let mut observations = external.observations.clone();
+    let mut noise = assumed(external);
+    let smallest = SMALLEST * diagonal(&observations);
+    for _ in 0..if noise.is_empty() { 0 } else { ROUNDS } {
+        fill(&mut observations, external, &noise);
+        let views = residuals(rig, &observations)?;
+        // The pose of a view takes up nearly all that its four corners could tell.
+        for found in noise.iter_mut().filter(|n| n.of != NoiseOf::SheetCorners) {
+            let scatter = |(i, view): (usize, &ViewResiduals)| {
+                let scatter =
+                    if found.of == NoiseOf::Pairs { view.pair_scatter } else { Some(view.sheet_scatter) };
+                scatter.filter(|_| is_wanted(external, i, found.of))
+            };
+            let typical = median(&mut views.iter().enumerate().filter_map(scatter).collect::<Vec<_>>());
+            found.sigma_px = typical.map_or(found.sigma_px, |s| (s * found.sigma_px).max(smallest));
+        }
+    }
+    fill(&mut observations, external, &noise);
+    let views = residuals(rig, &observations)?;
+    Ok((observations, views))
 }
 
 /// The model that leaves least of itself in the residuals: with distortion, unless that is told or known.

@@ -153,3 +153,29 @@ fn thinning_a_grid_keeps_its_rows_and_columns() {
         distinct(|p| p.1)
     );
 }
+
+#[test]
+fn residuals_of_unstated_noise_are_as_many_sigma_as_of_stated() {
+    let truth = rig(768.0, vec![pose(25.0, 28.0), pose(-25.0, -28.0)]);
+    let mut rng = rng(12);
+    let stated = with_edges(observe(&truth, 0.2, 0.02, &mut rng), &truth, 150, 0.06, &mut rng);
+    let mut external = unstated(stated.clone());
+    // What a reader puts there.
+    for view in &mut external.observations.views {
+        view.pairs.iter_mut().for_each(|p| p.sigma_px = 1.0);
+        let SheetObservation::Edges(sides) = &mut view.sheet else { panic!() };
+        sides.iter_mut().flatten().for_each(|p| p.sigma_px = 1.0);
+    }
+    let rig = calibrate_observations(&stated, &CalibrateConfig::default()).unwrap().rig;
+    let (filled, views) = external_residuals(&rig, &external).unwrap();
+    for (view, found) in filled.views.iter().zip(&views) {
+        let SheetObservation::Edges(sides) = &view.sheet else { panic!() };
+        assert!((sides[0][0].sigma_px / 0.06 - 1.0).abs() < 0.15, "{}", sides[0][0].sigma_px);
+        assert!((view.pairs[0].sigma_px / 0.02 - 1.0).abs() < 0.2, "{}", view.pairs[0].sigma_px);
+        assert!((0.8..1.25).contains(&found.sheet_scatter), "{}", found.sheet_scatter);
+        assert!((0.8..1.25).contains(&found.pair_scatter.unwrap()));
+    }
+    // What is stated stays.
+    let (same, _) = external_residuals(&rig, &stated.clone().into()).unwrap();
+    assert_eq!(same, stated);
+}
