@@ -4,7 +4,7 @@ use std::io::Result;
 use std::path::Path;
 
 use image::DynamicImage;
-use slcal_core::{Observations, PointCloud, Rig, residuals};
+use slcal_core::{Observations, PointCloud, Rig, ViewResiduals};
 
 pub use crate::io::exchange::{ExportPlaces, export_places, import_paths, storage_of};
 
@@ -27,31 +27,33 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     io::write_whole(path, bytes)
 }
 
-/// The HTML report on a rig, as `slcal report` writes it: with its photographs (one entry per view, where they are at hand,
-/// as a screen shows them), what was measured in them, and a cloud under a name, as far as they are given.
+/// The HTML report on a rig, as `slcal report` writes it: with its photographs (none, or one per view, as a screen shows
+/// them), what was measured in them and how far that lies from the rig, and a cloud, as far as they are given.
 ///
 /// # Errors
 /// A message when a photograph cannot be written into the page.
 pub fn rig_report(
     rig: &Rig,
-    photos: &[Option<DynamicImage>],
-    observations: Option<&Observations>,
-    cloud: Option<(&str, &PointCloud)>,
+    photos: &[DynamicImage],
+    measured: Option<(&Observations, Vec<ViewResiduals>)>,
+    cloud: Option<&PointCloud>,
 ) -> std::result::Result<Vec<u8>, String> {
-    let shown =
-        |photo: &Option<DynamicImage>| photo.as_ref().map(|p| Photo::new(p, rig.views.len())).transpose();
-    let photos: crate::exit::Outcome<Vec<_>> = photos.iter().map(shown).collect();
-    let missing = || "what was measured was not given".to_owned();
+    let shown: crate::exit::Outcome<Vec<_>> =
+        photos.iter().map(|p| Photo::new(p, photos.len()).map(Some)).collect();
+    let mut photos = shown.map_err(|failure| failure.to_string())?;
+    photos.resize_with(rig.views.len(), || None);
+    let (observations, residuals) = match measured {
+        Some((observations, residuals)) => (Some(observations), Ok(residuals)),
+        None => (None, Err("what was measured was not given".to_owned())),
+    };
     let subject = Subject {
         rig,
         rig_name: String::new(),
         checker_name: None,
-        photos: photos.map_err(|failure| failure.to_string())?,
+        photos,
         observations,
-        residuals: observations
-            .ok_or_else(missing)
-            .and_then(|o| residuals(rig, o).map_err(|e| e.to_string())),
-        cloud: cloud.map(|(name, cloud)| ShownCloud { name: name.to_owned(), cloud }),
+        residuals,
+        cloud: cloud.map(|cloud| ShownCloud { name: "the cloud".to_owned(), cloud }),
         made_by: Vec::new(),
     };
     Ok(html(&subject))

@@ -1253,6 +1253,42 @@ class Rig:
         Error
             When something is missing or is not what its name says.
         """
+    def save_report(
+        self,
+        file: _File,
+        *,
+        photos: Sequence[_Image] | _Image | None = None,
+        observations: Observations | Mapping[str, Any] | None = None,
+        cloud: PointCloud | None = None,
+    ) -> None:
+        """Writes a page that shows the calibration: how good, why, what next. Any browser opens it, without a network.
+
+        Parameters
+        ----------
+        file : path or file object
+            A path, where the file appears when it is complete and replaces an older one, or an object with write().
+        photos : sequence of ndarray, or ndarray, optional
+            The photographs that the rig was calibrated from, one for each of its views.
+        observations : Observations or mapping, optional
+            What was measured in them (`slcal.observe`): sides, corners and residuals are drawn. A σ that is not stated is taken
+            from the residuals themselves.
+        cloud : PointCloud, optional
+            Points to show beside the devices.
+
+        Raises
+        ------
+        Error
+            When photographs or observations are not those of the rig: another number of views, other sizes.
+        OSError
+            When the file cannot be written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> rig = slcal.Rig(slcal.Camera.from_fov((1280, 960), 45))
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     rig.save_report(f"{folder}/report.html")
+        """
     def export(self, path: _Path, to: _ExchangeFormat, *, lossy: bool = False) -> list[str]:
         """Writes files that another program reads.
 

@@ -2,6 +2,7 @@
 
 mod exchange;
 mod opencv;
+mod report;
 mod shown;
 mod view;
 
@@ -282,6 +283,44 @@ impl Rig {
         named: Option<&Bound<'_, pyo3::types::PyDict>>,
     ) -> PyResult<Self> {
         opencv::from_opencv(py, parameters, named).map(Self::from)
+    }
+
+    /// Writes a page that shows the calibration: how good, why, what next. Any browser opens it, without a network.
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     A path, where the file appears when it is complete and replaces an older one, or an object with write().
+    /// photos : sequence of ndarray, or ndarray, optional
+    ///     The photographs that the rig was calibrated from, one for each of its views.
+    /// observations : Observations or mapping, optional
+    ///     What was measured in them (`slcal.observe`): sides, corners and residuals are drawn. A σ that is not stated is taken
+    ///     from the residuals themselves.
+    /// cloud : PointCloud, optional
+    ///     Points to show beside the devices.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When photographs or observations are not those of the rig: another number of views, other sizes.
+    /// OSError
+    ///     When the file cannot be written.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import tempfile
+    /// >>> rig = slcal.Rig(slcal.Camera.from_fov((1280, 960), 45))
+    /// >>> with tempfile.TemporaryDirectory() as folder:
+    /// ...     rig.save_report(f"{folder}/report.html")
+    #[pyo3(signature = (file, *, photos=None, observations=None, cloud=None))]
+    fn save_report(
+        &self,
+        file: &Bound<'_, PyAny>,
+        photos: Option<&Bound<'_, PyAny>>,
+        observations: Option<&Bound<'_, PyAny>>,
+        cloud: Option<&PointCloud>,
+    ) -> PyResult<()> {
+        report::save(&self.rig, file, photos, observations, cloud)
     }
 
     /// Writes files that another program reads.

@@ -1,0 +1,65 @@
+//! A rig as a page to look at.
+
+use image::{DynamicImage, RgbImage};
+use pyo3::prelude::*;
+use slcal_core::photo::PhotoView;
+use slcal_core::{Rig, external_residuals};
+
+use crate::cloud::PointCloud;
+use crate::convert::image::photos_of;
+use crate::errors::{self, Looking, Raise as _};
+use crate::files;
+use crate::observations::observations_of;
+
+/// See `Rig.save_report`.
+pub(super) fn save(
+    rig: &Rig,
+    file: &Bound<'_, PyAny>,
+    photos: Option<&Bound<'_, PyAny>>,
+    observations: Option<&Bound<'_, PyAny>>,
+    cloud: Option<&PointCloud>,
+) -> PyResult<()> {
+    let py = file.py();
+    let photos = photos.map(|p| pictures(rig, p)).transpose()?.unwrap_or_default();
+    let measured = match observations {
+        Some(given) => Some(external_residuals(rig, &observations_of(given)?).raise(py, Looking::ForSheet)?),
+        None => None,
+    };
+    let page = py
+        .detach(|| {
+            let measured = measured.as_ref().map(|(seen, residuals)| (seen, residuals.clone()));
+            slcal_cli::files::rig_report(rig, &photos, measured, cloud.map(|c| &c.cloud))
+        })
+        .map_err(|message| errors::invalid(py, "photos", "pictures that can be written as JPEG", &message))?;
+    files::write(file, &page, true)
+}
+
+/// One photograph per view, of the camera's size.
+fn pictures(rig: &Rig, photos: &Bound<'_, PyAny>) -> PyResult<Vec<DynamicImage>> {
+    let py = photos.py();
+    let photos = photos_of(photos, "photos")?;
+    let (views, model) = (rig.views.len(), &rig.camera.model);
+    if photos.len() != views {
+        let expected = format!("one for each of the {views} views of the rig, in their order");
+        return Err(errors::invalid(py, "photos", &expected, &photos.len().to_string()));
+    }
+    let mut pictures = Vec::with_capacity(views);
+    for (i, photo) in photos.iter().enumerate() {
+        let pixels = photo.pixels();
+        let view = pixels.view(py)?;
+        let [expected, found] = [[model.width, model.height], [view.width() as u32, view.height() as u32]];
+        if expected != found {
+            let [expected, found] = [expected, found].map(|[w, h]| format!("{w}x{h} px"));
+            let expected = format!("a photograph of the rig's camera, {expected}");
+            return Err(errors::invalid(py, &format!("photos[{i}]"), &expected, &found));
+        }
+        pictures.push(py.detach(|| picture(view)));
+    }
+    Ok(pictures)
+}
+
+fn picture(view: PhotoView<'_>) -> DynamicImage {
+    let (width, height) = (view.width() as u32, view.height() as u32);
+    let pixel = |x: u32, y: u32| image::Rgb(view.rgb_bytes(x as usize, y as usize));
+    DynamicImage::ImageRgb8(RgbImage::from_fn(width, height, pixel))
+}
