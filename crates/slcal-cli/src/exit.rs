@@ -5,7 +5,7 @@ use std::path::Path;
 
 use slcal_core::{Error, ErrorClass};
 
-use crate::io::input_name;
+use crate::name::input_name;
 
 /// The exit codes of the command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,6 +8,7 @@ mod args;
 mod exit;
 pub mod files;
 mod io;
+mod name;
 mod output;
 mod picture;
 mod report;

@@ -27,20 +27,11 @@ pub(crate) use write::{
 };
 
 use crate::exit::{Exit, Failure, Outcome};
+pub(crate) use crate::name::{input_name, is_dash};
 use crate::similar::nearest;
 
 /// Inputs above this are refused unread: the largest photographs that are accepted stay below it even uncompressed.
 const MAX_INPUT_MIB: u64 = 2048;
-
-/// Whether a path stands for stdin or stdout.
-pub(crate) fn is_dash(path: &Path) -> bool {
-    path.as_os_str() == "-"
-}
-
-/// How a path is called in messages.
-pub(crate) fn input_name(path: &Path) -> String {
-    if is_dash(path) { "stdin".to_owned() } else { path.display().to_string() }
-}
 
 /// The bytes of an input file, or of stdin for `-`. `kind` says what was expected ("a photograph").
 pub(crate) fn read_bytes(path: &Path, kind: &str) -> Outcome<Vec<u8>> {

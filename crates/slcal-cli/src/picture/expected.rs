@@ -5,9 +5,9 @@ use slcal_core::Rig;
 use slcal_core::detect::Detection;
 use slcal_core::verify::{Verification, expected_corner};
 
-use super::color::GREEN;
+use super::drawing::color::GREEN;
+use super::drawing::legend::Swatch;
 use super::drawing::{Drawing, Pen};
-use super::legend::Swatch;
 use super::{magnify, sheet, short};
 
 /// The verdict on a photograph called `name`: what was seen, arrows to where the rig expects it, and `verdict` in words.

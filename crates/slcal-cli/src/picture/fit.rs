@@ -4,9 +4,9 @@ use nalgebra::{Point2, Vector2};
 use slcal_core::geometry::ProjectivePoint;
 use slcal_core::{PointResidual, View, ViewObservation, ViewResiduals};
 
-use super::color::{GREEN, PINK, VERMILLION};
+use super::drawing::color::{GREEN, PINK, VERMILLION};
+use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Anchor, Drawing, Pen};
-use super::legend::{Legend, Swatch};
 use super::{magnify, sheet, short};
 
 /// Half the size of an outlier's cross, units.
@@ -195,7 +195,7 @@ mod tests {
     use slcal_core::{CornerPair, PairResidual, SheetObservation, ViewRms};
 
     use super::*;
-    use crate::picture::drawing::Shape;
+    use crate::picture::drawing::shape::Shape;
 
     const CORNERS: [[f64; 2]; 4] = [[200.0, 100.0], [700.0, 150.0], [650.0, 500.0], [250.0, 450.0]];
 

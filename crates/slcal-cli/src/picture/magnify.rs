@@ -2,8 +2,8 @@
 
 use nalgebra::{Point2, Vector2};
 
+use super::drawing::legend::Swatch;
 use super::drawing::{Drawing, Pen};
-use super::legend::Swatch;
 
 /// The longer ones of the vectors become this long, units.
 const SHOWN: f64 = 24.0;

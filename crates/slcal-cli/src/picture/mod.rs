@@ -1,23 +1,14 @@
-//! Pictures of what was found and how well it fits: made once as a drawing of vectors (`drawing`), written twice, as SVG
-//! for pages (`svg`) and painted upon the photograph (`raster`). `sheet`, `fit`, `stripes` and `expected` say what is drawn, `tiles` puts several on one
-//! sheet, `surface` shows a cloud.
+//! Pictures of what was found and how well it fits. `drawing` draws upon a photograph; `sheet`, `fit`, `stripes` and `expected`
+//! say what is drawn, `tiles` puts several on one sheet, `surface` shows a cloud.
 
-mod clip;
-mod color;
 mod drawing;
 pub(crate) mod expected;
 pub(crate) mod fit;
-mod font;
-mod layout;
-pub(crate) mod legend;
 mod light;
 mod magnify;
-mod raster;
 pub(crate) mod sheet;
 pub(crate) mod stripes;
-mod style;
 pub(crate) mod surface;
-mod svg;
 pub(crate) mod tiles;
 
 pub(crate) use drawing::Drawing;

@@ -4,9 +4,9 @@ use nalgebra::{Point2, Vector2};
 use slcal_core::detect::Detection;
 use slcal_core::{CornerPair, SheetObservation, ViewObservation};
 
-use super::color::{ORANGE, PINK, SKY, WHITE, YELLOW};
+use super::drawing::color::{ORANGE, PINK, SKY, WHITE, YELLOW};
+use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Anchor, Drawing, Pen};
-use super::legend::{Legend, Swatch};
 use super::short;
 
 /// Radius of a corner's mark, units; no more than this share of the distance between corners.

@@ -7,9 +7,9 @@ use slcal_core::PointCloud;
 use slcal_core::decode::{DecodeReport, Decoding};
 use slcal_core::reconstruct::Reconstruction;
 
-use super::color::{Color, WHITE, ramp, slit_color};
+use super::drawing::color::{Color, WHITE, ramp, slit_color};
+use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Anchor, Drawing, Pen};
-use super::legend::{Legend, Swatch};
 use super::short;
 
 /// Points of one slit are joined over this many lines of the photograph at most, so that small gaps close and others show.

@@ -5,9 +5,9 @@ use nalgebra::{Point2, Point3, Vector3};
 use slcal_core::PointCloud;
 use slcal_core::evaluate::FitReport;
 
-use super::color::{Color, mix};
+use super::drawing::color::{Color, mix};
+use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Drawing, Pen};
-use super::legend::{Legend, Swatch};
 use super::magnify::{plain, round_up};
 use super::short;
 use super::stripes::thousands;

@@ -1,7 +1,7 @@
 //! One self-contained HTML file about a rig, or about a cloud: the verdict first, then what it rests on.
 //!
 //! [`Subject`] is what there is to show; every file here is one section, and says in a line why it is not shown where
-//! something is missing. `maud` escapes every text, `figure` every plot. The same subject gives the same file.
+//! something is missing; `working` is what is foretold where one works, for two of them. `maud` escapes every text, `figure` every plot. The same subject gives the same file.
 
 mod cloud;
 mod command;
@@ -17,6 +17,7 @@ mod points;
 mod residuals;
 mod space;
 mod verdict;
+mod working;
 
 use slcal_core::{Observations, PointCloud, Rig, ViewResiduals};
 
@@ -68,7 +69,7 @@ pub(crate) struct ShownCloud<'a> {
 /// The report, complete.
 pub(crate) fn html(subject: &Subject) -> Vec<u8> {
     let mut figures = Figures::default();
-    let working = expected::working(subject.rig);
+    let working = working::working(subject.rig);
     let head = verdict::head(subject, working.as_ref().ok().and_then(Option::as_ref));
     let sections = [
         Some(parameters::section(subject)),

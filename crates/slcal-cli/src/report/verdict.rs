@@ -2,12 +2,11 @@
 
 use maud::{Markup, html};
 use slcal_core::pattern::Axis;
-use slcal_core::reconstruct::length_sigma;
-use slcal_core::{Match, Quality, Rig, Verdict};
+use slcal_core::{Quality, Rig, Verdict};
 
 use super::Subject;
-use super::expected::Working;
 use super::number::{derived, field, fixed, significant};
+use super::working::{Working, lengths, stripes};
 
 /// How a verdict looks: never by its colour alone.
 struct Look {
@@ -211,48 +210,6 @@ fn of_a_point(rig: &Rig, working: &Working) -> Markup {
             "Most of that is noise, which differs from point to point: it makes a surface rough, and the mean of many points is surer. "
         }
     }
-}
-
-/// How a reader knows the slits.
-pub(super) fn stripes(axis: Axis) -> &'static str {
-    match axis {
-        Axis::Columns => "vertical stripes",
-        Axis::Rows => "horizontal stripes",
-    }
-}
-
-/// A length near the first sheet, and its σ across and along the line of sight, mm: the worst of the middle and a quarter of
-/// the sheet beside, before and behind it, as the sheet pins what lies at its own place. `None` for rigs that are too unsure
-/// for a first-order σ to mean anything.
-fn lengths(rig: &Rig, axis: Axis) -> Option<(f64, [f64; 2])> {
-    if rig.quality.as_ref()?.verdict > Verdict::Fair {
-        return None;
-    }
-    let view = rig.views.first()?;
-    let (w, h) = (view.size.width_mm, view.size.height_mm);
-    let middle = view.camera_from_sheet.transform(&nalgebra::Point3::new(w / 2.0, h / 2.0, 0.0));
-    // As long as things are that one measures there: at most half of the sheet, in round numbers.
-    let length = [1000.0, 100.0, 10.0].into_iter().find(|l| *l <= w.max(h) / 2.0)?;
-    let along = middle.coords.try_normalize(0.0)?;
-    let across = nalgebra::Vector3::y().cross(&along).try_normalize(0.0)?;
-    let upright = along.cross(&across);
-    let aside = w.max(h) / 4.0;
-    let sigma = |at: nalgebra::Point3<f64>, direction: nalgebra::Vector3<f64>| {
-        let step = direction * (length / 2.0);
-        let found = length_sigma(rig, axis, Match::DEFAULT_SIGMA_PX, [at - step, at + step]).ok()??;
-        Some(found.total_mm())
-    };
-    let worst = |directions: &[nalgebra::Vector3<f64>]| {
-        let offsets =
-            [nalgebra::Vector3::zeros(), across * aside, -across * aside, along * aside, -along * aside];
-        // Places that are not lit say nothing.
-        let all = offsets
-            .iter()
-            .flat_map(|o| directions.iter().map(move |d| (*o, *d)))
-            .filter_map(|(o, d)| sigma(middle + o, d));
-        all.reduce(f64::max)
-    };
-    Some((length, [worst(&[across, upright])?, worst(&[along])?]))
 }
 
 /// The rig behind a cloud.

@@ -1,13 +1,11 @@
 //! A drawing upon a photograph: lines, marks and words, independent of how it is written.
 
-use image::DynamicImage;
 use nalgebra::{Point2, Vector2};
 
 use super::clip::Rect;
 use super::color::Color;
-use super::legend::{self, Legend};
-use super::{raster, svg};
-use crate::exit::Outcome;
+use super::legend::Legend;
+use super::shape::{Anchor, Item, Pen, Shape};
 
 /// Line widths in the longer side of a photograph: a picture that is fitted to a screen looks the same at any resolution.
 const UNITS_PER_SIDE: f64 = 900.0;
@@ -20,70 +18,6 @@ const LABEL: f64 = 15.0;
 /// Length of an arrow's head, units; no more than this share of the arrow.
 const HEAD: f64 = 5.0;
 const HEAD_SHARE: f64 = 0.45;
-
-/// How something is drawn. Widths are in units of the drawing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Pen {
-    pub(crate) color: Color,
-    pub(crate) width: f64,
-    pub(crate) opacity: f64,
-    pub(crate) dashed: bool,
-    /// A dark outline, so that it shows on bright paper, too.
-    pub(crate) halo: bool,
-}
-
-impl Pen {
-    /// A solid line with a halo, one unit wide.
-    pub(crate) fn new(color: Color) -> Self {
-        Self { color, width: 1.0, opacity: 1.0, dashed: false, halo: true }
-    }
-    pub(crate) fn width(self, width: f64) -> Self {
-        Self { width, ..self }
-    }
-    pub(crate) fn opacity(self, opacity: f64) -> Self {
-        Self { opacity, ..self }
-    }
-    pub(crate) fn dashed(self) -> Self {
-        Self { dashed: true, ..self }
-    }
-    pub(crate) fn plain(self) -> Self {
-        Self { halo: false, ..self }
-    }
-}
-
-/// Which part of a text stands at its point; its capitals are centred there vertically.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Anchor {
-    Start,
-    Middle,
-    End,
-}
-
-/// Coordinates and lengths in pixels of the photograph, pixel centres at integers.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Shape {
-    /// Lines through points.
-    Lines(Vec<Vec<Point2<f64>>>),
-    /// Filled polygons.
-    Areas(Vec<Vec<Point2<f64>>>),
-    /// Filled circles.
-    Dots(Vec<Point2<f64>>, f64),
-    /// Circles.
-    Rings(Vec<Point2<f64>>, f64),
-    Text {
-        at: Point2<f64>,
-        text: String,
-        size: f64,
-        anchor: Anchor,
-    },
-}
-
-/// A shape and how it is drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Item {
-    pub(crate) shape: Shape,
-    pub(crate) pen: Pen,
-}
 
 /// What is drawn upon a photograph.
 #[derive(Debug, Clone)]
@@ -243,23 +177,5 @@ impl Drawing {
         if !empty {
             self.items.push(Item { shape, pen });
         }
-    }
-
-    /// Everything in the order in which it is drawn, the legend last, where it hides least.
-    pub(crate) fn all_items(&self) -> Vec<Item> {
-        let mut items = self.items.clone();
-        items.extend(self.legend.iter().flat_map(|legend| legend::place(self, legend).items));
-        items
-    }
-
-    /// The drawing as an `<svg>` element that stands in an HTML page: as wide as its surroundings, in pixels of the
-    /// photograph. `background` is the address (a data URI) of the photograph beneath.
-    pub(crate) fn svg(&self, background: Option<&str>) -> String {
-        svg::write(self, background)
-    }
-
-    /// The photograph with the drawing upon it, 8-bit RGB; a tiny photograph comes enlarged.
-    pub(crate) fn over(&self, photo: &DynamicImage) -> Outcome<DynamicImage> {
-        raster::over(self, photo)
     }
 }

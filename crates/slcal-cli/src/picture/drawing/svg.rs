@@ -4,16 +4,24 @@ use std::fmt::Write as _;
 
 use nalgebra::Point2;
 
+use super::canvas::Drawing;
 use super::color::Color;
-use super::drawing::{Anchor, Drawing, Item, Pen, Shape};
 use super::font::{CAPITALS, Font};
+use super::shape::{Anchor, Item, Pen, Shape};
 use super::style;
 
 /// Verdana is as wide as DejaVu Sans, where that is missing.
 const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
-/// See [`Drawing::svg`].
-pub(super) fn write(drawing: &Drawing, background: Option<&str>) -> String {
+impl Drawing {
+    /// The drawing as an `<svg>` element that stands in an HTML page: as wide as its surroundings, in pixels of the
+    /// photograph. `background` is the address (a data URI) of the photograph beneath.
+    pub(crate) fn svg(&self, background: Option<&str>) -> String {
+        write(self, background)
+    }
+}
+
+fn write(drawing: &Drawing, background: Option<&str>) -> String {
     let [w, h] = drawing.size;
     let title = escaped(&drawing.title);
     let mut text = format!(
@@ -205,8 +213,8 @@ mod tests {
     use roxmltree::Document;
 
     use super::*;
-    use crate::picture::color::{ORANGE, WHITE};
-    use crate::picture::legend::Legend;
+    use crate::picture::drawing::color::{ORANGE, WHITE};
+    use crate::picture::drawing::legend::Legend;
 
     const NASTY: &str = "<b onload=\"x('y')\"> & Größe \u{1}\u{7f} 写真 \u{ffff}]]>.jpg";
 

@@ -7,14 +7,21 @@ use tiny_skia::{
     FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, PixmapMut, Stroke, StrokeDash, Transform,
 };
 
+use super::canvas::Drawing;
 use super::color::{BLACK, Color, luma};
-use super::drawing::{Anchor, Drawing, Item, Pen, Shape};
 use super::font::{CAPITALS, Font};
+use super::shape::{Anchor, Item, Pen, Shape};
 use super::style;
 use crate::exit::{Exit, Failure, Outcome};
 
-/// See [`Drawing::over`].
-pub(super) fn over(drawing: &Drawing, photo: &DynamicImage) -> Outcome<DynamicImage> {
+impl Drawing {
+    /// The photograph with the drawing upon it, 8-bit RGB; a tiny photograph comes enlarged.
+    pub(crate) fn over(&self, photo: &DynamicImage) -> Outcome<DynamicImage> {
+        over(self, photo)
+    }
+}
+
+fn over(drawing: &Drawing, photo: &DynamicImage) -> Outcome<DynamicImage> {
     let mut pixels = background(drawing, photo);
     let (w, h) = pixels.dimensions();
     let unpaintable = || {
@@ -197,8 +204,8 @@ mod tests {
     use image::{GrayImage, ImageBuffer, Luma, Rgb, RgbaImage};
 
     use super::*;
-    use crate::picture::color::{ORANGE, WHITE};
-    use crate::picture::legend::{Legend, Swatch};
+    use crate::picture::drawing::color::{ORANGE, WHITE};
+    use crate::picture::drawing::legend::{Legend, Swatch};
 
     fn black(w: u32, h: u32) -> DynamicImage {
         DynamicImage::new_rgb8(w, h)

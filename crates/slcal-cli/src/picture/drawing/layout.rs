@@ -4,9 +4,9 @@ use nalgebra::{Point2, Vector2};
 
 use super::clip::Rect;
 use super::color::{BLACK, Color, WHITE, ramp};
-use super::drawing::{Anchor, Item, Pen, Shape};
 use super::font::Font;
-use super::legend::{Entry, Legend, Placed, Swatch};
+use super::legend::{Entry, Legend, Swatch};
+use super::shape::{Anchor, Item, Pen, Shape};
 
 /// Sizes in units of the drawing.
 const TEXT: f64 = 14.0;
@@ -22,6 +22,12 @@ const WIDEST: f64 = 440.0;
 const PANEL_OPACITY: f64 = 0.72;
 /// Colours in the picture of a ramp.
 const RAMP_STEPS: usize = 24;
+
+/// A legend that has found its place.
+pub(crate) struct Placed {
+    pub(crate) panel: Rect,
+    pub(crate) items: Vec<Item>,
+}
 
 /// A legend at the origin.
 pub(super) struct Layout {

@@ -1,12 +1,13 @@
-//! The legend: a panel that says what is drawn, put where it hides least.
+//! Where the panel of a legend stands: where it hides least.
 
 use nalgebra::{Point2, Vector2};
 
+use super::canvas::Drawing;
 use super::clip::Rect;
-use super::color::Color;
-use super::drawing::{Drawing, Item, Pen, Shape};
 use super::font::Font;
-use super::layout::Layout;
+use super::layout::{Layout, Placed};
+use super::legend::Legend;
+use super::shape::{Item, Shape};
 
 /// From the panel to the frame, units.
 const MARGIN: f64 = 8.0;
@@ -45,72 +46,18 @@ const RING_WEIGHT: f64 = 3.0;
 const CLEAR_STEP: f64 = 10.0;
 const CLEAR_WEIGHT: f64 = 0.3;
 
-/// What stands before an entry.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Swatch {
-    /// Nothing: the text begins at the left.
-    Note,
-    Line(Pen),
-    Dot(Pen),
-    Ring(Pen),
-    Arrow(Pen),
-    Cross(Pen),
-    /// A scale: a bar of this length, px of the photograph.
-    Bar(Pen, f64),
-    /// Several colours side by side.
-    Colors(Vec<Color>),
-    /// The ramp for quantities.
-    Ramp,
-}
-
-/// What a mark means.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Entry {
-    pub(crate) swatch: Swatch,
-    pub(crate) text: String,
-}
-
-/// A headline, which says the result in words, and what the marks mean.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Legend {
-    pub(crate) title: String,
-    pub(crate) entries: Vec<Entry>,
-}
-
-impl Legend {
-    pub(crate) fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), entries: Vec::new() }
+impl Drawing {
+    /// Everything in the order in which it is drawn, the legend last, where it hides least.
+    pub(super) fn all_items(&self) -> Vec<Item> {
+        let mut items = self.items.clone();
+        items.extend(self.legend.iter().flat_map(|legend| place(self, legend).items));
+        items
     }
-
-    pub(crate) fn entry(mut self, swatch: Swatch, text: impl Into<String>) -> Self {
-        self.entries.push(Entry { swatch, text: text.into() });
-        self
-    }
-
-    /// The same for a picture that is shown at a scale: bars are as long as what they stand for is shown.
-    pub(crate) fn with_bars(mut self, scale: f64) -> Self {
-        for entry in &mut self.entries {
-            if let Swatch::Bar(_, length) = &mut entry.swatch {
-                *length *= scale;
-            }
-        }
-        self
-    }
-
-    pub(crate) fn note(self, text: impl Into<String>) -> Self {
-        self.entry(Swatch::Note, text)
-    }
-}
-
-/// A legend that has found its place.
-pub(crate) struct Placed {
-    pub(crate) panel: Rect,
-    pub(crate) items: Vec<Item>,
 }
 
 /// Lays the legend out and puts it where it hides least of the drawing: along the frame, in one column or more, smaller if
 /// that helps a good deal.
-pub(crate) fn place(drawing: &Drawing, legend: &Legend) -> Placed {
+fn place(drawing: &Drawing, legend: &Legend) -> Placed {
     let unit = drawing.unit();
     let most = (drawing.frame().high - drawing.frame().low) * LARGEST_SHARE;
     let marks = marks(drawing);
@@ -226,7 +173,9 @@ fn marks(drawing: &Drawing) -> Vec<(Point2<f64>, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::color::WHITE;
+    use crate::picture::drawing::color::WHITE;
+    use crate::picture::drawing::legend::Swatch;
+    use crate::picture::drawing::shape::Pen;
 
     fn legend() -> Legend {
         let pen = Pen::new(WHITE);
