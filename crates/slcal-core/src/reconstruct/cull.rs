@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::islands::Islands;
 use super::neighbourhood::Neighbourhood;
 use super::net::Net;
-use crate::cloud::{CloudPoint, PointCloud};
+use super::shape::{Shape, area_mm2};
+use crate::cloud::PointCloud;
 use crate::error::{Error, Result};
 use crate::solve::median;
 
@@ -42,18 +43,6 @@ const MAX_SLANT_RATIO: f64 = 3.0;
 const MAX_LENGTH_RATIO: f64 = 2.5;
 /// The median length is that of about so many triangles, spread evenly.
 const SAMPLE: usize = 8192;
-
-/// What is looked at of a triangle.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Shape {
-    /// Area in space over the area in the image at the triangle's own distance; one over the cosine of the slant, up to a
-    /// factor that is the same for all.
-    pub(super) slant: f64,
-    /// In the image, px.
-    pub(super) longest_px: f64,
-    /// In the image, px.
-    pub(super) middle: nalgebra::Point2<f64>,
-}
 
 /// Triangulates the points in the image (Delaunay), removes triangles by `rule` and points without a triangle. The
 /// triangles that stay are the cloud's mesh, counter-clockwise as the camera sees them. With [`CullRule::Off`] all points
@@ -116,7 +105,7 @@ impl Culler {
     /// Measures every triangle; the median of their longest sides in the image.
     fn shapes_of(&mut self, cloud: &PointCloud) -> f64 {
         self.shapes.clear();
-        self.shapes.extend(cloud.triangles.iter().map(|t| shape(cloud, t)));
+        self.shapes.extend(cloud.triangles.iter().map(|t| Shape::of(cloud, t)));
         self.lengths.clear();
         let step = self.shapes.len().div_ceil(SAMPLE).max(1);
         self.lengths.extend(self.shapes.iter().step_by(step).map(|s| s.longest_px));
@@ -136,37 +125,13 @@ impl Culler {
     }
 }
 
-fn corners<'a>(points: &'a [CloudPoint], t: &[u32; 3]) -> [&'a CloudPoint; 3] {
-    t.map(|i| &points[i as usize])
-}
-
-fn area_mm2(points: &[CloudPoint], t: &[u32; 3]) -> f64 {
-    let [a, b, c] = corners(points, t).map(|p| p.position);
-    0.5 * (b - a).cross(&(c - a)).norm()
-}
-
-/// Twice the area in the image, px².
-pub(super) fn doubled_area_px(points: &[CloudPoint], t: &[u32; 3]) -> f64 {
-    let [a, b, c] = corners(points, t).map(|p| p.pixel);
-    ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)).abs()
-}
-
-fn shape(cloud: &PointCloud, t: &[u32; 3]) -> Shape {
-    let [a, b, c] = corners(&cloud.points, t).map(|p| p.pixel);
-    let distance2 = |p: &CloudPoint| (p.position - cloud.camera_centre).norm_squared();
-    let near2 = corners(&cloud.points, t).map(distance2).into_iter().fold(f64::INFINITY, f64::min);
-    let longest2 = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
-    Shape {
-        slant: 2.0 * area_mm2(&cloud.points, t) / (doubled_area_px(&cloud.points, t) * near2),
-        longest_px: longest2.sqrt(),
-        middle: nalgebra::Point2::from((a.coords + b.coords + c.coords) / 3.0),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
     use nalgebra::Point3;
+
+    use super::super::shape::corners;
+    use super::*;
+    use crate::cloud::CloudPoint;
 
     /// A camera of f = 1000 px looks at stripes every 12 px on a surface of the given depth.
     fn cloud(depth: impl Fn(f64, f64) -> f64) -> PointCloud {

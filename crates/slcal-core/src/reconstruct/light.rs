@@ -7,8 +7,17 @@ use std::cmp::Ordering;
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-use super::triangulate::Refused;
 use crate::geometry::{Camera, Pose};
+
+/// Why a match is no point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Refused {
+    Invalid,
+    Grazing,
+    Behind,
+    OutsidePanel,
+    Contradicting,
+}
 
 /// Newton's iteration has converged when a step is below this share of the inverse depth; as every step squares the
 /// error, what is left is rounding.

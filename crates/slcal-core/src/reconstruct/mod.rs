@@ -8,6 +8,7 @@ mod light;
 mod neighbourhood;
 mod net;
 mod probe;
+mod shape;
 mod sigma;
 mod triangulate;
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use nalgebra::{Matrix2, Point3, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::light::{Hit, Light};
+use super::light::{Hit, Light, Refused};
 use super::sigma::{CameraRay, RigSigma};
 use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::error::{Error, Result};
@@ -99,16 +99,6 @@ impl TriangulateReport {
         self.outside_panel += other.outside_panel;
         self.contradicting += other.contradicting;
     }
-}
-
-/// Why a match is no point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Refused {
-    Invalid,
-    Grazing,
-    Behind,
-    OutsidePanel,
-    Contradicting,
 }
 
 /// Matches that are worked on in one go; what is carried from match to match never crosses the end of such a part, so that

@@ -14,6 +14,7 @@
 //! Precondition: square pixels, no distortion, an exactly known principal point, and a sheet tilted about both axes: only
 //! the orthogonality of the sheet's sides is used, which says nothing when one of them is parallel to the image.
 
+mod closed_form;
 pub(crate) mod rig;
 pub(crate) mod sigma;
 

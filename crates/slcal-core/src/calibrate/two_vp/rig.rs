@@ -3,8 +3,8 @@
 
 use nalgebra::{Point2, Vector2};
 
+use super::closed_form::{Input, Output, Quad, closed_form};
 use super::sigma::{SHIFT, TURN, corner_modes, sigmas};
-use super::{focal, pose, rectified_pattern, vanishing_points, vanishing_points_of_quad};
 use crate::calibrate::assemble::{cast_onto_panel, projected_corners, rms};
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::joint::model::principal_point;
@@ -14,68 +14,15 @@ use crate::calibrate::plan::advice::percent;
 use crate::calibrate::start::{robust_homography, sheet_corners};
 use crate::calibrate::{Calibration, CalibrationReport};
 use crate::error::{Error, Result};
-use crate::geometry::{Camera, Distortion, Homography, Intrinsics, Pose, RectangleSize};
+use crate::geometry::{Camera, Homography};
 use crate::observations::{Observations, SheetObservation, ViewObservation};
 use crate::rig::{Device, DeviceSigma, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning};
-use crate::solve::homography_from_points;
-
-pub(crate) type Quad = [Point2<f64>; 4];
 
 /// Residuals this many times the noise say that the assumptions (centred principal points, no distortion) do not hold.
 const MISFIT: f64 = 10.0;
 
 const ADVICE: &str = "use the maximum-likelihood method: its σ covers principal points and distortion";
 const ADVICE_WEAK: &str = "tilt the sheet about both axes, or use the maximum-likelihood method";
-
-/// What the closed form starts from, in square, undistorted camera pixels.
-#[derive(Clone)]
-pub(crate) struct Input {
-    pub(crate) corners: Quad,
-    /// The pattern's outer corners in the camera image (through the homography) and in the projector.
-    pub(crate) outline: Option<(Quad, Quad)>,
-    pub(crate) size: RectangleSize,
-    pub(crate) camera: [u32; 2],
-    pub(crate) camera_pp: Point2<f64>,
-    pub(crate) known_focal: Option<f64>,
-    pub(crate) projector: Option<([u32; 2], Point2<f64>)>,
-}
-
-/// What it answers.
-pub(crate) struct Output {
-    pub(crate) camera: Camera,
-    pub(crate) sheet: Pose,
-    pub(crate) projector: Option<(Camera, Pose)>,
-}
-
-fn pinhole([width, height]: [u32; 2], f: f64, pp: Point2<f64>) -> Camera {
-    Camera { width, height, intrinsics: Intrinsics::square(f, pp), distortion: Distortion::NONE }
-}
-
-/// The published method.
-pub(crate) fn closed_form(input: &Input) -> Result<Output> {
-    let v = vanishing_points_of_quad(&input.corners);
-    let f = match input.known_focal {
-        Some(f) => f,
-        None => focal(&v, input.camera_pp, "camera")?,
-    };
-    let camera = pinhole(input.camera, f, input.camera_pp);
-    let sheet = pose(&camera, &v, &input.corners, input.size)?;
-    let (Some((panel, pp)), Some((seen, drawn))) = (input.projector, input.outline) else {
-        return Ok(Output { camera, sheet, projector: None });
-    };
-    let pairs: Vec<_> = seen.into_iter().zip(drawn).collect();
-    let projector_from_camera = homography_from_points(&pairs)?;
-    let v = vanishing_points(&rectified_pattern(&seen, &v, &projector_from_camera));
-    let projector = pinhole(panel, focal(&v, pp, "projector")?, pp);
-    let mut corners = input.corners;
-    for c in &mut corners {
-        *c = projector_from_camera.map(*c).ok_or_else(|| {
-            Error::invalid("the sheet in the projector's image", "finite corners", "a corner at infinity")
-        })?;
-    }
-    let projector_from_sheet = pose(&projector, &v, &corners, input.size)?;
-    Ok(Output { camera, sheet, projector: Some((projector, projector_from_sheet.compose(&sheet.inverse()))) })
-}
 
 /// A known camera's pixel as one of square pixels without distortion and skew, of the same fx and principal point.
 fn square_pixel(known: Option<&Camera>, p: Point2<f64>) -> Option<Point2<f64>> {

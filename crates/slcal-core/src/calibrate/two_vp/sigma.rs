@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, Point2, Vector2, Vector3};
 
-use super::rig::{Input, Output, Quad, closed_form};
+use super::closed_form::{Input, Output, Quad, closed_form};
 use crate::geometry::Line;
 use crate::observations::{EdgePoint, SheetObservation, ViewObservation};
 use crate::solve::{Structure, covariance, homography_from_points};
