@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import io
 import json
+import math
 import random
 import struct
 import subprocess
@@ -23,6 +24,7 @@ from typing import Any
 import pypdfium2
 from browser import Page, chromium, opened
 from PIL import Image, ImageChops, ImageStat
+from selenium.webdriver.common.keys import Keys
 
 DEMO_BYTES = 6_000_000
 LARGE_BYTES = 15_000_000
@@ -135,6 +137,26 @@ def turns(page: Page) -> None:
     assert page.pixels("#space") != before, "the view does not turn"
 
 
+def steers(page: Page) -> None:
+    """Keys turn what is in space, and do not bring it over the pole."""
+    plot = page.driver.find_element("css selector", "#space")
+    eye = lambda: page.run("const e = document.getElementById('space')._fullLayout.scene.camera.eye; return [e.x, e.y, e.z]")
+    first = eye()
+    for key in (Keys.ARROW_LEFT, Keys.ARROW_RIGHT, "+", "-"):
+        plot.send_keys(key)
+    assert math.dist(first, eye()) < 1e-9, (first, eye())
+    plot.send_keys(Keys.ARROW_RIGHT)
+    x, y, z = eye()
+    assert abs(math.atan2(y, x) - math.atan2(first[1], first[0]) + math.radians(10)) < 1e-6 and z == first[2]
+    for _ in range(20):
+        plot.send_keys(Keys.ARROW_UP)
+    high = eye()
+    assert abs(math.degrees(math.asin(high[2] / math.hypot(*high))) - 80) < 1e-6
+    assert abs(math.hypot(*high) - math.hypot(*first)) < 1e-9
+    plot.send_keys("a")
+    assert eye() == high
+
+
 def chooses(page: Page) -> None:
     """Each button changes what is drawn, and says that it is pressed."""
     buttons = page.driver.find_elements("css selector", "[data-for=space] button")
@@ -207,6 +229,7 @@ def check(slcal: Path, folder: Path, pictures: Path | None) -> None:
         shown_first(page)
         keep(page, "demo")
         pages = prints(page)
+        steers(page)
         turns(page)
         chooses(page)
         light = page.run("return getComputedStyle(document.body).backgroundColor")

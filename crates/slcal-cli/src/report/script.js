@@ -50,6 +50,46 @@
     }
     return Plotly.restyle(div, listed(ready(choice.change, colours())), choice.traces);
   };
+  // What is in space turns by the arrow keys as by the mouse; + and - go nearer and away.
+  const AXES = ["x", "y", "z"];
+  const TURN = Math.PI / 18;
+  const HIGHEST = (80 * Math.PI) / 180;
+  const NEARER = 0.85;
+  const dot = (a, b) => a.x * b.x + a.y * b.y + a.z * b.z;
+  const cross = (a, b) => ({ x: a.y * b.z - a.z * b.y, y: a.z * b.x - a.x * b.z, z: a.x * b.y - a.y * b.x });
+  const times = (a, s) => ({ x: a.x * s, y: a.y * s, z: a.z * s });
+  const unit = (a) => times(a, 1 / (Math.hypot(a.x, a.y, a.z) || 1));
+  const turned = (v, axis, angle) => {
+    const [side, along, c, s] = [cross(axis, v), dot(axis, v), Math.cos(angle), Math.sin(angle)];
+    return Object.fromEntries(AXES.map((k) => [k, v[k] * c + side[k] * s + axis[k] * along * (1 - c)]));
+  };
+  const steered = ({ eye, up }, key) => {
+    const pole = unit(up);
+    // From one height to another, short of the pole.
+    const climbed = (by) => {
+      const height = Math.asin(Math.max(-1, Math.min(1, dot(unit(eye), pole))));
+      const wanted = Math.max(-HIGHEST, Math.min(HIGHEST, height + by));
+      return turned(eye, unit(cross(pole, eye)), height - wanted);
+    };
+    switch (key) {
+      case "ArrowLeft": return turned(eye, pole, TURN);
+      case "ArrowRight": return turned(eye, pole, -TURN);
+      case "ArrowUp": return climbed(TURN);
+      case "ArrowDown": return climbed(-TURN);
+      case "+": case "=": return times(eye, NEARER);
+      case "-": return times(eye, 1 / NEARER);
+      default: return null;
+    }
+  };
+  const steer = (div) => {
+    div.tabIndex = 0;
+    div.addEventListener("keydown", (event) => {
+      const eye = event.ctrlKey || event.altKey || event.metaKey ? null : steered(div._fullLayout.scene.camera, event.key);
+      if (!eye) return;
+      event.preventDefault();
+      Plotly.relayout(div, { "scene.camera.eye": eye });
+    });
+  };
   const draw = async (figure) => {
     const div = document.getElementById(figure.id);
     const colour = colours();
@@ -58,7 +98,8 @@
       // In a narrow window the same things are seen from further away.
       const away = Math.max(1, 720 / Math.max(div.clientWidth, 200)) ** 0.8;
       const eye = layout.scene.camera.eye;
-      for (const axis of ["x", "y", "z"]) eye[axis] *= away;
+      for (const axis of AXES) eye[axis] *= away;
+      steer(div);
     }
     await Plotly.newPlot(div, ready(figure.data, colour), layout, settings);
     drawn.set(figure.id, div);

@@ -50,7 +50,7 @@ pub(super) fn section(rig: &Rig, beside: Option<&ShownCloud>, figures: &mut Figu
     let alt = alt(rig, beside);
     let plot = figures.space("space", &alt, traces, layout(away), choices);
     let content = html! {
-        p { (alt) span.screen-only { " Drag to turn, scroll or pinch to come nearer, double-click to turn back." } }
+        p { (alt) span.screen-only { " Drag, or press the arrow keys, to turn; scroll, pinch or press + and − to come nearer or go away; double-click to turn back." } }
         (plot)
         @if let (Some(shown), Some(cloud)) = (&shown, beside) { p.note { (shown.note(&cloud.name)) } }
     };
