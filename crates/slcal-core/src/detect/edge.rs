@@ -3,6 +3,8 @@
 //! A steep side is measured once per image row, a flat one once per column (`scan`): first roughly, then by the integral
 //! of the light across it (`profile`); the crossings that agree with each other are condensed to points (`crossing`).
 
+use std::ops::RangeInclusive;
+
 use nalgebra::{Point2, Vector2};
 
 use super::crossing::{CURVE_DEGREE, Crossing, condense, robust_curve};
@@ -28,6 +30,8 @@ const MAX_SPREAD_BLURS: f64 = 0.7;
 /// Steps of the fit across the side, from nothing and from what the first pass found.
 const FIRST_ROUNDS: usize = 5;
 const ROUNDS: usize = 2;
+/// A side is followed this far beyond where it was seen, as a part of that.
+const MOST_BEYOND: f64 = 0.05;
 /// A side needs this many crossings, and this share of those that were tried.
 const MIN_CROSSINGS: usize = 12;
 const MIN_SHARE: f64 = 0.3;
@@ -53,7 +57,7 @@ pub(super) fn measure_side(
     let lines = scan_lines(photo, scan, path, uncertainty_px)?;
     // Where the side runs and how wide it is shows in a part of the lines of a large photograph.
     let some: Vec<(usize, f64)> = lines.iter().copied().step_by(lines.len().div_ceil(COARSE_LINES)).collect();
-    let coarse = localise(photo, scan, &some, uncertainty_px, light)?;
+    let (coarse, mut supported) = localise(photo, scan, &some, uncertainty_px, light)?;
     let transition = half_transition(photo, scan, &some, &coarse, uncertainty_px, light);
     let plateau = plateau(photo, scan, &some, &coarse, transition);
     let clearance = transition + plateau + 1.0;
@@ -70,6 +74,7 @@ pub(super) fn measure_side(
         let near = |line: f64, expected: f64| (curve.value(line) - expected).abs() <= uncertainty_px + 1.0;
         let seen: Vec<(usize, f64)> = lines
             .iter()
+            .filter(|&&(line, _)| supported.contains(&(line as f64)))
             .filter(|&&(line, expected)| near(line as f64, expected) && clear(line as f64))
             .map(|&(line, _)| (line, curve.value(line as f64)))
             .collect();
@@ -79,6 +84,7 @@ pub(super) fn measure_side(
         (crossings, tried, common_sigma) = (located.crossings, located.tried, located.common_sigma);
         common = located.common;
         curve = robust_curve(&mut crossings)?;
+        supported = support(&crossings)?;
     }
     if crossings.len() < MIN_CROSSINGS || (crossings.len() as f64) < MIN_SHARE * tried as f64 {
         return None;
@@ -134,42 +140,52 @@ fn scan_lines(
     Some((first as usize..=last as usize).map(|line| (line, curve.value(line as f64))).collect())
 }
 
-/// The curve along the strongest steps from dark to bright near the expected positions.
+/// The curve along the strongest steps from dark to bright near the expected positions, and the lines that it holds for.
 fn localise(
     photo: &LinearPhoto<'_>,
     scan: Scan,
     lines: &[(usize, f64)],
     uncertainty_px: f64,
     light: &Light<'_>,
-) -> Option<Polynomial> {
+) -> Option<(Polynomial, RangeInclusive<f64>)> {
     let reach = (uncertainty_px.ceil() as isize).max(2);
     // The step is taken between means over some pixels, so that noise at full resolution does not outdo the side.
     let arm = (reach / 3).clamp(1, 8);
     let mut found: Vec<(f64, f64)> = Vec::with_capacity(lines.len());
+    let mut steps = Vec::with_capacity(2 * reach as usize + 1);
     for &(line, expected) in lines {
-        let centre = expected.round() as isize;
-        let mut best = (0.0, f64::NAN);
-        for s in centre - reach..=centre + reach {
+        let first = expected.round() as isize - reach;
+        let step = |s: isize| {
             let arm_sum = |from: isize, to: isize| -> Option<f64> {
-                (from..=to).map(|p| scan.pixel(photo, line, p)).sum::<Option<f64>>()
+                (from..=to).map(|p| scan.pixel(photo, line, p)).sum()
             };
-            let (Some(low), Some(high)) = (arm_sum(s - arm + 1, s), arm_sum(s + 1, s + arm)) else {
-                continue;
-            };
-            let step = (high - low) * scan.toward;
-            // The light's own border is a stronger step than an unlit side of the sheet.
-            let border = || light.distance_px(scan.join(line as f64, s as f64 + 0.5)) <= arm as f64 + 1.5;
-            if step > best.0 && !border() {
-                best = (step, s as f64 + 0.5);
-            }
-        }
-        if best.1.is_finite() {
-            found.push((line as f64, best.1));
-        }
+            Some((arm_sum(s + 1, s + arm)? - arm_sum(s - arm + 1, s)?) * scan.toward)
+        };
+        steps.clear();
+        steps.extend((first..=first + 2 * reach).map(|s| step(s).unwrap_or(f64::NEG_INFINITY)));
+        // The light's own border is a stronger step than an unlit side of the sheet, and its flank is no side.
+        let side = |k: usize| {
+            let around = &steps[k.saturating_sub(1)..(k + 2).min(steps.len())];
+            let position = (first + k as isize) as f64 + 0.5;
+            let at_border = || light.distance_px(scan.join(line as f64, position)) <= arm as f64 + 1.5;
+            (steps[k] > 0.0 && around.iter().all(|s| *s <= steps[k]) && !at_border())
+                .then_some((steps[k], position))
+        };
+        let best = (0..steps.len()).filter_map(side).reduce(|a, b| if b.0 > a.0 { b } else { a });
+        found.extend(best.map(|(_, position)| (line as f64, position)));
     }
     let mut crossings: Vec<Crossing> =
         found.into_iter().map(|(line, position)| Crossing { line, position, sigma: 1.0 }).collect();
-    robust_curve(&mut crossings)
+    let curve = robust_curve(&mut crossings)?;
+    Some((curve, support(&crossings)?))
+}
+
+/// The lines that a curve through these crossings holds for: a cubic means little beyond, and along the light's border much of
+/// a side may not be seen.
+fn support(crossings: &[Crossing]) -> Option<RangeInclusive<f64>> {
+    let (from, to) = (crossings.first()?.line, crossings.last()?.line);
+    let beyond = MOST_BEYOND * (to - from);
+    Some(from - beyond..=to + beyond)
 }
 
 /// Half the width of the transition, px: where the mean profile across the side has come to rest.

@@ -6,7 +6,7 @@ use super::SheetDetection;
 use super::edge::measure_side;
 use super::edge_map::{Edgel, SeenEdges};
 use super::lens::Lens;
-use super::light_field::Light;
+use super::light_field::{Light, LightField};
 use super::lines::find_lines;
 use super::quad::{Content, find_sheet};
 use super::working::Working;
@@ -59,10 +59,11 @@ pub(super) fn find(
         return Ok(
             match measure(photo, corners.map(|c| light.lens.straighten(c)), HAND_REACH * diagonal, light) {
                 Ok(observation) => SheetDetection { observation, notes: Vec::new() },
-                Err(side) => SheetDetection {
+                Err(i) => SheetDetection {
                     observation: SheetObservation::Corners { corners, sigma_px: HAND_SIGMA * diagonal },
                     notes: vec![format!(
-                        "the {side} side was not seen near the given corners: they are used as they are, uncertain by {:.1} px",
+                        "the {} side was not seen near the given corners: they are used as they are, uncertain by {:.1} px",
+                        SIDES[i],
                         HAND_SIGMA * diagonal
                     )],
                 },
@@ -79,10 +80,20 @@ pub(super) fn find(
             .reduce(|best, next| if next.score > WORTHWHILE * best.score { next } else { best })
             .unwrap_or_else(|| search(&edges, light, light.lens)),
     };
-    let Some(corners) = outcome.corners else { return Err(not_found(outcome.seen)) };
+    let Some(corners) = outcome.corners else {
+        // A side along the light's border is cut short where its edges are taken for the border's.
+        let unlit = Light { field: &LightField::none(), ..*light };
+        let again = search(&edges, &unlit, light.lens);
+        let along =
+            again.corners.and_then(|c| (0..4).find(|i| along_border(*i, &c, again.uncertainty_px, light)));
+        return Err(along.map_or_else(|| not_found(outcome.seen), border));
+    };
     let light = Light { lens: &outcome.lens, ..*light };
-    let observation = measure(photo, corners, outcome.uncertainty_px, &light).map_err(|side| {
-        not_found(format!("a quadrilateral was seen, but its {side} side is not a clean edge"))
+    let observation = measure(photo, corners, outcome.uncertainty_px, &light).map_err(|i| {
+        if along_border(i, &corners, outcome.uncertainty_px, &light) {
+            return border(i);
+        }
+        not_found(format!("a quadrilateral was seen, but its {} side is not a clean edge", SIDES[i]))
     })?;
     Ok(SheetDetection { observation, notes: Vec::new() })
 }
@@ -136,11 +147,29 @@ fn search(edges: &SeenEdges, light: &Light<'_>, lens: &Lens) -> Outcome {
 }
 
 fn not_found(seen: String) -> Error {
+    let advice = "show the whole sheet on a background that is darker than it, with its four sides free, or give its \
+                  corners by hand";
+    Error::NotFound { what: "sheet", seen, advice: advice.into() }
+}
+
+/// Whether most of side `i` lies too near to the border of the light to be told from it.
+fn along_border(i: usize, corners: &[Point2<f64>; 4], uncertainty_px: f64, light: &Light<'_>) -> bool {
+    const PLACES: usize = 16;
+    let (a, d) = (corners[i], corners[(i + 1) % 4] - corners[i]);
+    let at = |k: usize| a + d * ((k as f64 + 0.5) / PLACES as f64);
+    (0..PLACES).filter(|k| light.field.distance_px(at(*k)) < uncertainty_px).count() > PLACES / 2
+}
+
+/// The error for such a side.
+fn border(i: usize) -> Error {
+    let side = SIDES[i];
     Error::NotFound {
         what: "sheet",
-        seen,
-        advice: "show the whole sheet on a background that is darker than it, with its four sides free, \
-                 or give its corners by hand"
+        seen: format!(
+            "four sides were seen, but the {side} one runs along the border of the projector's light and cannot be told from it"
+        ),
+        advice: "move the sheet, or the projector, so that the light ends well inside of the sheet or well beyond it; or \
+                 give the sheet's corners by hand"
             .into(),
     }
 }
@@ -152,14 +181,16 @@ fn named(corners: [Point2<f64>; 4]) -> [Point2<f64>; 4] {
     std::array::from_fn(|i| corners[(first + i) % 4])
 }
 
-/// Measures the four sides between straightened corners; the name of the first that is not seen otherwise.
+/// The sides in the order of the corners.
+const SIDES: [&str; 4] = ["top", "right", "bottom", "left"];
+
+/// Measures the four sides between straightened corners; the first that is not seen otherwise.
 fn measure(
     photo: &LinearPhoto<'_>,
     corners: [Point2<f64>; 4],
     uncertainty_px: f64,
     light: &Light<'_>,
-) -> std::result::Result<SheetObservation, &'static str> {
-    const NAMES: [&str; 4] = ["top", "right", "bottom", "left"];
+) -> std::result::Result<SheetObservation, usize> {
     /// Enough to follow the bend of a lens.
     const PATH_POINTS: u32 = 17;
     let mut sides: [Vec<_>; 4] = Default::default();
@@ -168,7 +199,7 @@ fn measure(
         let on = |k: u32| light.lens.bend(a + d * (f64::from(k) / f64::from(PATH_POINTS - 1)));
         let path: Vec<Point2<f64>> = (0..PATH_POINTS).map(on).collect();
         let inward = Vector2::new(-d.y, d.x);
-        sides[i] = measure_side(photo, &path, inward, uncertainty_px, light).ok_or(NAMES[i])?;
+        sides[i] = measure_side(photo, &path, inward, uncertainty_px, light).ok_or(i)?;
     }
     Ok(SheetObservation::Edges(sides))
 }

@@ -294,6 +294,36 @@ fn light_that_covers_only_part_of_the_sheet_is_not_taken_for_it() {
 }
 
 #[test]
+fn a_side_along_the_border_of_the_light_is_named() {
+    let p = |x: f64, y: f64| Point2::new(2.0 * x, 2.0 * y);
+    let crossing = |top: f64, bottom: f64| {
+        let mut drawn = Drawn::tilted(1280);
+        let panel = [p(120.0, 40.0), p(top, 30.0), p(bottom, 440.0), p(165.0, 400.0)];
+        drawn.camera_from_projector = Some(from_panel(panel));
+        drawn
+    };
+    // The sheet's right side runs from 554.0 to 556.6.
+    let said = crossing(554.0, 558.0).observe(Some(&pattern())).unwrap_err().to_string();
+    assert!(said.contains("the right one runs along the border of the projector's light"), "{said}");
+    // Where it is clear of the border in part, it is measured there or not at all, and never between the two.
+    let mut found = 0;
+    for (top, along) in
+        [(540.0, 30.0), (550.0, 8.0), (552.0, 8.0), (553.0, 20.0), (556.0, -4.0), (558.0, -8.0)]
+    {
+        let drawn = crossing(top, top + along);
+        let Ok(detection) = drawn.observe(Some(&pattern())) else { continue };
+        let SheetObservation::Edges(sides) = &detection.observation.sheet else { panic!("edges") };
+        let side = (drawn.sheet[2] - drawn.sheet[1]).normalize();
+        for point in &sides[1] {
+            let off = side.perp(&(point.position - drawn.sheet[1])).abs();
+            assert!(off < 0.1 && off < 5.0 * point.sigma_px, "{top} {along}: {point:?} is off by {off}");
+        }
+        found += 1;
+    }
+    assert!(found >= 3, "{found}");
+}
+
+#[test]
 fn a_pattern_that_falls_partly_beside_the_sheet_is_used_where_it_lies_on_it() {
     let p = |x: f64, y: f64| Point2::new(x, y);
     let mut drawn = Drawn::tilted(640);
