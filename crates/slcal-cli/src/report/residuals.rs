@@ -161,7 +161,7 @@ fn distribution(views: &[ViewResiduals], figures: &mut Figures) -> Markup {
         }),
     ];
     let layout = flat_layout(
-        json!({ "title": { "text": "residual ÷ its measured noise σ" }, "range": [-REACH, REACH] }),
+        json!({ "title": { "text": "residual ÷ its noise σ" }, "range": [-REACH, REACH] }),
         json!({ "title": { "text": "measurements" }, "rangemode": "tozero" }),
     );
     let alt =
@@ -170,7 +170,7 @@ fn distribution(views: &[ViewResiduals], figures: &mut Figures) -> Markup {
         figure {
             (figures.flat("residuals-distribution", &alt, traces, layout))
             figcaption {
-                (all.len()) " residuals in units of the noise that was measured in the photograph. Bars that follow the curve mean that \
+                (all.len()) " residuals in units of their noise. Bars that follow the curve mean that \
                  noise is all there is; wider bars that the model misses something; narrower ones that there was less noise than thought."
                 @if beyond > 0 { " " (beyond) " lie beyond 5 σ and stand in the outer bars." }
             }

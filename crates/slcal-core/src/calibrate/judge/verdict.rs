@@ -84,7 +84,7 @@ impl Judgement {
             Some(w) => format!("{}: {}; as it is, {}", w.message, w.advice, self.cause),
             None => {
                 format!(
-                    "{}, where {} is the most that is accepted; {}",
+                    "{}; {} is the most that is accepted; {}",
                     self.cause,
                     percent(Verdict::WEAK_BELOW),
                     self.advice
@@ -104,8 +104,8 @@ fn worse_device(sigma: &FocalSigma) -> &'static str {
     if sigma.projector.is_some_and(|p| p > sigma.camera) { "projector" } else { "camera" }
 }
 
-/// Why the focal length is as uncertain as it is.
-fn cause(solved: &Solved, sigma: &FocalSigma, config: &CalibrateConfig) -> String {
+/// Why the focal length is as uncertain as it is; `limited` is whether the principal point is what limits it.
+fn cause(solved: &Solved, sigma: &FocalSigma, config: &CalibrateConfig, limited: bool) -> String {
     let device = worse_device(sigma);
     let model = &solved.fit.model;
     let tilts = |k: usize| model.views.iter().map(|v| tilt(v)[k].abs()).fold(0.0, f64::max);
@@ -121,19 +121,23 @@ fn cause(solved: &Solved, sigma: &FocalSigma, config: &CalibrateConfig) -> Strin
     };
     let rule = if device == "camera" { config.camera_pp } else { config.projector_pp };
     let alone = model.views.len() == 1 && rule == PrincipalPointRule::Free && sigma.worst() > 0.0;
-    let free =
-        if alone { " with its principal point free, which one photograph does not determine," } else { "" };
-    format!("{seen}: σ of the focal length of the {device}{free} is {}", percent(sigma.worst()))
+    let (free, because) = match (alone, limited) {
+        (true, _) => (" with its principal point free, which one photograph does not determine,", ""),
+        (false, true) => ("", ", nearly all of it because the principal point is not known exactly"),
+        (false, false) => ("", ""),
+    };
+    format!("{seen}: σ of the focal length of the {device}{free} is {}{because}", percent(sigma.worst()))
 }
 
 /// Judges a maximum-likelihood fit.
 pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
     let Solved { joint, fit } = solved;
     let sigma = focal_sigma(&fit.covariance, &joint.layout);
+    let limited = exact_would_be(solved, &sigma);
     let mut judgement = Judgement {
         sigma,
         verdict: Verdict::of_focal_sigma(sigma.worst()),
-        cause: cause(solved, &sigma, config),
+        cause: cause(solved, &sigma, config, limited.is_some()),
         advice: advise(joint, fit, sigma.worst()),
         doubt: None,
         warnings: Vec::new(),
@@ -158,7 +162,7 @@ pub(crate) fn judge(solved: &Solved, config: &CalibrateConfig) -> Judgement {
         let code = if *verdict == Verdict::Weak { "weak-geometry" } else { "degenerate-geometry" };
         warnings.push(warning(code, cause.clone(), advice.clone()));
     }
-    warnings.extend(principal_point_limited(solved, &sigma, advice));
+    warnings.extend(limited.map(|exact| principal_point_limited(&exact, advice)));
     warnings.extend(shift_undetermined(solved, config));
     warnings.extend(far.into_iter().map(|(w, _)| w));
     warnings.extend(misfits);
@@ -186,25 +190,26 @@ fn outlandish(solved: &Solved) -> Option<Warning> {
     })
 }
 
-fn principal_point_limited(solved: &Solved, sigma: &FocalSigma, advice: &str) -> Option<Warning> {
+/// What σ would be if principal points were known exactly, where it is mostly them.
+fn exact_would_be(solved: &Solved, sigma: &FocalSigma) -> Option<FocalSigma> {
     /// Below this σ nobody needs to be told what limits it.
     const WORTH_TELLING: f64 = 0.005;
     if sigma.worst() < WORTH_TELLING {
         return None;
     }
-    let exact = with_exact_principal_points(&solved.joint, &solved.fit)?;
-    (exact.worst() < 0.5 * sigma.worst()).then(|| {
-        warning(
-            "principal-point-limited",
-            format!(
-                "σ of the focal length is {}, nearly all of it because the principal point is not known exactly (if it \
-                 were, σ would be {})",
-                percent(sigma.worst()),
-                percent(exact.worst())
-            ),
-            advice,
-        )
-    })
+    with_exact_principal_points(&solved.joint, &solved.fit)
+        .filter(|exact| exact.worst() < 0.5 * sigma.worst())
+}
+
+fn principal_point_limited(exact: &FocalSigma, advice: &str) -> Warning {
+    warning(
+        "principal-point-limited",
+        format!(
+            "if the principal point were known exactly, σ of the focal length would be {}",
+            percent(exact.worst())
+        ),
+        advice,
+    )
 }
 
 fn shift_undetermined(solved: &Solved, config: &CalibrateConfig) -> Option<Warning> {
