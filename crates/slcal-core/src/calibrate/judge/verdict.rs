@@ -123,7 +123,10 @@ fn cause(solved: &Solved, sigma: &FocalSigma, config: &CalibrateConfig, limited:
     let alone = model.views.len() == 1 && rule == PrincipalPointRule::Free && sigma.worst() > 0.0;
     let (free, because) = match (alone, limited) {
         (true, _) => (" with its principal point free, which one photograph does not determine,", ""),
-        (false, true) => ("", ", nearly all of it because the principal point is not known exactly"),
+        (false, true) => (
+            "",
+            ", nearly all of it because the principal point, where the lens's axis meets the image, is not known exactly",
+        ),
         (false, false) => ("", ""),
     };
     format!("{seen}: σ of the focal length of the {device}{free} is {}{because}", percent(sigma.worst()))
