@@ -211,15 +211,23 @@ impl Rig {
         (variance.is_finite() && variance >= 0.0).then(|| variance.sqrt())
     }
 
+    /// The projector, and where it stands.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a rig that holds the camera alone.
+    pub(crate) fn lit(&self) -> Result<(&Device, &StereoPose)> {
+        self.projector.as_ref().zip(self.stereo.as_ref()).ok_or_else(|| {
+            let expected = "a calibrated projector (calibrate with a pattern)";
+            Error::invalid("rig", expected, "a rig that holds the camera alone")
+        })
+    }
+
     /// The projector, when `what` is for it: a pattern that was drawn for a panel of this size.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a rig that holds the camera alone, and for another panel.
     pub fn projector_for(&self, what: &str, panel: [u32; 2]) -> Result<&Device> {
-        let projector = self.projector.as_ref().ok_or_else(|| {
-            let expected = "a calibrated projector (calibrate with a pattern)";
-            Error::invalid("rig", expected, "a rig that holds the camera alone")
-        })?;
+        let (projector, _) = self.lit()?;
         let [w, h] = [projector.model.width, projector.model.height];
         if panel != [w, h] {
             let expected = format!("a pattern for the rig's projector of {w}x{h} px");

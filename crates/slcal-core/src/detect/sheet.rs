@@ -83,9 +83,11 @@ pub(super) fn find(
     let Some(corners) = outcome.corners else {
         // A side along the light's border is cut short where its edges are taken for the border's.
         let unlit = Light { field: &LightField::none(), ..*light };
-        let again = search(&edges, &unlit, light.lens);
-        let along =
-            again.corners.and_then(|c| (0..4).find(|i| along_border(*i, &c, again.uncertainty_px, light)));
+        let again = light.board.map(|_| search(&edges, &unlit, light.lens));
+        let along = again.and_then(|again| {
+            let corners = again.corners?;
+            (0..4).find(|i| along_border(*i, &corners, again.uncertainty_px, light))
+        });
         return Err(along.map_or_else(|| not_found(outcome.seen), border));
     };
     let light = Light { lens: &outcome.lens, ..*light };

@@ -28,13 +28,7 @@ impl Probe {
         if !(sigma_px.is_finite() && sigma_px >= 0.0) {
             return Err(Error::invalid("the noise of matches", "zero or more pixels", sigma_px));
         }
-        let (Some(projector), Some(stereo)) = (rig.projector, rig.stereo) else {
-            return Err(Error::invalid(
-                "rig",
-                "a calibrated projector (calibrate with a pattern)",
-                "a rig that holds the camera alone",
-            ));
-        };
+        let (projector, stereo) = rig.lit()?;
         Ok(Self {
             camera: rig.camera.model,
             projector: projector.model,

@@ -163,13 +163,7 @@ impl Triangulator {
     /// [`Error::Invalid`] for a rig without a projector or a configuration out of range.
     pub fn new(rig: &Rig, config: TriangulateConfig) -> Result<Self> {
         config.validate()?;
-        let (Some(projector), Some(stereo)) = (rig.projector, rig.stereo) else {
-            return Err(Error::invalid(
-                "rig",
-                "a calibrated projector (calibrate with a pattern)",
-                "a rig that holds the camera alone",
-            ));
-        };
+        let (projector, stereo) = rig.lit()?;
         let camera = rig.camera.model;
         let k = &camera.intrinsics;
         Ok(Self {
