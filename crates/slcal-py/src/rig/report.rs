@@ -21,13 +21,15 @@ pub(super) fn save(
 ) -> PyResult<()> {
     let py = file.py();
     let photos = photos.map(|p| pictures(rig, p)).transpose()?.unwrap_or_default();
-    let measured = match observations {
-        Some(given) => Some(external_residuals(rig, &observations_of(given)?).raise(py, Looking::ForSheet)?),
-        None => None,
+    let (seen, residuals) = match observations {
+        Some(given) => {
+            Some(external_residuals(rig, &observations_of(given)?).raise(py, Looking::ForSheet)?).unzip()
+        }
+        None => (None, None),
     };
     let page = py
         .detach(|| {
-            let measured = measured.as_ref().map(|(seen, residuals)| (seen, residuals.clone()));
+            let measured = seen.as_ref().zip(residuals);
             slcal_cli::files::rig_report(rig, &photos, measured, cloud.map(|c| &c.cloud))
         })
         .map_err(|message| errors::invalid(py, "photos", "pictures that can be written as JPEG", &message))?;
