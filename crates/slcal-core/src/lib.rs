@@ -9,15 +9,18 @@
 //! The crate opens no files, prints nothing, starts no threads, reads no clock and keeps no global state. Lengths are
 //! millimetres, angles radians, pixels have integer centres; see [`geometry`] for the frames.
 
+pub mod advise;
 pub mod calibrate;
 pub mod decode;
 pub mod detect;
+mod estimate;
 pub mod evaluate;
 pub mod format;
 pub mod geometry;
 pub mod pattern;
 pub mod photo;
 pub mod reconstruct;
+pub mod rectify;
 #[cfg(any(test, feature = "simulate"))]
 pub mod simulate;
 pub mod solve;
@@ -33,9 +36,8 @@ mod verify_photo;
 
 pub use calibrate::{
     CalibrateConfig, Calibration, CalibrationReport, DistortionModel, ExternalCalibration, FocalPrior,
-    Method, NoiseFound, NoiseOf, PairResidual, PointResidual, PrincipalPointRule, Rectification,
-    ViewResiduals, calibrate_external, calibrate_observations, external_residuals, rectify, rectify_checker,
-    rectify_checker_picture, rectify_picture, residuals,
+    Method, NoiseFound, NoiseOf, PairResidual, PointResidual, PrincipalPointRule, ViewResiduals,
+    calibrate_external, calibrate_observations, external_residuals, residuals,
 };
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Error, ErrorClass, Result};
@@ -44,5 +46,6 @@ pub use observations::{
     CornerPair, EdgePoint, ExternalObservations, Observations, SheetObservation, Unstated, ViewObservation,
 };
 pub use photographs::calibrate;
+pub use rectify::{Rectification, rectify, rectify_checker, rectify_checker_picture, rectify_picture};
 pub use rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning};
 pub use verify_photo::{PhotoVerifier, VerifiedPhoto, VerifyPhotoConfig, verify_photo};

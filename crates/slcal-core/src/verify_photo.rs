@@ -3,12 +3,12 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
-use crate::calibrate::rectify_checker;
 use crate::detect::{DetectConfig, Detection, observe};
 use crate::error::{Error, Result};
 use crate::geometry::{RectangleSize, Warp};
 use crate::pattern::CheckerPattern;
 use crate::photo::{Encoding, PhotoView};
+use crate::rectify::rectify_checker;
 use crate::rig::Rig;
 use crate::verify::{Verification, VerifyConfig, outline, verify};
 
@@ -146,8 +146,8 @@ mod tests {
     use image::{DynamicImage, RgbImage};
 
     use super::*;
-    use crate::calibrate::rectify_checker_picture;
     use crate::pattern::CheckerConfig;
+    use crate::rectify::rectify_checker_picture;
     use crate::simulate::{Photographer, PoseConfig, RenderConfig, RigConfig, Scene, Shape, Shown, Surface};
 
     fn config() -> RigConfig {

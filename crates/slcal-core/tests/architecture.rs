@@ -4,15 +4,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Which folders each folder may use, a folder within another by rules of its own. What is not listed here meets in the plain types at the top of the crate.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 16] = [
     ("geometry", &[]),
     ("solve", &["geometry"]),
     ("photo", &[]),
     ("pattern", &["geometry", "photo"]),
     ("detect", &["geometry", "solve", "photo", "pattern"]),
-    ("calibrate", &["geometry", "solve", "pattern"]),
+    ("estimate", &["geometry", "solve", "calibrate"]),
+    ("calibrate", &["geometry", "solve", "pattern", "estimate", "advise"]),
+    ("advise", &["geometry", "solve", "pattern", "estimate", "calibrate"]),
     // Asks of one photograph more what the calibration asked of all, with its residuals.
-    ("verify", &["geometry", "solve", "pattern", "calibrate"]),
+    ("verify", &["geometry", "solve", "pattern", "estimate", "calibrate", "advise"]),
+    ("rectify", &["geometry", "solve", "pattern"]),
     ("decode", &["geometry", "solve", "photo", "pattern"]),
     // The reusable object that goes from photograph to cloud runs the decoder.
     ("reconstruct", &["geometry", "solve", "photo", "pattern", "decode"]),
@@ -21,7 +24,17 @@ const MAY_USE: [(&str, &[&str]); 13] = [
     // Writes down what the stages report; no stage knows of it.
     (
         "format/report_json",
-        &["geometry", "pattern", "calibrate", "verify", "decode", "reconstruct", "evaluate", "simulate"],
+        &[
+            "geometry",
+            "pattern",
+            "calibrate",
+            "advise",
+            "verify",
+            "decode",
+            "reconstruct",
+            "evaluate",
+            "simulate",
+        ],
     ),
     // Runs the estimators and compares with the truth; nothing depends on it.
     ("simulate", &["geometry", "solve", "photo", "pattern", "calibrate", "reconstruct"]),

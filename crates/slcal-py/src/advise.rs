@@ -1,7 +1,7 @@
 //! Which photograph to take next.
 
 use pyo3::prelude::*;
-use slcal_core::calibrate::{Advice, CameraPlan, advise_first, advise_next};
+use slcal_core::advise::{Advice, CameraPlan, advise_first, advise_next};
 use slcal_core::format::report_json;
 use slcal_core::{CalibrateConfig, PrincipalPointRule, Rig};
 

@@ -1,6 +1,6 @@
 //! Which photograph to take next.
 
-use slcal_core::calibrate::{Advice, Predicted, TiltForecast};
+use slcal_core::advise::{Advice, Predicted, TiltForecast};
 
 use crate::output::{BOLD, GOOD, Page, Table, glued, paint};
 

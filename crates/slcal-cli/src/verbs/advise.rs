@@ -1,6 +1,6 @@
 //! `slcal advise`: which photograph to take next.
 
-use slcal_core::calibrate::{CameraPlan, advise_first, advise_next};
+use slcal_core::advise::{CameraPlan, advise_first, advise_next};
 use slcal_core::format::report_json;
 use slcal_core::geometry::Camera;
 use slcal_core::{CalibrateConfig, Error, PrincipalPointRule};

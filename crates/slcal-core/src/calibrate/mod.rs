@@ -1,40 +1,31 @@
 //! Observations → rig.
 //!
-//! Closed forms (`start`) begin a maximum-likelihood refinement of everything that was seen (`joint`), whose covariance is
-//! the judgement on the result (`judge`) and tells what the next photograph would bring (`plan`). `noise` measures what
-//! observations from elsewhere do not state. `two_vp` is the method of R. Orghidan, J. Salvi, M. Gordan, C. Florea,
+//! Closed forms (`initial_guess`) begin a maximum-likelihood refinement of everything that was seen (`estimate`). Other
+//! explanations of the data are tried (`hypotheses`), and the covariance and the residuals judge the result (`diagnostics`).
+//! `variance_components` measures what observations from elsewhere do not state. `two_vp` is the method of R. Orghidan, J. Salvi, M. Gordan, C. Florea,
 //! J. Batlle, "Structured light self-calibration with vanishing points", Machine Vision and Applications 25:489-500 (2014),
 //! kept as it was published.
 
-mod assemble;
-mod check;
-mod config;
-mod joint;
-mod judge;
-mod noise;
-pub(crate) mod plan;
-mod rectified;
-mod rectify;
-mod residuals;
-mod start;
+mod build_rig;
+pub(crate) mod config;
+mod diagnostics;
+mod hypotheses;
+mod initial_guess;
+mod maximum_likelihood;
 mod two_vp;
+mod validate;
+mod variance_components;
 
 pub use config::{CalibrateConfig, DistortionModel, FocalPrior, Method, PrincipalPointRule};
-pub use noise::{ExternalCalibration, NoiseFound, NoiseOf, calibrate_external, external_residuals};
-pub use plan::outlook::Predicted;
-pub use plan::{Advice, CameraPlan, NextView, TiltForecast, advise_first, advise_next};
-pub use rectified::{rectify_checker_picture, rectify_picture};
-pub use rectify::{Rectification, rectify, rectify_checker};
-pub use residuals::{PairResidual, PointResidual, ViewResiduals, residuals};
+pub use diagnostics::residuals::{PairResidual, PointResidual, ViewResiduals, residuals};
+pub use variance_components::{
+    ExternalCalibration, NoiseFound, NoiseOf, calibrate_external, external_residuals,
+};
 
-// What `verify` shares with the calibration: its measurements, its model and its residuals.
-pub(crate) use check::check;
-pub(crate) use joint::model::Model;
-pub(crate) use joint::residual::lit_point;
-pub(crate) use joint::{Kind, Measurement, Target, measurements};
-pub(crate) use plan::outlook_of;
-pub(crate) use start::camera_from_sheet;
-pub(crate) use start::metric::pose_from_homography;
+pub(crate) use build_rig::depth_on_column;
+pub(crate) use initial_guess::camera_from_sheet;
+pub(crate) use initial_guess::metric::pose_from_homography;
+pub(crate) use validate::check;
 
 use serde::{Deserialize, Serialize};
 
@@ -86,24 +77,24 @@ pub fn calibrate_observations(observations: &Observations, config: &CalibrateCon
 }
 
 fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
-    let (observations, repetition) = judge::repeated::counted_once(observations);
-    let (solved, config) = &match joint::auto_distortion::solve_choosing(&observations, config) {
+    let (observations, repetition) = hypotheses::repeated::counted_once(observations);
+    let (solved, config) = &match hypotheses::distortion_choice::solve_choosing(&observations, config) {
         Ok(solved) => solved,
-        Err(error) => return Err(judge::transposed::explain(error, &observations, config)),
+        Err(error) => return Err(hypotheses::transposed::explain(error, &observations, config)),
     };
-    let mut judgement = judge::verdict::judge(solved, config);
+    let mut judgement = diagnostics::verdict::judge(solved, config);
     judgement.warnings.extend(repetition);
-    let doubt = judge::transposed::hint(&observations, config)
-        .or_else(|| judge::contradiction::hint(&observations, config, solved))
-        .or_else(|| judge::aspect::hint(&observations, config, solved));
+    let doubt = hypotheses::transposed::hint(&observations, config)
+        .or_else(|| hypotheses::contradiction::hint(&observations, config, solved))
+        .or_else(|| hypotheses::aspect::hint(&observations, config, solved));
     if let Some(doubt) = doubt {
         judgement.doubt(doubt);
     }
     if judgement.verdict == Verdict::Degenerate && !config.allow_degenerate {
         return Err(judgement.refusal());
     }
-    let rig = assemble::rig(&solved.joint, &solved.fit, &judgement);
-    let share = |kind: joint::Kind| {
+    let rig = build_rig::rig(&solved.joint, &solved.fit, &judgement);
+    let share = |kind: crate::estimate::Kind| {
         let kept =
             solved.joint.measurements.iter().zip(&solved.fit.inliers).filter(|(m, _)| m.kind() == kind);
         let (kept, all) = kept.fold((0usize, 0usize), |(k, n), (_, keep)| (k + usize::from(*keep), n + 1));
@@ -112,8 +103,8 @@ fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> 
     let (cause, advice) = judgement.why();
     let report = CalibrationReport {
         iterations: solved.fit.iterations,
-        edge_inliers: share(joint::Kind::Edge),
-        corner_inliers: share(joint::Kind::Pair),
+        edge_inliers: share(crate::estimate::Kind::Edge),
+        corner_inliers: share(crate::estimate::Kind::Pair),
         cause: cause.to_owned(),
         advice: advice.to_owned(),
     };

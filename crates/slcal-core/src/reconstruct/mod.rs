@@ -1,22 +1,22 @@
 //! Matches + [`Rig`] → [`PointCloud`]: triangulation, removal of outliers, mesh.
 
 mod cull;
-mod forecast;
+mod expected_uncertainty;
 mod islands;
-mod length;
+mod length_uncertainty;
 mod light;
 mod neighbourhood;
 mod net;
-mod probe;
+mod point_covariance;
 mod shape;
-mod sigma;
+mod synthetic_match;
 mod triangulate;
 #[cfg(test)]
 mod triangulate_tests;
 
 pub use cull::{CullReport, CullRule, Culler, cull};
-pub use forecast::{ExpectedSigma, SigmaForecast};
-pub use length::{LengthSigma, length_sigma};
+pub use expected_uncertainty::{ExpectedSigma, SigmaForecast};
+pub use length_uncertainty::{LengthSigma, length_sigma};
 pub use triangulate::{TriangulateConfig, TriangulateReport, Triangulator, triangulate};
 
 use nalgebra::Point3;

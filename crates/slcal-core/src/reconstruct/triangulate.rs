@@ -7,7 +7,7 @@ use nalgebra::{Matrix2, Point3, Vector2};
 use serde::{Deserialize, Serialize};
 
 use super::light::{Hit, Light, Refused};
-use super::sigma::{CameraRay, RigSigma};
+use super::point_covariance::{CameraRay, RigSigma};
 use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::error::{Error, Result};
 use crate::geometry::Camera;

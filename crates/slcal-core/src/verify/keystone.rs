@@ -2,8 +2,9 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::fit::{Fit, Scene};
-use crate::calibrate::{Model, lit_point};
+use super::posterior_fit::{Fit, Scene};
+use crate::estimate::model::Model;
+use crate::estimate::residual::lit_point;
 
 /// A number with its 1σ.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,29 +4,33 @@
 //! an uncertain rig does not cry wolf; once with the rig as it is and once with the projector free. What that gains is χ²
 //! distributed when nothing has moved (`moved`). `keystone` measures the projected rectangle on the sheet.
 
-mod chi_squared;
-mod fit;
+mod change_test;
+mod chi_squared_sf;
 mod keystone;
-mod moved;
+mod posterior_fit;
 #[cfg(test)]
 mod tests;
 
 use nalgebra::{DMatrix, Point2};
 use serde::{Deserialize, Serialize};
 
+use crate::advise::outlook_of;
+use crate::advise::shared::{PROJECTOR, SHARED, STEREO, covariance_of, model, root};
 use crate::calibrate::CalibrateConfig;
 use crate::calibrate::camera_from_sheet as sheet_homography;
-use crate::calibrate::plan::shared::{PROJECTOR, SHARED, STEREO, covariance_of, model, root};
-use crate::calibrate::{Model, check, lit_point, measurements, outlook_of, pose_from_homography};
+use crate::calibrate::{check, pose_from_homography};
 use crate::error::{Error, Result};
+use crate::estimate::measurements;
+use crate::estimate::model::Model;
+use crate::estimate::residual::lit_point;
 use crate::geometry::{Pose, RectangleSize};
 use crate::observations::{Observations, ViewObservation};
 use crate::rig::Rig;
 
-use fit::{Past, Scene, Weights};
+use posterior_fit::{Past, Scene, Weights};
 
+pub use change_test::{Change, RigCheck, SheetCheck};
 pub use keystone::{Keystone, Measured};
-pub use moved::{Change, RigCheck, SheetCheck};
 
 /// Parameters of [`verify`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -135,11 +139,11 @@ pub fn verify(
     let weights = scene.weigh(&FREE).ok_or_else(inconsistent)?;
     let free = scene.fit(&FREE, &weights.each).ok_or_else(inconsistent)?;
     let keystone = keystone::keystone(&scene, &free, &FREE, outline_px, aspect).ok_or_else(inconsistent)?;
-    let (rig_check, accepted) =
-        moved::rig_check(&scene, &weights, &free, &FREE, config.significance).ok_or_else(inconsistent)?;
+    let (rig_check, accepted) = change_test::rig_check(&scene, &weights, &free, &FREE, config.significance)
+        .ok_or_else(inconsistent)?;
     let sheet = rig.views.first().filter(|v| v.size == seen.size).and_then(|_| {
         let fit = accepted.as_ref().unwrap_or(&free);
-        moved::sheet_check(&scene, fit, config.significance)
+        change_test::sheet_check(&scene, fit, config.significance)
     });
     let camera_from_sheet = *free.model.views.first().ok_or_else(inconsistent)?;
     Ok(Verification {

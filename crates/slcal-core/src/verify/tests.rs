@@ -4,8 +4,10 @@ use nalgebra::{Point2, Rotation3, Vector3};
 
 use super::*;
 use crate::CornerPair;
+use crate::calibrate::calibrate_observations;
 use crate::calibrate::tests::scene::{observe, pose, rig as truth, rng, with_edges};
-use crate::calibrate::{Model, calibrate_observations, lit_point};
+use crate::estimate::model::Model;
+use crate::estimate::residual::lit_point;
 use crate::pattern::{CheckerConfig, CheckerPattern};
 use crate::rectify_checker;
 use rand_chacha::ChaCha8Rng;

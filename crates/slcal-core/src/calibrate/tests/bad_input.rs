@@ -9,7 +9,7 @@ use crate::observations::SheetObservation;
 
 const POSES: [(f64, f64); 4] = [(25.0, 28.0), (-25.0, -20.0), (20.0, -25.0), (-15.0, 25.0)];
 
-fn truth(views: usize) -> crate::calibrate::joint::model::Model {
+fn truth(views: usize) -> crate::estimate::model::Model {
     rig(768.0, POSES[..views].iter().map(|&(x, y)| pose(x, y)).collect())
 }
 

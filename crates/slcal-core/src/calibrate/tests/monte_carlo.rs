@@ -4,10 +4,10 @@ use nalgebra::Point2;
 use rand_distr::{Distribution, Normal};
 
 use super::scene::{observe, pose, rig, rng, size};
-use crate::calibrate::plan::predict::focal_sigma;
-use crate::calibrate::start::metric::{centred, focal_from_homographies};
+use crate::advise::predict::focal_sigma;
+use crate::calibrate::initial_guess::metric::{centred, focal_from_homographies};
 use crate::calibrate::two_vp::{focal, vanishing_points_of_quad};
-use crate::calibrate::{CalibrateConfig, PrincipalPointRule, calibrate_observations, joint::ml};
+use crate::calibrate::{CalibrateConfig, PrincipalPointRule, calibrate_observations, maximum_likelihood};
 use crate::observations::Observations;
 use crate::rig::{Device, Rig};
 use crate::solve::{homography_from_points, robust_scale};
@@ -15,7 +15,7 @@ use crate::solve::{homography_from_points, robust_scale};
 const DRAWS: usize = 200;
 const EXACT: PrincipalPointRule = PrincipalPointRule::Centre;
 
-fn camera_alone(tilt_x: f64, tilt_y: f64) -> crate::calibrate::joint::model::Model {
+fn camera_alone(tilt_x: f64, tilt_y: f64) -> crate::estimate::model::Model {
     let mut model = rig(768.0, vec![pose(tilt_x, tilt_y)]);
     model.projector = None;
     model
@@ -41,17 +41,18 @@ fn camera_row(tilt_x: f64, tilt_y: f64) -> ([f64; 4], usize) {
         let pairs: Vec<_> = size().corners().into_iter().zip(corners).collect();
         let h = centred(&homography_from_points(&pairs).unwrap(), pp);
         errors[1].extend(focal_from_homographies(&[h], "camera").map(off));
-        errors[2].extend(ml::solve(&o, &config).map(|s| off(s.fit.model.camera.intrinsics.fx)));
+        errors[2]
+            .extend(maximum_likelihood::solve(&o, &config).map(|s| off(s.fit.model.camera.intrinsics.fx)));
     }
     let exact = observe(&truth, 0.2, 0.1, &mut super::scene::rng(1));
-    let solved = ml::solve(&at_truth(exact, &truth), &config).unwrap();
+    let solved = maximum_likelihood::solve(&at_truth(exact, &truth), &config).unwrap();
     let bound = focal_sigma(&solved.fit.covariance, &solved.joint.layout).camera;
     let [paper, both, likelihood] = errors.map(|e| robust_scale(e.into_iter()));
     ([paper, both, likelihood, bound], failures)
 }
 
 /// The same observations without their noise.
-fn at_truth(mut o: Observations, truth: &crate::calibrate::joint::model::Model) -> Observations {
+fn at_truth(mut o: Observations, truth: &crate::estimate::model::Model) -> Observations {
     let clean = observe(truth, 1e-12, 1e-12, &mut rng(0));
     for (view, exact) in o.views.iter_mut().zip(clean.views) {
         if let (crate::SheetObservation::Corners { corners, .. }, Some(c)) =
@@ -105,7 +106,7 @@ fn predicted(tilt_x: f64, tilt_y: f64, config: &CalibrateConfig) -> (f64, f64) {
     // The camera's own uncertainty is not part of the table: it is known.
     let config = CalibrateConfig { known_camera: Some(truth.camera), ..config.clone() };
     let o = at_truth(observe(&truth, 0.02, 0.1, &mut rng(1)), &truth);
-    let solved = ml::solve(&o, &config).unwrap();
+    let solved = maximum_likelihood::solve(&o, &config).unwrap();
     let (f, cy) = (solved.joint.layout.projector[0].unwrap(), solved.joint.layout.projector[2].unwrap());
     (solved.fit.covariance[(f, f)].sqrt(), solved.fit.covariance[(cy, cy)].sqrt())
 }

@@ -5,9 +5,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-use crate::calibrate::joint::model::Model;
-use crate::calibrate::joint::residual::lit_point;
 use crate::calibrate::{CalibrateConfig, calibrate_observations};
+use crate::estimate::model::Model;
+use crate::estimate::residual::lit_point;
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
 use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 use crate::rig::Rig;

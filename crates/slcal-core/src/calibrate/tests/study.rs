@@ -4,10 +4,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 use super::scene::{observe, pose, rig, rng, with_edges};
-use crate::calibrate::joint::model::{Layout, Model, priors};
-use crate::calibrate::joint::refine::covariance_at;
-use crate::calibrate::joint::{Joint, measurements};
 use crate::calibrate::{CalibrateConfig, calibrate_observations};
+use crate::estimate::model::{Layout, Model, priors};
+use crate::estimate::refine::covariance_at;
+use crate::estimate::{Joint, measurements};
 use crate::observations::Observations;
 use crate::rig::{Device, Rig};
 

@@ -20,7 +20,7 @@ pub(crate) mod sigma;
 
 use nalgebra::{Matrix2x3, Matrix3, Point2, Point3, Vector3};
 
-use crate::calibrate::start::metric::imaginary;
+use crate::calibrate::initial_guess::metric::imaginary;
 use crate::error::{Error, Result};
 use crate::geometry::{
     Camera, Homography, Line, Pose, ProjectivePoint, RectangleSize, VanishingPoints, nearest_rotation,

@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
-use crate::calibrate::{Advice, NextView, Predicted};
+use crate::advise::{Advice, NextView, Predicted};
 
-/// What [`advise_next`](crate::calibrate::advise_next) or [`advise_first`](crate::calibrate::advise_first) found.
+/// What [`advise_next`](crate::advise::advise_next) or [`advise_first`](crate::advise::advise_first) found.
 #[must_use]
 pub fn advice(advice: &Advice) -> Value {
     json!({

@@ -1,0 +1,291 @@
+//! Where the refinement starts: closed forms per view, robust against a few wrong points.
+
+pub(crate) mod lens_shift;
+pub(crate) mod metric;
+
+use nalgebra::Point2;
+
+use self::lens_shift::focal_and_shift;
+use self::metric::{centred, focal_from_homographies, pose_from_homography};
+use crate::calibrate::config::{CalibrateConfig, PrincipalPointRule};
+use crate::error::{Error, Result};
+use crate::estimate::model::{FOCAL_RANGE, Model, principal_point};
+use crate::geometry::{Camera, Distortion, Homography, Intrinsics, Line, Plane, Pose, Ray};
+use crate::observations::{EdgePoint, Observations, SheetObservation, ViewObservation};
+use crate::solve::{homography_from_points, robust_scale};
+
+/// Focal lengths, in units of the longer side, from which the refinement is tried when no closed form has a real
+/// solution: wide, normal and long lenses.
+const GUESSES: [f64; 4] = [0.8, 1.4, 2.5, 6.0];
+/// Points further than this many robust σ from a line or homography are left out of the start.
+const CUTOFF: f64 = 4.0;
+const TRIMMING_ROUNDS: usize = 5;
+/// Samples of four pairs that are tried: with one pair in five wrong, all would be spoilt once in 10^14.
+const SAMPLES: usize = 60;
+
+/// The ideal pixel (as an undistorted camera of the same K would see it).
+pub(crate) fn ideal_pixel(known: Option<&Camera>, p: Point2<f64>) -> Option<Point2<f64>> {
+    match known {
+        Some(c) if !c.distortion.is_none() => c.undistort(p).map(|x| c.intrinsics.pixel(x)),
+        _ => Some(p),
+    }
+}
+
+/// The line through edge points, without those that lie off it.
+fn robust_line(points: &[EdgePoint]) -> Option<Line> {
+    let mut kept: Vec<&EdgePoint> = points.iter().collect();
+    let mut line = Line::fit(kept.iter().map(|p| (p.position, p.sigma_px.powi(-2))))?;
+    for _ in 0..TRIMMING_ROUNDS {
+        let scale = robust_scale(points.iter().map(|p| line.signed_distance_px(p.position).abs()));
+        let next: Vec<&EdgePoint> = points
+            .iter()
+            .filter(|p| line.signed_distance_px(p.position).abs() <= CUTOFF * scale.max(p.sigma_px))
+            .collect();
+        if next.len() == kept.len() {
+            break;
+        }
+        kept = next;
+        match Line::fit(kept.iter().map(|p| (p.position, p.sigma_px.powi(-2)))) {
+            Some(l) => line = l,
+            None => break,
+        }
+    }
+    Some(line)
+}
+
+/// The sheet's corners TL, TR, BR, BL as ideal pixels.
+pub(crate) fn sheet_corners(view: &ViewObservation, known: Option<&Camera>) -> Result<[Point2<f64>; 4]> {
+    let failed = || {
+        Error::invalid(
+            "the sheet's corners",
+            "four lines that meet inside the range of the lens model",
+            "parallel sides, or corners that the distortion cannot have produced",
+        )
+    };
+    let corners = match &view.sheet {
+        SheetObservation::Corners { corners, .. } => {
+            let mut ideal = *corners;
+            for c in &mut ideal {
+                *c = ideal_pixel(known, *c).ok_or_else(failed)?;
+            }
+            ideal
+        }
+        SheetObservation::Edges(sides) => {
+            let mut lines = [Line(nalgebra::Vector3::zeros()); 4];
+            for (line, points) in lines.iter_mut().zip(sides) {
+                let ideal: Vec<EdgePoint> = points
+                    .iter()
+                    .filter_map(|p| Some(EdgePoint { position: ideal_pixel(known, p.position)?, ..*p }))
+                    .collect();
+                *line = robust_line(&ideal).ok_or_else(failed)?;
+            }
+            let [top, right, bottom, left] = lines;
+            let meet = |a: Line, b: Line| a.meet(b).pixel().ok_or_else(failed);
+            [meet(left, top)?, meet(top, right)?, meet(right, bottom)?, meet(bottom, left)?]
+        }
+    };
+    Ok(corners)
+}
+
+/// The homography sheet (mm) → ideal camera pixels.
+pub(crate) fn camera_from_sheet(view: &ViewObservation, known: Option<&Camera>) -> Result<Homography> {
+    let corners = sheet_corners(view, known)?;
+    let pairs: Vec<_> = view.size.corners().into_iter().zip(corners).collect();
+    homography_from_points(&pairs)
+}
+
+/// Distance from where a homography puts a pair's first point to its second.
+fn off(h: &Homography, pair: &(Point2<f64>, Point2<f64>)) -> f64 {
+    h.map(pair.0).map_or(f64::INFINITY, |q| (q - pair.1).norm())
+}
+
+/// The homography through all pairs, or through four of them, that puts most pairs nearest (P. J. Rousseeuw, "Least median
+/// of squares regression", 1984): one wrong pair among twelve bends the one through all beyond recognition.
+fn least_median(pairs: &[(Point2<f64>, Point2<f64>)]) -> Result<Homography> {
+    let median = |h: &Homography| robust_scale(pairs.iter().map(|p| off(h, p)));
+    let mut best = homography_from_points(pairs)?;
+    let mut least = median(&best);
+    // A generator of its own, so that the same pairs give the same answer (D. E. Knuth's MMIX multiplier).
+    let mut state = 1u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % pairs.len()
+    };
+    for _ in 0..SAMPLES {
+        let four: [_; 4] = std::array::from_fn(|_| pairs[next()]);
+        if let Ok(h) = homography_from_points(&four) {
+            let m = median(&h);
+            if m < least {
+                (best, least) = (h, m);
+            }
+        }
+    }
+    Ok(best)
+}
+
+/// A homography from pairs of which a few may be wrong: refitted without those that lie off, in units of b.
+pub(crate) fn robust_homography(pairs: &[(Point2<f64>, Point2<f64>)]) -> Result<Homography> {
+    let mut h = least_median(pairs)?;
+    let mut kept = 0;
+    for _ in 0..TRIMMING_ROUNDS {
+        let off = |p: &(Point2<f64>, Point2<f64>)| off(&h, p);
+        let scale = robust_scale(pairs.iter().map(off));
+        let near: Vec<_> = pairs.iter().copied().filter(|p| off(p) <= CUTOFF * scale).collect();
+        if near.len() < 4.max(pairs.len() / 2) || near.len() == kept {
+            break;
+        }
+        kept = near.len();
+        match homography_from_points(&near) {
+            Ok(better) => h = better,
+            Err(_) => break,
+        }
+    }
+    Ok(h)
+}
+
+fn sheet_centre(view: &ViewObservation) -> Point2<f64> {
+    Point2::new(view.size.width_mm / 2.0, view.size.height_mm / 2.0)
+}
+
+fn pinhole([width, height]: [u32; 2], intrinsics: Intrinsics) -> Camera {
+    Camera { width, height, intrinsics, distortion: Distortion::NONE }
+}
+
+fn in_range(f: f64, size: [u32; 2]) -> bool {
+    let side = f64::from(size[0].max(size[1]));
+    (FOCAL_RANGE[0] * side..=FOCAL_RANGE[1] * side).contains(&f)
+}
+
+fn guesses(size: [u32; 2], pp: Point2<f64>) -> impl Iterator<Item = Intrinsics> {
+    let side = f64::from(size[0].max(size[1]));
+    GUESSES.into_iter().map(move |g| Intrinsics::square(g * side, pp))
+}
+
+/// Models of camera and poses to refine from, best first; the second value is the closed form's complaint.
+pub(crate) fn camera_starts(
+    observations: &Observations,
+    config: &CalibrateConfig,
+) -> Result<(Vec<Model>, Option<Error>)> {
+    let known = config.known_camera.as_ref();
+    let homographies: Vec<Homography> =
+        observations.views.iter().map(|v| camera_from_sheet(v, known)).collect::<Result<_>>()?;
+    let [w, h] = observations.camera;
+    let pp = principal_point(config.camera_pp, w, h);
+    let mut complaint = None;
+    let mut candidates: Vec<Camera> = known.copied().into_iter().collect();
+    if candidates.is_empty() {
+        let moved: Vec<_> = homographies.iter().map(|h| centred(h, pp)).collect();
+        match focal_from_homographies(&moved, "camera") {
+            Ok(f) if in_range(f, observations.camera) => {
+                candidates.push(pinhole(observations.camera, Intrinsics::square(f, pp)));
+            }
+            Ok(_) => {}
+            Err(e) => complaint = Some(e),
+        }
+    }
+    if candidates.is_empty() {
+        let expected = config.focal_prior.map(|p| Intrinsics::square(p.focal_px, pp));
+        candidates.extend(expected.map(|k| pinhole(observations.camera, k)));
+        candidates.extend(guesses(observations.camera, pp).map(|k| pinhole(observations.camera, k)));
+    }
+    let models = candidates
+        .into_iter()
+        .filter_map(|camera| {
+            let poses: Option<Vec<Pose>> = homographies
+                .iter()
+                .zip(&observations.views)
+                .map(|(h, v)| pose_from_homography(h, &camera.intrinsics, sheet_centre(v)))
+                .collect();
+            Some(Model { camera, projector: None, projector_from_camera: Pose::identity(), views: poses? })
+        })
+        .collect();
+    Ok((models, complaint))
+}
+
+/// The homography sheet (mm) → projector of each view: camera pixels of the pairs are cast onto the sheet.
+fn projector_homographies(observations: &Observations, model: &Model) -> Result<Vec<Homography>> {
+    let origin = nalgebra::Point3::origin();
+    observations
+        .views
+        .iter()
+        .zip(&model.views)
+        .map(|(view, pose)| {
+            let normal = pose.rotation * nalgebra::Vector3::z();
+            let plane = Plane::from_point_normal(&pose.translation.into(), normal);
+            let sheet_from_camera = pose.inverse();
+            let pairs: Vec<_> = view
+                .pairs
+                .iter()
+                .filter_map(|p| {
+                    let ray = Ray { origin, direction: model.camera.bearing(p.camera)? };
+                    let on_sheet = sheet_from_camera.transform(&ray.meet(plane.as_ref()?)?);
+                    Some((on_sheet.xy(), p.projector))
+                })
+                .collect();
+            robust_homography(&pairs)
+        })
+        .collect()
+}
+
+/// Models with a projector to refine from; the second value is the closed form's complaint.
+///
+/// # Errors
+/// When the projected corners do not determine a homography.
+pub(crate) fn projector_starts(
+    observations: &Observations,
+    config: &CalibrateConfig,
+    panel: [u32; 2],
+    model: &Model,
+) -> Result<(Vec<Model>, Option<Error>)> {
+    let homographies = projector_homographies(observations, model)?;
+    let pp = principal_point(config.projector_pp, panel[0], panel[1]);
+    let at_pp = |pp: Point2<f64>| {
+        let moved: Vec<_> = homographies.iter().map(|h| centred(h, pp)).collect();
+        focal_from_homographies(&moved, "projector").map(|f| Intrinsics::square(f, pp))
+    };
+    let shifted = matches!(config.projector_pp, PrincipalPointRule::Shift | PrincipalPointRule::Free);
+    let first = if shifted { focal_and_shift(&homographies, pp.x, panel) } else { at_pp(pp) };
+    let mut complaint = None;
+    let mut candidates = Vec::new();
+    match first {
+        Ok(k) if in_range(k.fx, panel) => candidates.push(k),
+        Ok(_) => {}
+        Err(e) => complaint = Some(e),
+    }
+    if candidates.is_empty() {
+        // Shift and focal length cannot be separated: from the usual shifts (none, half the panel up, half down).
+        let rows = if shifted { vec![pp.y, 2.0 * pp.y, 0.0] } else { vec![pp.y] };
+        let real = rows.into_iter().filter_map(|y| at_pp(Point2::new(pp.x, y)).ok());
+        candidates.extend(real.filter(|k| in_range(k.fx, panel)));
+        candidates.extend(guesses(panel, pp));
+    }
+    let models = candidates
+        .into_iter()
+        .filter_map(|k| {
+            let stereos: Vec<Pose> = homographies
+                .iter()
+                .zip(&observations.views)
+                .zip(&model.views)
+                .filter_map(|((h, v), pose)| {
+                    Some(pose_from_homography(h, &k, sheet_centre(v))?.compose(&pose.inverse()))
+                })
+                .collect();
+            Some(Model {
+                projector: Some(pinhole(panel, k)),
+                projector_from_camera: medoid(&stereos)?,
+                ..model.clone()
+            })
+        })
+        .collect();
+    Ok((models, complaint))
+}
+
+/// The transform that is nearest to all others, in rotation and in translation relative to its length.
+fn medoid(poses: &[Pose]) -> Option<Pose> {
+    let apart = |a: &Pose, b: &Pose| {
+        a.turn_from(b).norm()
+            + (a.translation - b.translation).norm() / a.translation.norm().max(f64::MIN_POSITIVE)
+    };
+    let total = |a: &Pose| poses.iter().map(|b| apart(a, b)).sum::<f64>();
+    poses.iter().min_by(|a, b| total(a).total_cmp(&total(b))).copied()
+}

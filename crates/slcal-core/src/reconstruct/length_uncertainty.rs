@@ -1,0 +1,209 @@
+//! What σ a length would have that is measured between two points: how a rig's uncertainty reads for somebody who measures.
+
+use nalgebra::{Point3, Rotation3, Vector3};
+
+use super::point_covariance::{LENS, place};
+use super::synthetic_match::Probe;
+use crate::cloud::PointCloud;
+use crate::error::Result;
+use crate::geometry::{Camera, Distortion, Pose};
+use crate::matches::Matches;
+use crate::pattern::Axis;
+use crate::rig::Rig;
+
+/// Steps of the derivatives, in σ of the parameter: small enough to be straight, far above rounding.
+const STEP_SIGMAS: f64 = 1e-3;
+
+/// 1σ of a length that is measured between two reconstructed points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LengthSigma {
+    /// By what is not known exactly of the rig, mm: common to all lengths of that place and direction.
+    pub rig_mm: f64,
+    /// By the noise of the two matches, mm.
+    pub noise_mm: f64,
+}
+
+impl LengthSigma {
+    /// Both together, mm.
+    #[must_use]
+    pub fn total_mm(&self) -> f64 {
+        self.rig_mm.hypot(self.noise_mm)
+    }
+}
+
+/// 1σ of the length from `a` to `b` (in the camera's frame, mm), seen under slits along `axis` with a noise of
+/// `match_sigma_px` camera px, to first order in the rig's covariance. The errors of the two points are largely alike, so
+/// that a length is known far better than either end. `None` where an end is not lit or not seen, or where the rig has no
+/// covariance of parameters that are known here.
+///
+/// # Errors
+/// [`Error::Invalid`](crate::Error::Invalid) for a rig without a projector, or a noise that is negative or not finite.
+pub fn length_sigma(
+    rig: &Rig,
+    axis: Axis,
+    match_sigma_px: f64,
+    [a, b]: [Point3<f64>; 2],
+) -> Result<Option<LengthSigma>> {
+    let probe = Probe::new(rig, axis, match_sigma_px)?;
+    let (Some(from), Some(to)) = (probe.seen(&a), probe.seen(&b)) else { return Ok(None) };
+    let matches = Matches { items: vec![from, to] };
+    let Some(points) = ends(rig, &matches)? else { return Ok(None) };
+    let Some(along) = (points[1].0 - points[0].0).try_normalize(0.0) else { return Ok(None) };
+    // Noise moves each end along its ray.
+    let moved = points.map(|(p, noise)| noise * p.coords.normalize().dot(&along));
+    let Some(rig_mm) = rig_share(rig, &matches)? else { return Ok(None) };
+    Ok(Some(LengthSigma { rig_mm, noise_mm: moved[0].hypot(moved[1]) }))
+}
+
+/// A point and its noise along its ray, mm.
+type End = (Point3<f64>, f64);
+
+/// Both ends; `None` where one is no point.
+fn ends(rig: &Rig, matches: &Matches) -> Result<Option<[End; 2]>> {
+    let mut cloud = PointCloud::default();
+    Probe::triangulator(rig)?.triangulate(matches, &mut cloud);
+    Ok(match cloud.points.as_slice() {
+        [a, b] => Some([(a.position, a.noise_mm), (b.position, b.noise_mm)]),
+        _ => None,
+    })
+}
+
+/// √(gᵀ C g) with the derivatives g of the length by the rig's parameters, by central differences.
+fn rig_share(rig: &Rig, matches: &Matches) -> Result<Option<f64>> {
+    let Some(covariance) = &rig.covariance else { return Ok(None) };
+    let n = covariance.parameters.len();
+    // Of the bare rig, whose points need no σ of their own.
+    let bare = Rig { covariance: None, views: Vec::new(), quality: None, ..rig.clone() };
+    let length = |moved: &Rig| -> Result<Option<f64>> {
+        Ok(ends(moved, matches)?.map(|[(a, _), (b, _)]| (b - a).norm()))
+    };
+    let mut gradient = vec![0.0; n];
+    for (i, name) in covariance.parameters.iter().enumerate() {
+        let variance = covariance.matrix.get((i, i)).copied().unwrap_or(f64::NAN);
+        if name.starts_with("views[") || variance == 0.0 {
+            continue;
+        }
+        let step = STEP_SIGMAS * variance.sqrt();
+        let (Some(ahead), Some(behind)) = (moved(&bare, name, step), moved(&bare, name, -step)) else {
+            return Ok(None);
+        };
+        let (Some(longer), Some(shorter)) = (length(&ahead)?, length(&behind)?) else { return Ok(None) };
+        gradient[i] = (longer - shorter) / (2.0 * step);
+    }
+    let term = |i: usize, j: usize| {
+        gradient[i] * gradient[j] * covariance.matrix.get((i, j)).copied().unwrap_or(f64::NAN)
+    };
+    let variance: f64 = (0..n).map(|i| (0..n).map(|j| term(i, j)).sum::<f64>()).sum();
+    Ok(variance.is_finite().then(|| variance.max(0.0).sqrt()))
+}
+
+/// The rig with one parameter of its covariance moved; `None` for names that are not known here.
+fn moved(rig: &Rig, name: &str, by: f64) -> Option<Rig> {
+    let mut rig = rig.clone();
+    match place(name)? {
+        i if i < LENS => move_lens(&mut rig.camera.model, i, by),
+        i if i < 2 * LENS => move_lens(&mut rig.projector.as_mut()?.model, i - LENS, by),
+        i => move_pose(&mut rig.stereo.as_mut()?.projector_from_camera, i - 2 * LENS, by),
+    }
+    Some(rig)
+}
+
+fn move_lens(model: &mut Camera, i: usize, by: f64) {
+    let k = &mut model.intrinsics;
+    match i {
+        0 => {
+            // One focal length of pixels that are as square as they are.
+            let share = 1.0 + by / k.fx;
+            k.fx *= share;
+            k.fy *= share;
+        }
+        1 => k.cx += by,
+        2 => k.cy += by,
+        _ => {
+            let mut terms = model.distortion.to_array();
+            terms[i - 3] += by;
+            model.distortion = Distortion::from_array(terms);
+        }
+    }
+}
+
+/// Rotations are about the projector's axes.
+fn move_pose(pose: &mut Pose, i: usize, by: f64) {
+    let step = Vector3::ith(i % 3, by);
+    if i < 3 {
+        pose.rotation = Rotation3::new(step) * pose.rotation;
+    } else {
+        pose.translation += step;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::calibrate::tests::scene::{calibrated, size};
+    use crate::reconstruct::SigmaForecast;
+    use crate::rig::Covariance;
+
+    /// The middle of the sheet.
+    fn middle(rig: &Rig) -> Point3<f64> {
+        let on_sheet = Point3::new(size().width_mm / 2.0, size().height_mm / 2.0, 0.0);
+        rig.views[0].camera_from_sheet.transform(&on_sheet)
+    }
+
+    #[test]
+    fn a_length_along_a_ray_is_surer_than_its_far_end() {
+        // The errors of both ends are alike: the nearer they are to each other, the surer the length.
+        let rig = calibrated();
+        let far = middle(&rig);
+        let pixel = rig.camera.model.project(&far).unwrap();
+        let point = SigmaForecast::new(&rig, Axis::Columns, 0.0).unwrap().at(pixel, far.z).unwrap();
+        let lengths = [0.7, 0.5].map(|share| {
+            let near = Point3::from(far.coords * share);
+            length_sigma(&rig, Axis::Columns, 0.0, [near, far]).unwrap().unwrap()
+        });
+        assert!(
+            lengths[0].rig_mm < lengths[1].rig_mm && lengths[1].rig_mm < point.sigma_mm,
+            "{lengths:?} {point:?}"
+        );
+        assert_eq!(lengths[0].noise_mm, 0.0);
+    }
+
+    #[test]
+    fn a_scale_that_is_unsure_makes_lengths_unsure_in_proportion() {
+        // The translation unsure along itself alone is a scale: σ_L / L = σ_t / t for any length.
+        let mut rig = calibrated();
+        let t = rig.stereo.unwrap().projector_from_camera.translation;
+        let names = ["tx_mm", "ty_mm", "tz_mm"].map(|n| format!("projector_from_camera.{n}")).to_vec();
+        let matrix = t * t.transpose() * 0.02_f64.powi(2);
+        rig.covariance = Some(Covariance {
+            parameters: names,
+            matrix: DMatrix::from_iterator(3, 3, matrix.iter().copied()),
+        });
+        let at = middle(&rig);
+        for step in
+            [Vector3::new(50.0, 0.0, 0.0), Vector3::new(0.0, 20.0, 40.0), at.coords.normalize() * 50.0]
+        {
+            let found = length_sigma(&rig, Axis::Columns, 0.1, [at - step, at + step]).unwrap().unwrap();
+            let expected = 0.02 * 2.0 * step.norm();
+            assert!((found.rig_mm / expected - 1.0).abs() < 1e-4, "{} {expected}", found.rig_mm);
+            assert!(found.noise_mm > 0.0 && found.total_mm() > found.rig_mm);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_told_is_none() {
+        let rig = calibrated();
+        let at = middle(&rig);
+        let behind = Point3::new(0.0, 0.0, -1000.0);
+        assert_eq!(length_sigma(&rig, Axis::Columns, 0.1, [at, behind]), Ok(None));
+        assert_eq!(length_sigma(&rig, Axis::Columns, 0.1, [at, at]), Ok(None));
+        let bare = Rig { covariance: None, ..rig.clone() };
+        let beside = at + Vector3::new(50.0, 0.0, 0.0);
+        assert_eq!(length_sigma(&bare, Axis::Columns, 0.1, [at, beside]), Ok(None));
+        let alone = Rig { projector: None, stereo: None, ..rig };
+        assert!(length_sigma(&alone, Axis::Columns, 0.1, [at, beside]).is_err());
+        assert!(length_sigma(&calibrated(), Axis::Columns, f64::NAN, [at, beside]).is_err());
+    }
+}
