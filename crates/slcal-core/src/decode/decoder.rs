@@ -2,19 +2,19 @@
 
 use nalgebra::Point2;
 
-use super::align::NONE;
-use super::centres::{self, Centre, SigmaWork};
+use super::code_check::{Candidates, check_color, try_pattern};
 use super::config::{DecodeConfig, DecodeInput, Decoding, Dropped, Lines};
-use super::contradict::{check_neighbors, check_runs};
+use super::consistency::{check_neighbors, check_runs};
 use super::crosstalk::{check_hues, crosstalk};
-use super::curves::Curves;
-use super::lines::{self, Line, LineReader, Scan, Tables};
+use super::labeling::{AlignedLines, Code, Numbers};
 use super::noise::Noise;
-use super::number::{AlignedLines, Code, Numbers};
-use super::recognise::{Candidates, check_color, try_pattern};
-use super::scale::{Look, LookScratch, look};
-use super::spacing::Spacing;
-use super::stripes::{self, Crossing, Paint, Scratch};
+use super::scanlines::{self, Line, LineReader, Scan, Tables};
+use super::sequence_alignment::NONE;
+use super::slit_layout::Spacing;
+use super::stripe_centers::{self, Centre, SigmaWork};
+use super::stripe_edges::{self, Crossing, Paint, Scratch};
+use super::stripe_scale::{Look, LookScratch, look};
+use super::tracks::Curves;
 use crate::error::{Error, Result};
 use crate::matches::Match;
 use crate::pattern::{Axis, StripePattern, unique_window};
@@ -115,7 +115,7 @@ impl Decoder {
     /// [`Error::Invalid`] for a greyscale photograph or frames of different sizes; [`Error::NotFound`] when there are no
     /// stripes, when they have no colour, or when their colours follow the pattern no better than chance would.
     pub fn decode(&mut self, input: &DecodeInput<'_>) -> Result<&Decoding> {
-        lines::check(input)?;
+        scanlines::check(input)?;
         let frames = [Some(input.photo), input.black, input.white];
         for view in frames.iter().flatten() {
             self.tables.prepare(view, self.config.encoding);
@@ -179,11 +179,12 @@ impl Decoder {
             self.spacing.set(gaps, nominal);
         }
         let votes = &self.numbers.votes;
-        let half_px = centres::measure_half_width(&self.curves, votes, &self.spacing, &mut self.scratch);
+        let half_px =
+            stripe_centers::measure_half_width(&self.curves, votes, &self.spacing, &mut self.scratch);
         self.spacing.set_half_width(half_px);
-        centres::locate(&self.curves, votes, &self.spacing, &mut self.scratch, &mut self.centres);
+        stripe_centers::locate(&self.curves, votes, &self.spacing, &mut self.scratch, &mut self.centres);
         let reach = (SIGMA_WIDTHS * width).ceil() as usize;
-        centres::measure_sigma(&self.curves, votes, reach, &mut self.sigma_work, &mut self.centres);
+        stripe_centers::measure_sigma(&self.curves, votes, reach, &mut self.sigma_work, &mut self.centres);
 
         let n = self.curves.crossings.len();
         let hues = &self.numbers.hues;
@@ -248,7 +249,8 @@ impl Decoder {
                 }
                 let light_at = |x: usize| reader.light(y, x, line);
                 let paints = colored.then_some(paints);
-                band.weak += stripes::find(line, look.scale, noise, scratch, light_at, crossings, paints);
+                band.weak +=
+                    stripe_edges::find(line, look.scale, noise, scratch, light_at, crossings, paints);
                 band.ends.push(band.crossings.len() as u32);
             }
         };

@@ -1,31 +1,31 @@
 //! Photograph of stripes → [`crate::Matches`]: which slit lights which pixel.
 //!
-//! A look at a few lines tells which way the stripes run, how wide and how sharp they are (`scale`, `noise`). Lines across
-//! the stripes are read one by one (`lines`) and cut into bright hills (`hills`), whose edges are measured to sub-pixel
-//! (`stripes`). Crossings linked from line to line are curves (`curves`). Hues are learned from the photograph (`hues`,
-//! `crosstalk`); once the pattern is recognised (`recognise`), dynamic programming assigns slits along lines (`align`) and
-//! curves vote (`number`), unless neighbours contradict each other (`contradict`). The edges of a stripe and its neighbours
-//! give its slit's centre (`centres`, by what `spacing` knows of the pattern). [`Decoder`] runs the stages.
+//! A look at a few lines tells which way the stripes run, how wide and how sharp they are (`stripe_scale`, `noise`). Lines across
+//! the stripes are read one by one (`scanlines`) and cut into bright hills (`peaks`), whose edges are measured to sub-pixel
+//! (`stripe_edges`). Crossings linked from line to line are curves (`tracks`). Hues are learned from the photograph (`color_classes`,
+//! `crosstalk`); once the pattern is recognised (`code_check`), dynamic programming assigns slits along lines (`sequence_alignment`) and
+//! curves vote (`labeling`), unless neighbours contradict each other (`consistency`). The edges of a stripe and its neighbours
+//! give its slit's centre (`stripe_centers`, by what `slit_layout` knows of the pattern). [`Decoder`] runs the stages.
 
-mod align;
-mod centres;
+mod code_check;
+mod color_classes;
 mod config;
-mod contradict;
+mod consistency;
 mod crosstalk;
-mod curves;
 mod decoder;
-mod hills;
-mod hues;
-mod lines;
+mod labeling;
 mod noise;
-mod number;
-mod recognise;
+mod peaks;
 mod rgb;
-mod scale;
-mod spacing;
-mod stripes;
+mod scanlines;
+mod sequence_alignment;
+mod slit_layout;
+mod stripe_centers;
+mod stripe_edges;
+mod stripe_scale;
 #[cfg(test)]
 mod tests;
+mod tracks;
 
 pub use config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Dropped, Lines};
 pub use decoder::Decoder;

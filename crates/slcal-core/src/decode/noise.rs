@@ -1,7 +1,7 @@
 //! How much a pixel's light differs from its neighbours' by chance.
 
-use super::lines::LineReader;
 use super::rgb::{minus, plus, scaled};
+use super::scanlines::LineReader;
 use crate::photo::Encoding;
 
 /// Lines looked at, and samples taken from all of them; plenty for a quartile.

@@ -1,9 +1,9 @@
 //! Decoding of drawn photographs whose truth is a homography.
 
-mod centres;
-mod colours;
-mod lines;
+mod color_classes;
 mod patterns;
+mod scanlines;
+mod stripe_centers;
 
 use image::{DynamicImage, Rgb, RgbImage};
 use nalgebra::Matrix3;

@@ -3,10 +3,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::islands::Islands;
-use super::neighbourhood::Neighbourhood;
-use super::net::Net;
-use super::shape::{Shape, area_mm2};
+use super::components::Islands;
+use super::delaunay::Net;
+use super::local_slant::Neighbourhood;
+use super::triangle_metrics::{Shape, area_mm2};
 use crate::cloud::PointCloud;
 use crate::error::{Error, Result};
 use crate::solve::median;
@@ -129,7 +129,7 @@ impl Culler {
 mod tests {
     use nalgebra::Point3;
 
-    use super::super::shape::corners;
+    use super::super::triangle_metrics::corners;
     use super::*;
     use crate::cloud::CloudPoint;
 

@@ -1,15 +1,15 @@
 //! Matches + [`Rig`] → [`PointCloud`]: triangulation, removal of outliers, mesh.
 
+mod components;
 mod cull;
+mod delaunay;
 mod expected_uncertainty;
-mod islands;
 mod length_uncertainty;
-mod light;
-mod neighbourhood;
-mod net;
+mod light_plane;
+mod local_slant;
 mod point_covariance;
-mod shape;
 mod synthetic_match;
+mod triangle_metrics;
 mod triangulate;
 #[cfg(test)]
 mod triangulate_tests;

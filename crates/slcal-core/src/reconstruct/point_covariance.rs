@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-use super::light::{Hit, Light};
+use super::light_plane::{Hit, Light};
 use crate::geometry::{Camera, Distortion};
 use crate::rig::Rig;
 

@@ -6,7 +6,7 @@
 use nalgebra::{Matrix2, Point3, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::light::{Hit, Light, Refused};
+use super::light_plane::{Hit, Light, Refused};
 use super::point_covariance::{CameraRay, RigSigma};
 use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::error::{Error, Result};

@@ -4,7 +4,7 @@
 //! programming", 3DPVT 2002, with costs that are log-probabilities. A single ordered pass threads chance matches between the
 //! right ones on a line that an occlusion has put out of order; here a run may start at any slit, at a price that is
 //! higher behind the last one. A slit may be met twice: a line of the image need not be an epipolar line, and crosses the
-//! same slit on the object and again on the wall. Further passes hear the votes of the lines about (`number`).
+//! same slit on the object and again on the wall. Further passes hear the votes of the lines about (`labeling`).
 
 /// ln of the odds that a crossing is a slit at all: what it gains by being matched with an uninformative colour.
 const MATCH_GAIN: f32 = 1.0;

@@ -6,10 +6,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 use super::super::config::DecodeInput;
-use super::super::lines::{Line, LineReader, Scan, Tables};
 use super::super::noise::Noise;
-use super::super::scale::{LookScratch, look};
-use super::super::stripes::{Crossing, Scale, Scratch, find};
+use super::super::scanlines::{Line, LineReader, Scan, Tables};
+use super::super::stripe_edges::{Crossing, Scale, Scratch, find};
+use super::super::stripe_scale::{LookScratch, look};
 use crate::photo::{Encoding, PhotoView};
 
 /// The integral up to x of a step at zero blurred by a Gaussian: σ (z Φ(z) + φ(z)), z = x/σ.

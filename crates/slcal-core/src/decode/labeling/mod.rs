@@ -1,10 +1,10 @@
 //! Which slit each crossing is: lines are aligned with the pattern, the lines of a curve vote, and the colours of the hues
 //! and of the surfaces are learned from what was decoded, in turn.
 
-use super::align::{Aligner, NONE, Node};
-use super::curves::Curves;
-use super::hues::{Hues, NO_HUE, Sample};
-use super::rgb::{Rgb, over, plus, scaled, times, total, unit};
+use crate::decode::color_classes::{Hues, NO_HUE, Sample};
+use crate::decode::rgb::{Rgb, over, plus, scaled, times, total, unit};
+use crate::decode::sequence_alignment::{Aligner, NONE, Node};
+use crate::decode::tracks::Curves;
 
 /// Lines that are aligned, per width of a stripe: colours are averaged along curves, so that neighbouring lines say the
 /// same.
@@ -143,7 +143,7 @@ impl Numbers {
         self.hues.learn(&self.teachers, None);
     }
 
-    /// How well each code fits on about `lines` of the lines, into `scores`, nats; and the number of crossings on them.
+    /// How well each code fits on about `scanlines` of the lines, into `scores`, nats; and the number of crossings on them.
     pub(super) fn score(
         &mut self,
         curves: &Curves,

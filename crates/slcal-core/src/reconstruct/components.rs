@@ -1,6 +1,6 @@
 //! Points that hang together by triangles, and which of them are surfaces.
 
-use super::shape::doubled_area_px;
+use super::triangle_metrics::doubled_area_px;
 use crate::cloud::PointCloud;
 
 /// Least area of an island in the image, in squares of the usual side of a triangle (the distance of two stripes): three

@@ -5,8 +5,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
+use super::super::color_classes::{Hues, NO_HUE, Sample};
 use super::super::crosstalk::crosstalk;
-use super::super::hues::{Hues, NO_HUE, Sample};
 use super::super::rgb::unit;
 use crate::pattern::{StripeConfig, StripePattern};
 use crate::photo::Encoding;

@@ -1,6 +1,6 @@
 //! How slanted a surface usually is, here and there in the image.
 
-use super::shape::Shape;
+use super::triangle_metrics::Shape;
 use crate::solve::median;
 
 /// Side of the cells that make up a neighbourhood, in median sides of triangles: some five stripes.

@@ -3,12 +3,12 @@
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
-use super::super::align::NONE;
-use super::super::centres::{Centre, SigmaWork, locate, measure_half_width, measure_sigma};
-use super::super::curves::Curves;
-use super::super::number::Vote;
-use super::super::spacing::Spacing;
-use super::super::stripes::Crossing;
+use super::super::labeling::Vote;
+use super::super::sequence_alignment::NONE;
+use super::super::slit_layout::Spacing;
+use super::super::stripe_centers::{Centre, SigmaWork, locate, measure_half_width, measure_sigma};
+use super::super::stripe_edges::Crossing;
+use super::super::tracks::Curves;
 
 /// Slits 8 px wide, 16 px apart.
 const PERIOD: f64 = 16.0;

@@ -1,9 +1,9 @@
 //! Stripes on one line: hills whose two edges are measured to sub-pixel.
 
-use super::hills::{self, Hill};
-use super::lines::Line;
 use super::noise::Noise;
+use super::peaks::{self, Hill};
 use super::rgb::{Rgb, mean, minus, plus, positive, scaled, total, unit};
+use super::scanlines::Line;
 
 /// A stripe crossed by a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,11 +80,11 @@ pub(super) fn hills_of<'s>(
     scratch: &'s mut Scratch,
 ) -> &'s [Hill] {
     if smoothing > 0 {
-        hills::smooth(light, smoothing, &mut scratch.smooth);
+        peaks::smooth(light, smoothing, &mut scratch.smooth);
         let share = ((2 * smoothing + 1) as f32).sqrt().recip();
-        hills::find(&scratch.smooth, noise, share, &mut scratch.turns, &mut scratch.hills);
+        peaks::find(&scratch.smooth, noise, share, &mut scratch.turns, &mut scratch.hills);
     } else {
-        hills::find(light, noise, 1.0, &mut scratch.turns, &mut scratch.hills);
+        peaks::find(light, noise, 1.0, &mut scratch.turns, &mut scratch.hills);
     }
     &scratch.hills
 }

@@ -1,7 +1,7 @@
 //! Whether the photograph shows this pattern: in colour, with its code and no other's.
 
-use super::curves::Curves;
-use super::number::Numbers;
+use super::labeling::Numbers;
+use super::tracks::Curves;
 use crate::error::{Error, Result};
 use crate::pattern::StripePattern;
 use crate::solve::median_f32;

@@ -1,9 +1,9 @@
 //! What is measured before anything else: which way the stripes run, how wide they are, how sharp.
 
-use super::hills::Hill;
-use super::lines::{Line, LineReader, Scan};
 use super::noise::Noise;
-use super::stripes::{Scale, Scratch, hills_of};
+use super::peaks::Hill;
+use super::scanlines::{Line, LineReader, Scan};
+use super::stripe_edges::{Scale, Scratch, hills_of};
 use crate::solve::median_f32;
 
 /// Lines looked at.

@@ -5,11 +5,11 @@
 //! curvature, which move the centre away from the middle of the two edges. No polynomial follows a fold; where the scale says
 //! that there is one, the centre lies on the plane before or behind it.
 
-use super::align::NONE;
-use super::curves::Curves;
-use super::number::Vote;
-use super::spacing::{Spacing, polynomial_at_zero};
-use super::stripes::Crossing;
+use super::labeling::Vote;
+use super::sequence_alignment::NONE;
+use super::slit_layout::{Spacing, polynomial_at_zero};
+use super::stripe_edges::Crossing;
+use super::tracks::Curves;
 use crate::solve::median_f32;
 
 /// Scales (image px per projector px) of a stripe and of the gap beside it differ by less than this factor on one

@@ -1,7 +1,7 @@
 //! Stripes are curves: crossings linked from line to line.
 
 use super::rgb::{Rgb, dot, minus, plus, unit};
-use super::stripes::{Crossing, Paint};
+use super::stripe_edges::{Crossing, Paint};
 
 /// A crossing continues a curve when it lies within this share of the stripe's width of where the curve points.
 const LINK_SHARE: f32 = 0.5;

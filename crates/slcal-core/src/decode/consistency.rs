@@ -1,8 +1,8 @@
 //! Whether the numbers of neighbouring stripes bear each other out: a wrong pattern may share windows with the right one.
 
-use super::align::{BRIGHTER, NONE, Node, differ, relit};
-use super::curves::Curves;
-use super::number::{Numbers, Vote};
+use super::labeling::{Numbers, Vote};
+use super::sequence_alignment::{BRIGHTER, NONE, Node, differ, relit};
+use super::tracks::Curves;
 use crate::error::{Error, Result};
 use crate::solve::median_f32;
 
