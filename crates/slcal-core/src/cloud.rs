@@ -27,8 +27,8 @@ pub struct CloudPoint {
     pub sigma_mm: f64,
     /// The part of it that differs from point to point, mm: the noise of the match. The rest is common to the whole cloud.
     pub noise_mm: f64,
-    /// Index of the slit; 0 when the match did not come from stripes.
-    pub slit: u16,
+    /// Index of the slit; `None` when the match did not come from stripes.
+    pub slit: Option<u16>,
     /// Between 0 and 1.
     pub confidence: f64,
 }

@@ -82,7 +82,7 @@ fn stripes_with_holes(seed: u32) -> PointCloud {
                 color: [0; 3],
                 sigma_mm: 0.1,
                 noise_mm: 0.1,
-                slit: slit as u16,
+                slit: Some(slit as u16),
                 confidence: 1.0,
             });
         }

@@ -119,7 +119,9 @@ fn numbers(p: &CloudPoint) -> [f64; NUMBERS] {
 
 fn same_point(p: &CloudPoint, q: &CloudPoint) -> bool {
     let same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan());
-    p.color == q.color && p.slit == q.slit && numbers(p).iter().zip(&numbers(q)).all(same)
+    p.color == q.color
+        && p.slit.unwrap_or(0) == q.slit.unwrap_or(0)
+        && numbers(p).iter().zip(&numbers(q)).all(same)
 }
 
 impl From<slcal_core::PointCloud> for PointCloud {
@@ -199,7 +201,7 @@ impl PointCloud {
             color: colors.as_ref().map_or([0; 3], |c| c[i]),
             sigma_mm: sigma.as_ref().map_or(0.0, |s| s[i]),
             noise_mm: noise.as_ref().map_or(0.0, |s| s[i]),
-            slit: slits.as_ref().map_or(0, |s| s[i]),
+            slit: slits.as_ref().map(|s| s[i]),
             confidence: confidence.as_ref().map_or(1.0, |c| c[i]),
         };
         let points = points.into_iter().enumerate().map(point).collect();
@@ -240,7 +242,7 @@ impl PointCloud {
     /// Numbers of the slits: (N,) uint16, 0 where the matches were not of stripes.
     #[getter]
     fn slits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        column(py, self.cloud.points.iter().map(|p| p.slit))
+        column(py, self.cloud.points.iter().map(|p| p.slit.unwrap_or(0)))
     }
 
     /// How sure the matches were: (N,) float64, 0 to 1.
@@ -435,7 +437,7 @@ impl PointCloud {
             color,
             sigma_mm: row[5],
             noise_mm: row[6],
-            slit,
+            slit: Some(slit),
             confidence: row[7],
         };
         let points = numbers.rows().into_iter().zip(colors).zip(slits).map(point).collect();

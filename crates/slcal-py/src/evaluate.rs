@@ -60,7 +60,7 @@ fn evaluate<'py>(cloud: &Bound<'py, PyAny>, shape: &Bound<'py, PyAny>) -> PyResu
         color: [0; 3],
         sigma_mm: 0.0,
         noise_mm: 0.0,
-        slit: 0,
+        slit: None,
         confidence: 1.0,
     };
     let points = rows_of::<3>(cloud, "cloud")?.into_iter().map(point).collect();

@@ -83,7 +83,7 @@ mod tests {
             color: [9, 8, 7],
             sigma_mm: 0.1,
             noise_mm: 0.05,
-            slit: 3,
+            slit: Some(3),
             confidence: 1.0,
         };
         let cloud = PointCloud { points: vec![point; 5], ..PointCloud::default() };

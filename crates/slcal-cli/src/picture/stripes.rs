@@ -69,7 +69,7 @@ pub(crate) fn reconstructed(size: [u32; 2], name: &str, result: &Reconstruction)
         .points
         .iter()
         .zip(&distances)
-        .map(|(p, d)| Mark { at: p.pixel, slit: p.slit, color: color(*d) })
+        .map(|(p, d)| Mark { at: p.pixel, slit: p.slit.unwrap_or(0), color: color(*d) })
         .collect();
     draw_curves(&mut drawing, &points);
     let mut legend = Legend::new(format!("{name}: {} points", thousands(cloud.points.len())));
@@ -102,13 +102,13 @@ fn counted(report: &DecodeReport) -> String {
 
 /// What was seen and not reported, by reason; `None` when that is nothing.
 fn left_out(report: &DecodeReport) -> Option<String> {
-    let d = &report.dropped;
+    let d = &report.rejected;
     let reasons = [
-        (d.weak, "weak"),
+        (d.low_contrast, "weak"),
         (d.ambiguous, "ambiguous"),
-        (d.inconsistent, "inconsistent"),
-        (d.cut, "cut by an outline or a shadow"),
-        (d.unsure, "unsure"),
+        (d.duplicate, "inconsistent"),
+        (d.truncated, "cut by an outline or a shadow"),
+        (d.low_confidence, "unsure"),
     ];
     let parts: Vec<_> = reasons
         .into_iter()

@@ -158,7 +158,7 @@ mod tests {
             color: [0; 3],
             sigma_mm: 0.1,
             noise_mm: 0.1,
-            slit: 0,
+            slit: None,
             confidence: 1.0,
         };
         let grid = (0..60).flat_map(|i| (0..40).map(move |j| (f64::from(i), f64::from(j))));

@@ -11,15 +11,15 @@ use crate::summary;
 
 pub(super) fn section(report: &DecodeReport) -> Section {
     let remarks = summary::remarks(report);
-    let d = &report.dropped;
+    let d = &report.rejected;
     let share = |n: usize| 100.0 * n as f64 / report.crossings.max(1) as f64;
     let counts = [
         ("decoded", report.decoded, "became matches"),
-        ("weak", d.weak, "too little contrast, or a bright band without two edges"),
+        ("weak", d.low_contrast, "too little contrast, or a bright band without two edges"),
         ("ambiguous", d.ambiguous, "no place in the code that its neighbours agree on"),
-        ("inconsistent", d.inconsistent, "its neighbour has the same number, with better reason"),
-        ("cut", d.cut, "an outline or a shadow cuts it, so that its centre cannot be told"),
-        ("unsure", d.unsure, "too few of the lines about it agree"),
+        ("inconsistent", d.duplicate, "its neighbour has the same number, with better reason"),
+        ("cut", d.truncated, "an outline or a shadow cuts it, so that its centre cannot be told"),
+        ("unsure", d.low_confidence, "too few of the lines about it agree"),
     ];
     let content = html! {
         @if !remarks.is_empty() {

@@ -1,6 +1,6 @@
 //! What decoding saw.
 
-use slcal_core::decode::{DecodeReport, Lines};
+use slcal_core::decode::{DecodeReport, ScanDirection};
 
 use crate::output::{BOLD, FAIR, Page, glued};
 
@@ -38,13 +38,13 @@ pub(super) fn seen(page: &mut Page, report: &DecodeReport) {
         format!("{:.1} px wide", report.stripe_width_px),
     ];
     page.line("stripes", parts.map(|p| glued(&p)).join(" "));
-    let d = &report.dropped;
+    let d = &report.rejected;
     let parts = [
-        format!("{} weak,", d.weak),
+        format!("{} weak,", d.low_contrast),
         format!("{} ambiguous,", d.ambiguous),
-        format!("{} inconsistent,", d.inconsistent),
-        format!("{} cut,", d.cut),
-        format!("{} unsure", d.unsure),
+        format!("{} inconsistent,", d.duplicate),
+        format!("{} cut,", d.truncated),
+        format!("{} unsure", d.low_confidence),
     ];
     page.line("dropped", parts.map(|p| glued(&p)).join(" "));
 }
@@ -66,8 +66,8 @@ pub(crate) fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
         );
         remarks.push(("warning", sentence));
     }
-    let bright = report.crossings.saturating_sub(report.dropped.weak).max(1);
-    let unnumbered = report.dropped.ambiguous as f64 / bright as f64;
+    let bright = report.crossings.saturating_sub(report.rejected.low_contrast).max(1);
+    let unnumbered = report.rejected.ambiguous as f64 / bright as f64;
     if unnumbered > UNNUMBERED_SHARE {
         let percent = 100.0 * unnumbered;
         let sentence = format!(
@@ -81,8 +81,8 @@ pub(crate) fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
     }
     if report.turned {
         let way = match report.lines {
-            Lines::Rows => "down",
-            Lines::Columns => "across",
+            ScanDirection::Rows => "down",
+            ScanDirection::Columns => "across",
         };
         let sentence = format!(
             "the stripes run {way} the photograph, a quarter turn from the pattern's: the camera or the projector is turned"
@@ -118,7 +118,7 @@ fn largest_crosstalk(report: &DecodeReport) -> Option<(&'static str, &'static st
 
 #[cfg(test)]
 mod tests {
-    use slcal_core::decode::Dropped;
+    use slcal_core::decode::Rejected;
 
     use super::*;
 
@@ -134,9 +134,9 @@ mod tests {
             crosstalk: Some([[1.0, 0.2, 0.0], [0.02, 1.0, 0.08], [0.0, 0.31, 1.0]]),
             noise_levels: 7.0,
             turned: true,
-            lines: Lines::Columns,
+            lines: ScanDirection::Columns,
             crossings: 45_000,
-            dropped: Dropped { weak: 5, ambiguous: 16_200, ..Dropped::default() },
+            rejected: Rejected { low_contrast: 5, ambiguous: 16_200, ..Rejected::default() },
             ..plain
         };
         let said: Vec<String> = remarks(&odd).into_iter().map(|(_, s)| s).collect();

@@ -50,34 +50,38 @@ pub struct DecodeInput<'a> {
     pub white: Option<PhotoView<'a>>,
 }
 
-/// Bright bands that were seen and not reported, by reason.
+/// Stripe crossings that were detected and rejected, by reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Dropped {
-    /// Too little contrast over the noise, or no two edges.
-    pub weak: usize,
-    /// The lines of its curve do not agree on a slit, or too few of them decoded.
+pub struct Rejected {
+    /// The contrast is too low for the noise, or the band lacks one of its two edges.
+    #[serde(rename = "weak")]
+    pub low_contrast: usize,
+    /// The scanlines of its track do not agree on a slit, or too few of them were decoded.
     pub ambiguous: usize,
-    /// The neighbour on the line has the same number, with better reason.
-    pub inconsistent: usize,
-    /// Of another width than what is about it lets expect: an outline or a shadow cuts it, so that its slit's centre cannot
-    /// be told.
-    pub cut: usize,
-    /// Confidence below the one asked for.
-    pub unsure: usize,
+    /// The neighbour on the same scanline has the same slit, with at least as much support.
+    #[serde(rename = "inconsistent")]
+    pub duplicate: usize,
+    /// Its width differs from what its neighbours predict: an outline or a shadow truncates the stripe, so that the centre
+    /// of its slit is unknown.
+    #[serde(rename = "cut")]
+    pub truncated: usize,
+    /// The confidence is below [`DecodeConfig::min_confidence`].
+    #[serde(rename = "unsure")]
+    pub low_confidence: usize,
 }
 
-impl Dropped {
-    /// All of them.
+impl Rejected {
+    /// Number of rejected crossings.
     #[must_use]
     pub fn total(&self) -> usize {
-        self.weak + self.ambiguous + self.inconsistent + self.cut + self.unsure
+        self.low_contrast + self.ambiguous + self.duplicate + self.truncated + self.low_confidence
     }
 }
 
-/// Which way lines across the stripes run.
+/// Direction of the scanlines, which run across the stripes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Lines {
+pub enum ScanDirection {
     /// Along image rows: the stripes run down the image.
     #[default]
     Rows,
@@ -94,10 +98,11 @@ pub struct DecodeReport {
     pub decoded: usize,
     /// Different slits among them.
     pub slits: usize,
-    /// Not reported, by reason.
-    pub dropped: Dropped,
-    /// Which way lines were read.
-    pub lines: Lines,
+    /// Rejected crossings, by reason.
+    #[serde(rename = "dropped")]
+    pub rejected: Rejected,
+    /// Direction of the scanlines.
+    pub lines: ScanDirection,
     /// Median width of the stripes, px.
     pub stripe_width_px: f64,
     /// Width of the stripes as photographed over that of the slits as drawn; light that spills over makes it more than 1.

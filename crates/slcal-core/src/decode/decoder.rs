@@ -3,12 +3,12 @@
 use nalgebra::Point2;
 
 use super::code_check::{Candidates, check_color, try_pattern};
-use super::config::{DecodeConfig, DecodeInput, Decoding, Dropped, Lines};
+use super::config::{DecodeConfig, DecodeInput, Decoding, Rejected, ScanDirection};
 use super::consistency::{check_neighbors, check_runs};
 use super::crosstalk::{check_hues, crosstalk};
 use super::labeling::{AlignedLines, Code, Numbers};
 use super::noise::Noise;
-use super::scanlines::{self, Line, LineReader, Scan, Tables};
+use super::scanlines::{self, Line, LineReader, Tables};
 use super::sequence_alignment::NONE;
 use super::slit_layout::Spacing;
 use super::stripe_centers::{self, Centre, SigmaWork};
@@ -65,7 +65,7 @@ struct Band {
     paints: Vec<Paint>,
     /// Crossings up to and including each line.
     ends: Vec<u32>,
-    weak: usize,
+    low_contrast: usize,
 }
 
 impl Decoder {
@@ -129,7 +129,8 @@ impl Decoder {
     }
 
     fn decode_either_way(&mut self, input: &DecodeInput<'_>, tables: &Tables) -> Result<()> {
-        let [rows, columns] = [Scan::Rows, Scan::Columns].map(|scan| LineReader::new(input, tables, scan));
+        let [rows, columns] =
+            [ScanDirection::Rows, ScanDirection::Columns].map(|scan| LineReader::new(input, tables, scan));
         self.noise.measure(&rows);
         let [a, b] = [&rows, &columns].map(|r| look(r, &self.noise, &mut self.look).map(|l| (*r, l)));
         // Slanted stripes are crossed either way: across them is where they are close together.
@@ -153,7 +154,7 @@ impl Decoder {
 
     fn decode_lines(&mut self, reader: &LineReader<'_>, look: &Look) -> Result<()> {
         let aligned = AlignedLines::for_width(look.half_period_px);
-        let weak = self.find(reader, look, aligned);
+        let low_contrast = self.find(reader, look, aligned);
         self.curves.link();
         check_color(&self.curves, &mut self.scratch)?;
         self.scratch.clear();
@@ -189,9 +190,9 @@ impl Decoder {
         let n = self.curves.crossings.len();
         let hues = &self.numbers.hues;
         let report = &mut self.out.report;
-        report.crossings = n + weak;
-        report.dropped = Dropped { weak, ..Dropped::default() };
-        report.lines = if reader.scan == Scan::Rows { Lines::Rows } else { Lines::Columns };
+        report.crossings = n + low_contrast;
+        report.rejected = Rejected { low_contrast, ..Rejected::default() };
+        report.lines = reader.scan;
         report.stripe_width_px = f64::from(width);
         report.width_ratio = f64::from(half_px / nominal);
         report.noise_levels = f64::from(self.noise.sigma_code * 255.0);
@@ -203,7 +204,7 @@ impl Decoder {
         report.saturated = saturated as f64 / self.curves.paints.len().max(1) as f64;
         report.code_fit = fit;
         report.reversed = reversed;
-        report.turned = (reader.scan == Scan::Rows) != (self.pattern.axis == Axis::Columns);
+        report.turned = (reader.scan == ScanDirection::Rows) != (self.pattern.axis == Axis::Columns);
         self.collect(reader)
     }
 
@@ -238,7 +239,7 @@ impl Decoder {
             band.crossings.clear();
             band.paints.clear();
             band.ends.clear();
-            band.weak = 0;
+            band.low_contrast = 0;
             for y in b * count / BANDS..(b + 1) * count / BANDS {
                 let Band { line, scratch, crossings, paints, .. } = band;
                 let colored = aligned.contain(y);
@@ -249,7 +250,7 @@ impl Decoder {
                 }
                 let light_at = |x: usize| reader.light(y, x, line);
                 let paints = colored.then_some(paints);
-                band.weak +=
+                band.low_contrast +=
                     stripe_edges::find(line, look.scale, noise, scratch, light_at, crossings, paints);
                 band.ends.push(band.crossings.len() as u32);
             }
@@ -262,7 +263,7 @@ impl Decoder {
             self.curves.paints.extend_from_slice(&band.paints);
             self.curves.lines.extend(band.ends.iter().map(|e| before + e));
         }
-        self.bands.iter().map(|b| b.weak).sum()
+        self.bands.iter().map(|b| b.low_contrast).sum()
     }
 
     fn collect(&mut self, reader: &LineReader<'_>) -> Result<()> {
@@ -278,21 +279,21 @@ impl Decoder {
             for i in line.clone() {
                 let (vote, centre) = (votes[i], centres[i]);
                 if vote.label == NONE {
-                    report.dropped.ambiguous += 1;
+                    report.rejected.ambiguous += 1;
                     continue;
                 }
                 let twin = |j: usize| votes[j].label == vote.label && votes[j].support >= vote.support;
                 if (i > line.start && twin(i - 1)) || (i + 1 < line.end && twin(i + 1)) {
-                    report.dropped.inconsistent += 1;
+                    report.rejected.duplicate += 1;
                     continue;
                 }
                 if centre.cut || !centre.u.is_finite() {
-                    report.dropped.cut += 1;
+                    report.rejected.truncated += 1;
                     continue;
                 }
                 let confidence = f64::from(vote.support);
                 if confidence < self.config.min_confidence {
-                    report.dropped.unsure += 1;
+                    report.rejected.low_confidence += 1;
                     continue;
                 }
                 let label = usize::from(vote.label);
@@ -304,8 +305,8 @@ impl Decoder {
                 let px = self.pattern.centres_px[slit];
                 matches.push(Match {
                     camera: match reader.scan {
-                        Scan::Rows => Point2::new(across, along),
-                        Scan::Columns => Point2::new(along, across),
+                        ScanDirection::Rows => Point2::new(across, along),
+                        ScanDirection::Columns => Point2::new(along, across),
                     },
                     projector_column: columns.then_some(px),
                     projector_row: (!columns).then_some(px),

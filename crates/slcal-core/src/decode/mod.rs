@@ -27,7 +27,7 @@ mod stripe_scale;
 mod tests;
 mod tracks;
 
-pub use config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Dropped, Lines};
+pub use config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Rejected, ScanDirection};
 pub use decoder::Decoder;
 
 use crate::error::Result;

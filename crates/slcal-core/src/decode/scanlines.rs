@@ -1,20 +1,11 @@
 //! The photograph as lines across the stripes, in linear light.
 
-use super::config::DecodeInput;
+use super::config::{DecodeInput, ScanDirection};
 use crate::error::{Error, Result};
 use crate::photo::{Encoding, LinearTable, PhotoView, Samples};
 
 /// Share of full light below which a pixel of the white frame says nothing about the surface's colour.
 const MIN_WHITE: f32 = 1e-2;
-
-/// Which way lines are read: across the stripes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Scan {
-    /// Along image rows, for stripes that run down the image.
-    Rows,
-    /// Along image columns.
-    Columns,
-}
 
 /// One line: the light of each pixel, its sum over the channels, and room for the companions' lines.
 #[derive(Debug, Clone, Default)]
@@ -70,7 +61,7 @@ impl Tables {
 pub(super) struct LineReader<'a> {
     frames: &'a DecodeInput<'a>,
     tables: &'a Tables,
-    pub(super) scan: Scan,
+    pub(super) scan: ScanDirection,
 }
 
 /// Refuses frames that cannot belong together and photographs without colour.
@@ -98,20 +89,20 @@ pub(super) fn check(frames: &DecodeInput<'_>) -> Result<()> {
 }
 
 impl<'a> LineReader<'a> {
-    pub(super) fn new(frames: &'a DecodeInput<'a>, tables: &'a Tables, scan: Scan) -> Self {
+    pub(super) fn new(frames: &'a DecodeInput<'a>, tables: &'a Tables, scan: ScanDirection) -> Self {
         Self { frames, tables, scan }
     }
 
     /// Pixels of a line.
     pub(super) fn length(&self) -> usize {
         let p = &self.frames.photo;
-        if self.scan == Scan::Rows { p.width() } else { p.height() }
+        if self.scan == ScanDirection::Rows { p.width() } else { p.height() }
     }
 
     /// Number of lines.
     pub(super) fn count(&self) -> usize {
         let p = &self.frames.photo;
-        if self.scan == Scan::Rows { p.height() } else { p.width() }
+        if self.scan == ScanDirection::Rows { p.height() } else { p.width() }
     }
 
     /// The `k`-th of `n` lines spread evenly over the photograph.
@@ -123,8 +114,8 @@ impl<'a> LineReader<'a> {
         out.resize(self.length(), [0.0; 3]);
         let Some(table) = self.tables.of(view) else { return };
         match self.scan {
-            Scan::Rows => view.linear_rgb_row(line, table, out),
-            Scan::Columns => view.linear_rgb_column(line, table, out),
+            ScanDirection::Rows => view.linear_rgb_row(line, table, out),
+            ScanDirection::Columns => view.linear_rgb_column(line, table, out),
         }
     }
 
@@ -133,7 +124,7 @@ impl<'a> LineReader<'a> {
     pub(super) fn read_total(&self, line: usize, out: &mut Line) {
         let photo = &self.frames.photo;
         match (self.scan, self.tables.of(photo)) {
-            (Scan::Rows, Some(table)) if !self.has_companion() => {
+            (ScanDirection::Rows, Some(table)) if !self.has_companion() => {
                 out.rgb.clear();
                 out.total.resize(self.length(), 0.0);
                 photo.linear_total_row(line, table, &mut out.total);
@@ -182,13 +173,13 @@ impl<'a> LineReader<'a> {
 
     /// The code values (0–1) of a pixel.
     pub(super) fn code(&self, line: usize, at: usize) -> [f32; 3] {
-        let (x, y) = if self.scan == Scan::Rows { (at, line) } else { (line, at) };
+        let (x, y) = if self.scan == ScanDirection::Rows { (at, line) } else { (line, at) };
         self.frames.photo.rgb_code(x, y)
     }
 
     /// The colour of a pixel in the photograph, sRGB.
     pub(super) fn color(&self, line: usize, at: usize, encoding: Encoding) -> [u8; 3] {
-        let (x, y) = if self.scan == Scan::Rows { (at, line) } else { (line, at) };
+        let (x, y) = if self.scan == ScanDirection::Rows { (at, line) } else { (line, at) };
         if encoding == Encoding::Srgb {
             return self.frames.photo.rgb_bytes(x, y);
         }

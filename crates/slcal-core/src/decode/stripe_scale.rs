@@ -1,8 +1,9 @@
 //! What is measured before anything else: which way the stripes run, how wide they are, how sharp.
 
+use super::config::ScanDirection;
 use super::noise::Noise;
 use super::peaks::Hill;
-use super::scanlines::{Line, LineReader, Scan};
+use super::scanlines::{Line, LineReader};
 use super::stripe_edges::{Scale, Scratch, hills_of};
 use crate::solve::median_f32;
 
@@ -21,7 +22,7 @@ const MIN_PER_LINE: f64 = 2.0;
 /// What a look at a few lines tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Look {
-    pub(super) scan: Scan,
+    pub(super) scan: ScanDirection,
     pub(super) scale: Scale,
     /// Half the usual distance of neighbouring stripes, px.
     pub(super) half_period_px: f32,

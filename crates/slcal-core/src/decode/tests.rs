@@ -110,7 +110,7 @@ fn a_turned_camera_sees_the_same_stripes() {
     let upright = photograph(&pattern, [900, 160], &h);
     let decode = |p: &RgbImage| decode_image(p.clone(), &pattern).unwrap();
     let reference = decode(&upright);
-    assert!(!reference.report.turned && reference.report.lines == Lines::Rows);
+    assert!(!reference.report.turned && reference.report.lines == ScanDirection::Rows);
     // No line of a plane meets a slit twice.
     let expected: std::collections::BTreeMap<_, _> =
         reference.matches.items.iter().map(|m| ((m.camera.y as i64, m.slit), m.camera.x)).collect();

@@ -106,7 +106,7 @@ pub(super) mod tests {
             color: [0; 3],
             sigma_mm: 0.0,
             noise_mm: 0.0,
-            slit: 0,
+            slit: None,
             confidence: 1.0,
         };
         PointCloud { points: positions.into_iter().map(point).collect(), ..PointCloud::default() }

@@ -98,7 +98,7 @@ fn buffer(cloud: &PointCloud) -> Result<Buffer> {
     buffer.floats(cloud.points.iter().map(|p| p.sigma_mm as f32));
     buffer.floats(cloud.points.iter().map(|p| p.noise_mm as f32));
     buffer.floats(cloud.points.iter().map(|p| p.confidence as f32));
-    buffer.floats(cloud.points.iter().map(|p| f32::from(p.slit)));
+    buffer.floats(cloud.points.iter().map(|p| f32::from(p.slit.unwrap_or(0))));
     for i in cloud.triangles.iter().flatten() {
         buffer.bytes.extend(i.to_le_bytes());
     }

@@ -44,7 +44,7 @@ fn test_cloud() -> crate::cloud::PointCloud {
         color: [i as u8, 2, 255],
         sigma_mm: 0.125,
         noise_mm: 0.0625,
-        slit: 60_000 + i,
+        slit: Some(60_000 + i),
         confidence: 0.75,
     };
     crate::cloud::PointCloud {

@@ -63,7 +63,7 @@ fn vertex<'a>(words: impl Iterator<Item = &'a str>, line: usize) -> Result<Cloud
         color,
         sigma_mm: 0.0,
         noise_mm: 0.0,
-        slit: 0,
+        slit: None,
         confidence: 1.0,
     })
 }

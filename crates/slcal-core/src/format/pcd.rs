@@ -33,7 +33,7 @@ fn write(cloud: &PointCloud, output: impl Write) -> std::io::Result<()> {
         let [r, g, b] = p.color;
         out.write_all(&[b, g, r, 0])?;
         out.write_all(&(p.sigma_mm as f32).to_le_bytes())?;
-        out.write_all(&p.slit.to_le_bytes())?;
+        out.write_all(&p.slit.unwrap_or(0).to_le_bytes())?;
         out.write_all(&(p.confidence as f32).to_le_bytes())?;
         out.write_all(&(p.noise_mm as f32).to_le_bytes())?;
     }
@@ -93,7 +93,7 @@ mod tests {
             let [r, g, b] = p.color.map(u32::from);
             assert_eq!(u32::from_le_bytes(record[3]), r << 16 | g << 8 | b);
             assert_eq!((float(4), float(6), float(7)), (p.sigma_mm, p.confidence, p.noise_mm));
-            assert_eq!(u32::from_le_bytes(record[5]), u32::from(p.slit));
+            assert_eq!(u32::from_le_bytes(record[5]), u32::from(p.slit.unwrap_or(0)));
         }
     }
 

@@ -50,7 +50,7 @@ fn write(cloud: &PointCloud, output: impl Write) -> std::io::Result<()> {
         }
         out.write_all(&p.color)?;
         out.write_all(&(p.sigma_mm as f32).to_le_bytes())?;
-        out.write_all(&p.slit.to_le_bytes())?;
+        out.write_all(&p.slit.unwrap_or(0).to_le_bytes())?;
         out.write_all(&(p.confidence as f32).to_le_bytes())?;
         out.write_all(&(p.noise_mm as f32).to_le_bytes())?;
     }
@@ -325,7 +325,7 @@ fn read_vertices<R: BufRead>(
             color: [0; 3],
             sigma_mm: 0.0,
             noise_mm: 0.0,
-            slit: 0,
+            slit: None,
             confidence: 1.0,
         };
         values.record(element, |i, _, v| {
@@ -336,7 +336,7 @@ fn read_vertices<R: BufRead>(
             } else if sigma == Some(i) {
                 p.sigma_mm = v;
             } else if slit == Some(i) {
-                p.slit = v as u16;
+                p.slit = Some(v as u16);
             } else if confidence == Some(i) {
                 p.confidence = v;
             } else if noise == Some(i) {

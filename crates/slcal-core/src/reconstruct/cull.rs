@@ -146,7 +146,7 @@ mod tests {
                     color: [0; 3],
                     sigma_mm: 0.1,
                     noise_mm: 0.1,
-                    slit: k as u16,
+                    slit: Some(k as u16),
                     confidence: 1.0,
                 });
             }
@@ -204,7 +204,7 @@ mod tests {
                         color: [0; 3],
                         sigma_mm: 0.1,
                         noise_mm: 0.1,
-                        slit: k as u16,
+                        slit: Some(k as u16),
                         confidence: 1.0,
                     });
                 }

@@ -131,7 +131,7 @@ impl Net {
         self.last.clear();
         for (line, range) in self.lines.windows(2).enumerate() {
             for i in range[0]..range[1] {
-                let slit = usize::from(points[i as usize].slit);
+                let slit = usize::from(points[i as usize].slit.unwrap_or(0));
                 if slit >= self.last.len() {
                     self.last.resize(slit + 1, [NEVER; 2]);
                 }
@@ -184,7 +184,7 @@ mod tests {
             color: [0; 3],
             sigma_mm: 0.1,
             noise_mm: 0.1,
-            slit: (p[0] / 14.0) as u16,
+            slit: Some((p[0] / 14.0) as u16),
             confidence: 1.0,
         };
         at.iter().map(point).collect()

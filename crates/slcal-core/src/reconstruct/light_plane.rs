@@ -17,6 +17,7 @@ pub(super) enum Refused {
     Behind,
     OutsidePanel,
     Contradicting,
+    OutsideDepth,
 }
 
 /// Newton's iteration has converged when a step is below this share of the inverse depth; as every step squares the

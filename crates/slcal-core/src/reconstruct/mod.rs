@@ -208,13 +208,14 @@ fn no_surface(matches: usize, report: &TriangulateReport, culled: &CullReport) -
     Error::NotFound {
         what: "surface",
         seen: format!(
-            "of {matches} matches {} are points ({} without coordinates, {} grazing, {} behind the devices, {} lit from outside the panel, {} of contradicting column and row), {} of them outliers",
+            "of {matches} matches {} are points ({} without coordinates, {} grazing, {} behind the devices, {} lit from outside the panel, {} of contradicting column and row, {} outside the depth limits), {} of them outliers",
             report.points,
             report.invalid,
             report.grazing,
             report.behind,
             report.outside_panel,
             report.contradicting,
+            report.outside_depth,
             culled.outliers
         ),
         advice: "check that the rig, the pattern and the photograph belong together, and that nothing has moved since the calibration; a handful of points that make no surface stay with culling off".into(),

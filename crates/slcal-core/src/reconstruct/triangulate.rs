@@ -27,6 +27,10 @@ pub struct TriangulateConfig {
     /// How far outside the panel, as a share of its sides, the light of a point may come from before the match must be
     /// wrong; where column and row are both known, also how far they may lie from that light.
     pub panel_margin: f64,
+    /// Points at a smaller depth are left out, mm along the camera's optical axis. `None` for no limit.
+    pub near_mm: Option<f64>,
+    /// Points at a greater depth are left out, mm along the camera's optical axis. `None` for no limit.
+    pub far_mm: Option<f64>,
     /// Whether to use several threads (where the crate was built with its feature `rayon`; without it, one thread does
     /// the same). No bit of the result depends on it.
     pub parallel: bool,
@@ -34,7 +38,14 @@ pub struct TriangulateConfig {
 
 impl Default for TriangulateConfig {
     fn default() -> Self {
-        Self { min_angle_rad: 0.005, projector_sigma_px: 0.0, panel_margin: 0.05, parallel: false }
+        Self {
+            min_angle_rad: 0.005,
+            projector_sigma_px: 0.0,
+            panel_margin: 0.05,
+            near_mm: None,
+            far_mm: None,
+            parallel: false,
+        }
     }
 }
 
@@ -52,7 +63,24 @@ impl TriangulateConfig {
         };
         check("min_angle_rad", self.min_angle_rad, 1.0)?;
         check("projector_sigma_px", self.projector_sigma_px, 100.0)?;
-        check("panel_margin", self.panel_margin, 100.0)
+        check("panel_margin", self.panel_margin, 100.0)?;
+        let limits = [("near_mm", self.near_mm), ("far_mm", self.far_mm)];
+        for (what, mm) in limits.into_iter().filter_map(|(what, mm)| Some((what, mm?))) {
+            if !(mm.is_finite() && mm >= 0.0) {
+                return Err(Error::invalid(what, "a finite depth, mm, of zero or more", mm));
+            }
+        }
+        let depth = self.depth_mm();
+        if depth.start() >= depth.end() {
+            let expected = format!("more than near_mm, {}", depth.start());
+            return Err(Error::invalid("far_mm", expected, depth.end()));
+        }
+        Ok(())
+    }
+
+    /// The depths that are kept, mm.
+    fn depth_mm(&self) -> std::ops::RangeInclusive<f64> {
+        self.near_mm.unwrap_or(0.0)..=self.far_mm.unwrap_or(f64::INFINITY)
     }
 }
 
@@ -72,6 +100,8 @@ pub struct TriangulateReport {
     pub outside_panel: usize,
     /// Column and row are both known and contradict each other.
     pub contradicting: usize,
+    /// The point is nearer than `near_mm` or farther than `far_mm`.
+    pub outside_depth: usize,
     /// Whether the rig has a covariance, so that its share is part of the points' σ; otherwise σ is noise alone.
     pub rig_sigma_known: bool,
     /// Median 1σ of a point along the camera's ray, mm.
@@ -88,6 +118,7 @@ impl TriangulateReport {
             Refused::Behind => self.behind += 1,
             Refused::OutsidePanel => self.outside_panel += 1,
             Refused::Contradicting => self.contradicting += 1,
+            Refused::OutsideDepth => self.outside_depth += 1,
         }
     }
 
@@ -98,6 +129,7 @@ impl TriangulateReport {
         self.behind += other.behind;
         self.outside_panel += other.outside_panel;
         self.contradicting += other.contradicting;
+        self.outside_depth += other.outside_depth;
     }
 }
 
@@ -138,6 +170,7 @@ pub struct Triangulator {
     /// d(x, y)/d(pixel) without distortion.
     by_pixel: Matrix2<f64>,
     light: Light,
+    depth_mm: std::ops::RangeInclusive<f64>,
     rig: Option<RigSigma>,
     /// Whether matches were looked for on lines of pixels, see [`across`].
     on_lines: bool,
@@ -177,6 +210,7 @@ impl Triangulator {
                 config.min_angle_rad,
                 config.panel_margin,
             ),
+            depth_mm: config.depth_mm(),
             rig: RigSigma::of(rig),
             on_lines: true,
             same_px: SAME_SHARE * f64::from(camera.width.max(camera.height)),
@@ -287,6 +321,9 @@ impl Triangulator {
         let ray = self.ray(m)?;
         let hit = self.light.meet(&ray.in_projector, wanted)?;
         let z = 1.0 / hit.inverse_depth;
+        if !self.depth_mm.contains(&z) {
+            return Err(Refused::OutsideDepth);
+        }
         let noise_mm = self.noise(matches, i, &ray, &hit) * z * z;
         let of_rig = self.rig_share(m, &ray, &hit, shares) * z * z;
         let sigma_mm = (noise_mm * noise_mm + of_rig * of_rig).sqrt();
@@ -301,7 +338,7 @@ impl Triangulator {
             color: m.color,
             sigma_mm,
             noise_mm,
-            slit: m.slit.unwrap_or(0),
+            slit: m.slit,
             confidence,
         })
     }

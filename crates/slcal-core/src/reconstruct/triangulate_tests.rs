@@ -148,6 +148,41 @@ fn what_cannot_be_is_refused_and_counted() {
     assert!(triangulate(&alone, &Matches::default(), &TriangulateConfig::default()).is_err());
 }
 
+#[test]
+fn points_outside_the_depth_limits_are_left_out_and_counted() {
+    let rig = test_rig();
+    let matches = Matches { items: world().iter().map(|x| see(&rig, x)).collect() };
+    let all = triangulate(&rig, &matches, &TriangulateConfig::default()).unwrap().0.points;
+    for (near_mm, far_mm) in [(Some(950.0), Some(1050.0)), (Some(1000.0), None), (None, Some(1000.0))] {
+        let config = TriangulateConfig { near_mm, far_mm, ..TriangulateConfig::default() };
+        let (cloud, report) = triangulate(&rig, &matches, &config).unwrap();
+        let mut expected = all.clone();
+        expected.retain(|p| {
+            near_mm.is_none_or(|n| p.position.z >= n) && far_mm.is_none_or(|f| p.position.z <= f)
+        });
+        assert_eq!(cloud.points, expected);
+        assert_eq!((report.points, report.outside_depth), (expected.len(), 60 - expected.len()));
+        assert!((10..50).contains(&expected.len()), "{}", expected.len());
+    }
+}
+
+#[test]
+fn depth_limits_must_be_finite_and_in_order() {
+    let said = |near_mm, far_mm| {
+        let config = TriangulateConfig { near_mm, far_mm, ..TriangulateConfig::default() };
+        config.validate().map_err(|e| e.to_string())
+    };
+    assert!(said(Some(0.0), Some(0.1)).is_ok() && said(None, None).is_ok());
+    for near in [-1.0, f64::NAN, f64::INFINITY] {
+        assert!(said(Some(near), None).unwrap_err().contains("near_mm"));
+    }
+    for (near, far) in [(Some(700.0), 700.0), (Some(700.0), 300.0), (None, 0.0), (None, f64::NAN)] {
+        assert!(said(near, Some(far)).unwrap_err().contains("far_mm"));
+    }
+    let read: TriangulateConfig = serde_json::from_str(r#"{"near_mm": 500}"#).unwrap();
+    assert_eq!(read, TriangulateConfig { near_mm: Some(500.0), ..TriangulateConfig::default() });
+}
+
 /// The camera's ray of a match meets the plane here.
 fn on_plane(rig: &Rig, plane: &Plane, pixel: Point2<f64>) -> Point3<f64> {
     let direction = rig.camera.model.bearing(pixel).unwrap();

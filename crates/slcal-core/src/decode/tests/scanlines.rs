@@ -5,9 +5,9 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-use super::super::config::DecodeInput;
+use super::super::config::{DecodeInput, ScanDirection};
 use super::super::noise::Noise;
-use super::super::scanlines::{Line, LineReader, Scan, Tables};
+use super::super::scanlines::{Line, LineReader, Tables};
 use super::super::stripe_edges::{Crossing, Scale, Scratch, find};
 use super::super::stripe_scale::{LookScratch, look};
 use crate::photo::{Encoding, PhotoView};
@@ -120,7 +120,8 @@ fn read<T>(photo: &DynamicImage, with: impl Fn(&LineReader<'_>, &LineReader<'_>)
     let mut tables = Tables::default();
     tables.prepare(&view, Encoding::Linear);
     let input = DecodeInput { photo: view, black: None, white: None };
-    let [rows, columns] = [Scan::Rows, Scan::Columns].map(|scan| LineReader::new(&input, &tables, scan));
+    let [rows, columns] =
+        [ScanDirection::Rows, ScanDirection::Columns].map(|scan| LineReader::new(&input, &tables, scan));
     with(&rows, &columns)
 }
 

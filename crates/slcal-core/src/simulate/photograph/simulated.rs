@@ -44,7 +44,7 @@ impl SimulatedScene {
                 color: white.get_pixel(x, y).0,
                 sigma_mm: 0.0,
                 noise_mm: 0.0,
-                slit: m.slit.unwrap_or(0),
+                slit: m.slit,
                 confidence: 1.0,
             })
         });
