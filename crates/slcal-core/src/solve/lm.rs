@@ -1,10 +1,10 @@
 //! Levenberg–Marquardt for small problems (J. J. Moré, "The Levenberg-Marquardt algorithm: implementation and theory",
-//! 1978, with the damping rule of H. B. Nielsen, 1999) on scaled columns; the linear algebra is in `arrow`.
+//! 1978, with the damping rule of H. B. Nielsen, 1999) on scaled columns; the linear algebra is in `block_arrow_qr`.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Loss;
-use super::arrow::{Reduced, Structure};
+use super::block_arrow_qr::{Reduced, Structure};
 
 /// A residual block: consecutive residuals whose norm is judged together.
 #[derive(Debug, Clone, Copy, PartialEq)]

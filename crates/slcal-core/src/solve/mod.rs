@@ -1,13 +1,13 @@
 //! Numerics without vision: conditioning, null spaces, nonlinear least squares, covariance.
 
-mod arrow;
+mod block_arrow_qr;
 mod dlt;
 mod lm;
 mod nullspace;
 mod polynomial;
 mod robust;
 
-pub use arrow::{Structure, covariance};
+pub use block_arrow_qr::{Structure, covariance};
 pub use dlt::homography_from_points;
 pub use lm::{Block, CONVERGED_DECREASE, Linearised, Minimum, Problem, minimise, polish, robust_cost};
 pub use nullspace::null_vector;
