@@ -2,11 +2,11 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::anchor::{AnchoredCorner, Unanchored, anchor};
+use super::board_registration::{RegisteredCorner, Unregistered, register};
 use super::checkerboard::labelled_grids;
 use super::corner::Refiner;
-use super::lens::Lens;
-use super::working::Working;
+use super::downsampled::Downsampled;
+use super::rough_undistort::RoughLens;
 use crate::error::{Error, Result};
 use crate::geometry::Homography;
 use crate::observations::CornerPair;
@@ -21,10 +21,10 @@ pub(super) struct Board {
     /// Refined corners, row-major.
     pub(super) pairs: Vec<CornerPair>,
     /// The lens that they show.
-    pub(super) lens: Lens,
-    /// Fitted to the straightened corners.
-    pub(super) straight_from_projector: Homography,
-    projector_from_straight: Homography,
+    pub(super) lens: RoughLens,
+    /// Fitted to the undistorted corners.
+    pub(super) undistorted_from_projector: Homography,
+    projector_from_undistorted: Homography,
     /// Corners of the whole pattern.
     pub(super) expected: usize,
 }
@@ -45,7 +45,11 @@ impl Board {
     ///
     /// # Errors
     /// [`Error::NotFound`] with what was seen instead.
-    pub(super) fn find(photo: &LinearPhoto<'_>, working: &Working, pattern: &CheckerPattern) -> Result<Self> {
+    pub(super) fn find(
+        photo: &LinearPhoto<'_>,
+        downsampled: &Downsampled,
+        pattern: &CheckerPattern,
+    ) -> Result<Self> {
         let [columns, rows] = pattern.squares.map(|n| n.saturating_sub(1) as usize);
         let expected = columns.saturating_mul(rows);
         if expected > MAX_CORNERS {
@@ -55,11 +59,11 @@ impl Board {
                 expected,
             ));
         }
-        let grids = labelled_grids(photo, working, expected);
+        let grids = labelled_grids(photo, downsampled, expected);
         let largest = grids.first().map_or(0, Vec::len);
         let mut refusal = None;
         for grid in grids.iter().filter(|g| g.len() >= MIN_CORNERS.min(expected)) {
-            match anchor(photo, grid, pattern) {
+            match register(photo, grid, pattern) {
                 Ok(corners) => {
                     if let Some(board) = Self::refined(photo, &corners, pattern, expected) {
                         return Ok(board);
@@ -73,11 +77,11 @@ impl Board {
 
     fn refined(
         photo: &LinearPhoto<'_>,
-        corners: &[AnchoredCorner],
+        corners: &[RegisteredCorner],
         pattern: &CheckerPattern,
         expected: usize,
     ) -> Option<Self> {
-        let projector = |c: &AnchoredCorner| pattern.inner_corner(c.index[0], c.index[1]);
+        let projector = |c: &RegisteredCorner| pattern.inner_corner(c.index[0], c.index[1]);
         let raw: Vec<_> = corners.iter().map(|c| (projector(c), c.position)).collect();
         let rough = homography_from_points(&raw).ok()?;
         let mut refiner = Refiner::new(photo);
@@ -98,14 +102,14 @@ impl Board {
         }
         pairs.sort_by_key(|(index, _)| (index[1], index[0]));
         let pairs: Vec<CornerPair> = pairs.into_iter().map(|(_, pair)| pair).collect();
-        let lens = Lens::from_corners(photo.width(), photo.height(), &pairs);
-        let (straight_from_projector, projector_from_straight) = fit(&pairs, &lens)?;
-        Some(Self { pairs, lens, straight_from_projector, projector_from_straight, expected })
+        let lens = RoughLens::from_corners(photo.width(), photo.height(), &pairs);
+        let (undistorted_from_projector, projector_from_undistorted) = fit(&pairs, &lens)?;
+        Some(Self { pairs, lens, undistorted_from_projector, projector_from_undistorted, expected })
     }
 
-    /// Whether an edge at the straightened point `p` with unit normal `normal` is one between squares of the pattern.
+    /// Whether an edge at the undistorted point `p` with unit normal `normal` is one between squares of the pattern.
     pub(super) fn explains(&self, pattern: &CheckerPattern, p: Point2<f64>, normal: Vector2<f64>) -> bool {
-        let Some(at) = self.projector_from_straight.map(p) else { return false };
+        let Some(at) = self.projector_from_undistorted.map(p) else { return false };
         let square = (at - pattern.origin_px) / pattern.square_px;
         let [columns, rows] = pattern.squares.map(f64::from);
         let inside = |v: f64, n: f64| (-GRID_TOLERANCE..=n + GRID_TOLERANCE).contains(&v);
@@ -113,17 +117,17 @@ impl Board {
             return false;
         }
         // Normals map by the transposed Jacobian; the larger component tells which family of edges it is.
-        let n = self.straight_from_projector.jacobian(at).transpose() * normal;
+        let n = self.undistorted_from_projector.jacobian(at).transpose() * normal;
         let along = if n.x.abs() > n.y.abs() { square.x } else { square.y };
         (along - along.round()).abs() <= GRID_TOLERANCE
     }
 
-    /// Distance of a straightened point from the nearest edge between squares, px; infinite beside the pattern.
+    /// Distance of a undistorted point from the nearest edge between squares, px; infinite beside the pattern.
     pub(super) fn edge_distance_px(&self, pattern: &CheckerPattern, p: Point2<f64>) -> f64 {
-        let Some(at) = self.projector_from_straight.map(p) else { return f64::INFINITY };
+        let Some(at) = self.projector_from_undistorted.map(p) else { return f64::INFINITY };
         let square = (at - pattern.origin_px) / pattern.square_px;
         let [columns, rows] = pattern.squares.map(f64::from);
-        let scale = self.straight_from_projector.jacobian(at) * pattern.square_px;
+        let scale = self.undistorted_from_projector.jacobian(at) * pattern.square_px;
         // Beside the pattern the distance is that from its outline.
         let nearest = |v: f64, n: f64| (v - v.round().clamp(0.0, n)).abs();
         let (dx, dy) = (nearest(square.x, columns), nearest(square.y, rows));
@@ -143,9 +147,9 @@ impl Board {
     }
 }
 
-/// `straight_from_projector` and its inverse.
-fn fit(pairs: &[CornerPair], lens: &Lens) -> Option<(Homography, Homography)> {
-    let points: Vec<_> = pairs.iter().map(|p| (p.projector, lens.straighten(p.camera))).collect();
+/// `undistorted_from_projector` and its inverse.
+fn fit(pairs: &[CornerPair], lens: &RoughLens) -> Option<(Homography, Homography)> {
+    let points: Vec<_> = pairs.iter().map(|p| (p.projector, lens.undistort(p.camera))).collect();
     let h = homography_from_points(&points).ok()?;
     // The sign for which points of the board have positive weight: then what has a negative one is beyond the horizon.
     let w = (h.0 * points[0].0.to_homogeneous()).z;
@@ -157,19 +161,19 @@ fn not_found(
     largest: usize,
     expected: usize,
     pattern: &CheckerPattern,
-    refusal: Option<Unanchored>,
+    refusal: Option<Unregistered>,
 ) -> Error {
     let [columns, rows] = pattern.squares;
     let seen = match refusal {
         None if largest == 0 => "no grid of checkerboard corners was seen in the photograph".to_string(),
         None => format!("{largest} of {expected} corners of a {columns}x{rows} board were seen"),
-        Some(Unanchored::Misfit) => {
+        Some(Unregistered::Misfit) => {
             format!("a grid of {largest} corners was seen that is not part of a {columns}x{rows} board")
         }
-        Some(Unanchored::Colors) => format!(
+        Some(Unregistered::Colors) => format!(
             "a grid of {largest} corners was seen, but its squares and border are not those of the {columns}x{rows} pattern"
         ),
-        Some(Unanchored::Ambiguous) => format!(
+        Some(Unregistered::Ambiguous) => format!(
             "{largest} of {expected} corners were seen, and they fit the {columns}x{rows} pattern in more than one place"
         ),
     };

@@ -15,14 +15,14 @@ use crate::solve::homography_from_points;
 
 /// A corner of the photograph with its place in the pattern: column and row of the inner corner, 0-based.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct AnchoredCorner {
+pub(super) struct RegisteredCorner {
     pub(super) index: [u32; 2],
     pub(super) position: Point2<f64>,
 }
 
 /// Why a grid could not be anchored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Unanchored {
+pub(super) enum Unregistered {
     /// The grid is larger than the pattern, or too small or too bent for a homography.
     Misfit,
     /// Two placements explain the squares equally well.
@@ -64,16 +64,16 @@ const MIN_DECIDING_PAIRS: usize = 3;
 const MAX_DISAGREEMENT: f64 = 0.5;
 
 /// Places a grid in the pattern.
-pub(super) fn anchor(
+pub(super) fn register(
     photo: &LinearPhoto<'_>,
     grid: &[LabelledCorner],
     pattern: &CheckerPattern,
-) -> Result<Vec<AnchoredCorner>, Unanchored> {
+) -> Result<Vec<RegisteredCorner>, Unregistered> {
     let labels: Vec<(Point2<f64>, Point2<f64>)> = grid
         .iter()
         .map(|c| (Point2::new(f64::from(c.label[0]), f64::from(c.label[1])), c.position))
         .collect();
-    let image_from_label = homography_from_points(&labels).map_err(|_| Unanchored::Misfit)?;
+    let image_from_label = homography_from_points(&labels).map_err(|_| Unregistered::Misfit)?;
     // The projected pattern is seen from its front: a mirrored numbering is the detector's, and is undone.
     let mirrored = image_from_label.jacobian(labels[0].0).determinant() < 0.0;
     let flip = if mirrored { -1 } else { 1 };
@@ -90,18 +90,18 @@ pub(super) fn anchor(
     let mut ranked: Vec<(f64, Placement)> =
         placements(&grid, pattern).into_iter().map(|p| (cells.disagreement(pattern, &p), p)).collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some(&(disagreement, best)) = ranked.first() else { return Err(Unanchored::Misfit) };
+    let Some(&(disagreement, best)) = ranked.first() else { return Err(Unregistered::Misfit) };
     if disagreement.is_nan() || disagreement > MAX_DISAGREEMENT {
-        return Err(Unanchored::Colors);
+        return Err(Unregistered::Colors);
     }
     for (_, other) in &ranked[1..] {
         if !cells.prefer(pattern, &best, other) {
-            return Err(Unanchored::Ambiguous);
+            return Err(Unregistered::Ambiguous);
         }
     }
     Ok(grid
         .iter()
-        .map(|c| AnchoredCorner { index: best.index(c.label).map(|x| x as u32), position: c.position })
+        .map(|c| RegisteredCorner { index: best.index(c.label).map(|x| x as u32), position: c.position })
         .collect())
 }
 

@@ -7,7 +7,7 @@ use calib_targets_chessboard::{
 };
 use nalgebra::Point2;
 
-use super::working::Working;
+use super::downsampled::Downsampled;
 use crate::photo::{Encoding, GreyImage, LinearPhoto};
 
 /// A corner of a grid whose place in the pattern is not known yet.
@@ -32,14 +32,14 @@ const STRENGTH_FLOORS: [f32; 3] = [33.0, 12.0, 4.0];
 /// has `enough` corners.
 pub(super) fn labelled_grids(
     photo: &LinearPhoto<'_>,
-    working: &Working,
+    downsampled: &Downsampled,
     enough: usize,
 ) -> Vec<Vec<LabelledCorner>> {
     let mut grids: Vec<Vec<LabelledCorner>> = Vec::new();
-    for factor in scales(working.factor) {
+    for factor in scales(downsampled.factor) {
         let reduced;
-        let image = if factor == working.factor {
-            &working.image
+        let image = if factor == downsampled.factor {
+            &downsampled.image
         } else {
             reduced = photo.reduced(factor);
             &reduced
@@ -65,11 +65,11 @@ pub(super) fn labelled_grids(
     grids
 }
 
-/// Reduction factors, that of the working image first.
-fn scales(working: usize) -> Vec<usize> {
-    let mut scales = vec![working];
+/// Reduction factors, the one of the downsampled image first.
+fn scales(own: usize) -> Vec<usize> {
+    let mut scales = vec![own];
     for (by, to) in OTHER_SCALES {
-        let other = working * by / to;
+        let other = own * by / to;
         if other >= 1 && !scales.contains(&other) {
             scales.push(other);
         }

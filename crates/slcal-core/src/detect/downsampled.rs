@@ -8,13 +8,13 @@ const SIDE_PX: usize = 700;
 
 /// A photograph reduced by a whole factor, in linear light.
 #[derive(Debug, Clone)]
-pub(super) struct Working {
+pub(super) struct Downsampled {
     pub(super) image: GreyImage,
     /// One working pixel is this many pixels of the photograph.
     pub(super) factor: usize,
 }
 
-impl Working {
+impl Downsampled {
     pub(super) fn new(photo: &LinearPhoto<'_>) -> Self {
         let factor = (photo.width().max(photo.height()) / SIDE_PX).max(1);
         Self { image: photo.reduced(factor), factor }

@@ -2,8 +2,8 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::lens::Lens;
-use super::working::Working;
+use super::downsampled::Downsampled;
+use super::rough_undistort::RoughLens;
 use crate::photo::GreyImage;
 
 /// Edges weaker than this many times the median gradient are not looked at: three standard deviations of noise.
@@ -11,7 +11,7 @@ const NOISE_MULTIPLE: f32 = 2.5;
 /// At most this share of all pixels are edge pixels; in a textured photograph the threshold rises until this holds.
 const MAX_EDGE_SHARE: f64 = 0.12;
 
-/// A pixel on an edge, straightened; coordinates are those of the working image.
+/// A pixel on an edge, undistorted; coordinates are those of the working image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edgel {
     pub(super) position: Point2<f64>,
@@ -22,7 +22,7 @@ pub(super) struct Edgel {
 
 /// The edges of a photograph as they are seen.
 #[derive(Debug, Clone)]
-pub(super) struct SeenEdges {
+pub(super) struct DistortedEdges {
     edgels: Vec<Edgel>,
     factor: usize,
     tone: GreyImage,
@@ -40,26 +40,26 @@ pub(super) struct EdgeMap<'a> {
     pub(super) tone: &'a GreyImage,
 }
 
-impl SeenEdges {
-    pub(super) fn new(working: &Working) -> Self {
-        let image = &working.image;
+impl DistortedEdges {
+    pub(super) fn new(downsampled: &Downsampled) -> Self {
+        let image = &downsampled.image;
         let root = |x: usize, y: usize| image.at(x, y).max(0.0).sqrt();
         let tone = smoothed(&GreyImage::from_fn(image.width(), image.height(), root));
-        Self { edgels: find_edgels(&tone), factor: working.factor, tone }
+        Self { edgels: find_edgels(&tone), factor: downsampled.factor, tone }
     }
 
-    pub(super) fn through(&self, lens: &Lens) -> EdgeMap<'_> {
+    pub(super) fn through(&self, lens: &RoughLens) -> EdgeMap<'_> {
         let tone = &self.tone;
         let (width, height) = (tone.width(), tone.height());
         let mut map = EdgeMap { width, height, factor: self.factor, edgels: Vec::new(), tone };
-        map.edgels = self.edgels.iter().map(|e| map.straightened(e, lens)).collect();
+        map.edgels = self.edgels.iter().map(|e| map.undistorted(e, lens)).collect();
         map
     }
 }
 
 impl EdgeMap<'_> {
-    fn straightened(&self, e: &Edgel, lens: &Lens) -> Edgel {
-        let straight = |p: Point2<f64>| self.to_working(lens.straighten(self.to_photo(p)));
+    fn undistorted(&self, e: &Edgel, lens: &RoughLens) -> Edgel {
+        let straight = |p: Point2<f64>| self.to_working(lens.undistort(self.to_photo(p)));
         let position = straight(e.position);
         let along = straight(e.position + Vector2::new(-e.normal.y, e.normal.x)) - position;
         let normal = Vector2::new(along.y, -along.x).normalize();

@@ -1,29 +1,26 @@
 //! Photograph → observations: the checkerboard's corners and the sheet's edges, to sub-pixel.
 //!
-//! [`observe`] first finds the projected checkerboard (`board`: labels by `checkerboard`, their place in the pattern by
-//! `anchor`, positions by `corner`), which gives the border of the projector's light on the sheet (`light_field`). Then
-//! the sheet is the quadrilateral of straight edges (`edge_map`, `lines`, `quad`) that holds the board, and its sides are
-//! measured on linear light at full resolution (`edge`). [`find_corners`] and [`find_sheet`] do one of the two.
+//! [`observe`] first finds the projected checkerboard. `checkerboard` labels its corners, `board_registration` finds their
+//! place in the pattern, `corner` refines their positions. The border of the projector footprint on the sheet follows
+//! (`projector_footprint`). The sheet is the quadrilateral of straight edges (`edge_map`, `lines`, `quad`) that holds the
+//! board. Its sides are measured on linear light at full resolution (`edge`). [`find_corners`] and [`find_sheet`] do one
+//! of the two.
 
-mod anchor;
 mod board;
+mod board_registration;
 mod checkerboard;
 mod corner;
-mod crossing;
+mod downsampled;
 mod edge;
 mod edge_map;
 mod erf;
-mod lens;
-mod light_field;
 mod lines;
-mod profile;
+mod projector_footprint;
 mod quad;
-mod scan;
+mod rough_undistort;
 mod sheet;
-mod step;
 #[cfg(test)]
 mod tests;
-mod working;
 
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
@@ -35,9 +32,11 @@ use crate::pattern::CheckerPattern;
 use crate::photo::{Encoding, LinearPhoto, PhotoView};
 
 use board::Board;
-use lens::Lens;
-use light_field::{Light, LightField};
-use working::Working;
+use downsampled::Downsampled;
+use projector_footprint::{ProjectedEdges, ProjectorFootprint};
+use rough_undistort::RoughLens;
+
+pub use sheet::SheetDetection;
 
 /// What is known of a photograph before it is looked at.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -82,15 +81,6 @@ pub struct Detection {
     pub notes: Vec<String>,
 }
 
-/// The sheet as found by itself.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SheetDetection {
-    /// Its outline.
-    pub observation: SheetObservation,
-    /// Things worth telling: corners taken from the user.
-    pub notes: Vec<String>,
-}
-
 /// The projected corners as found by themselves, wherever they fall.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CornerDetection {
@@ -102,7 +92,7 @@ pub struct CornerDetection {
 
 /// Finds the sheet, and the pattern when there is one, in a photograph.
 ///
-/// `photo` shows the sheet with the pattern projected on it; `screen`, if given, the same pose with a dark or plain
+/// `photo` shows the sheet with the pattern projected on it; `plain`, if given, the same pose with a dark or plain
 /// projector, and then the sheet's sides are measured there. Without a pattern the sheet is the brightest large
 /// quadrilateral with straight sides.
 ///
@@ -111,45 +101,48 @@ pub struct CornerDetection {
 /// the two photographs differ in size or the configuration is wrong.
 pub fn observe(
     photo: PhotoView<'_>,
-    screen: Option<PhotoView<'_>>,
+    plain: Option<PhotoView<'_>>,
     size: RectangleSize,
     pattern: Option<&CheckerPattern>,
     config: &DetectConfig,
 ) -> Result<Detection> {
     config.validate()?;
-    if let Some(screen) = &screen
-        && (screen.width(), screen.height()) != (photo.width(), photo.height())
+    if let Some(plain) = &plain
+        && (plain.width(), plain.height()) != (photo.width(), photo.height())
     {
         return Err(Error::invalid(
-            "screen photograph",
+            "plain photograph",
             format!("the size of the photograph with the pattern, {}x{}", photo.width(), photo.height()),
-            format!("{}x{}", screen.width(), screen.height()),
+            format!("{}x{}", plain.width(), plain.height()),
         ));
     }
     let Some(pattern) = pattern else {
-        let SheetDetection { observation: sheet, notes } = find_sheet(screen.unwrap_or(photo), config)?;
+        let SheetDetection { observation: sheet, notes } = find_sheet(plain.unwrap_or(photo), config)?;
         let observation = ViewObservation { size, sheet, pairs: Vec::new() };
         return Ok(Detection { observation, pattern_corners: 0, notes });
     };
     let photo = LinearPhoto::new(photo, config.encoding);
-    let working = Working::new(&photo);
-    let board = Board::find(&photo, &working, pattern)?;
+    let downsampled = Downsampled::new(&photo);
+    let board = Board::find(&photo, &downsampled, pattern)?;
     // The board was fitted in the pattern's own pixels; the light ends where the panel does.
     let pattern_from_panel = config.panel_from_pattern.and_then(|w| w.homography.inverse());
-    let straight = board.straight_from_projector;
-    let field =
-        LightField::new(&pattern_from_panel.map_or(straight, |h| straight.compose(&h)), pattern.projector);
-    let (photo, working) = match screen {
-        Some(screen) => {
-            let screen = LinearPhoto::new(screen, config.encoding);
-            let working = Working::new(&screen);
-            (screen, working)
+    let straight = board.undistorted_from_projector;
+    let footprint = ProjectorFootprint::new(
+        &pattern_from_panel.map_or(straight, |h| straight.compose(&h)),
+        pattern.projector,
+    );
+    let (photo, downsampled) = match plain {
+        Some(plain) => {
+            let plain = LinearPhoto::new(plain, config.encoding);
+            let downsampled = Downsampled::new(&plain);
+            (plain, downsampled)
         }
-        None => (photo, working),
+        None => (photo, downsampled),
     };
-    let light = Light { field: &field, lens: &board.lens, board: Some((&board, pattern)) };
+    let projected =
+        ProjectedEdges { footprint: &footprint, lens: &board.lens, board: Some((&board, pattern)) };
     let SheetDetection { observation: sheet, mut notes } =
-        sheet::find(&photo, &working, &light, config.corners)?;
+        sheet::find(&photo, &downsampled, &projected, config.corners)?;
     let pattern_corners = board.expected;
     let pairs = on_panel(on_sheet(board, &sheet, &mut notes)?.pairs, config);
     Ok(Detection { observation: ViewObservation { size, sheet, pairs }, pattern_corners, notes })
@@ -163,9 +156,9 @@ pub fn observe(
 pub fn find_sheet(photo: PhotoView<'_>, config: &DetectConfig) -> Result<SheetDetection> {
     config.validate()?;
     let photo = LinearPhoto::new(photo, config.encoding);
-    let lens = Lens::straight(photo.width(), photo.height());
-    let light = Light { field: &LightField::none(), lens: &lens, board: None };
-    sheet::find(&photo, &Working::new(&photo), &light, config.corners)
+    let lens = RoughLens::none(photo.width(), photo.height());
+    let projected = ProjectedEdges { footprint: &ProjectorFootprint::none(), lens: &lens, board: None };
+    sheet::find(&photo, &Downsampled::new(&photo), &projected, config.corners)
 }
 
 /// Finds the corners of the projected checkerboard alone, on the sheet or beside it; [`DetectConfig::corners`] says nothing
@@ -181,7 +174,7 @@ pub fn find_corners(
 ) -> Result<CornerDetection> {
     config.validate()?;
     let photo = LinearPhoto::new(photo, config.encoding);
-    let board = Board::find(&photo, &Working::new(&photo), pattern)?;
+    let board = Board::find(&photo, &Downsampled::new(&photo), pattern)?;
     Ok(CornerDetection { expected: board.expected, pairs: on_panel(board.pairs, config) })
 }
 

@@ -1,33 +1,33 @@
 //! The border of the projector's light on the sheet, known in the photograph once the pattern has been found.
 //!
-//! All points are straightened ones (see [`super::lens`]).
+//! All points are undistorted ones (see [`super::rough_undistort`]).
 
 use nalgebra::{Point2, Vector2};
 
 use super::board::Board;
-use super::lens::Lens;
+use super::rough_undistort::RoughLens;
 use crate::geometry::{Homography, Line};
 use crate::pattern::CheckerPattern;
 
 /// The images of the four borders of the panel, for what lies on the plane of the sheet.
 #[derive(Debug, Clone)]
-pub(super) struct LightField {
+pub(super) struct ProjectorFootprint {
     borders: Vec<Line>,
 }
 
-impl LightField {
+impl ProjectorFootprint {
     /// No projector.
     pub(super) fn none() -> Self {
         Self { borders: Vec::new() }
     }
 
-    pub(super) fn new(straight_from_projector: &Homography, panel: [u32; 2]) -> Self {
+    pub(super) fn new(undistorted_from_projector: &Homography, panel: [u32; 2]) -> Self {
         // The light of a pixel reaches half a pixel beyond its centre.
         let (w, h) = (f64::from(panel[0]) - 0.5, f64::from(panel[1]) - 0.5);
         let c = [Point2::new(-0.5, -0.5), Point2::new(w, -0.5), Point2::new(w, h), Point2::new(-0.5, h)];
         let borders = (0..4)
             .filter_map(|i| {
-                straight_from_projector.map_line(Line::through_pixels(c[i], c[(i + 1) % 4]))?.normalized()
+                undistorted_from_projector.map_line(Line::through_pixels(c[i], c[(i + 1) % 4]))?.normalized()
             })
             .collect();
         Self { borders }
@@ -50,16 +50,16 @@ impl LightField {
 
 /// The edges of the projected light, its border and the pattern's squares, in the photograph as it is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Light<'a> {
-    pub(super) field: &'a LightField,
-    pub(super) lens: &'a Lens,
+pub(super) struct ProjectedEdges<'a> {
+    pub(super) footprint: &'a ProjectorFootprint,
+    pub(super) lens: &'a RoughLens,
     pub(super) board: Option<(&'a Board, &'a CheckerPattern)>,
 }
 
-impl Light<'_> {
+impl ProjectedEdges<'_> {
     /// Distance of a point of the photograph from the nearest of these edges, px.
     pub(super) fn distance_px(&self, p: Point2<f64>) -> f64 {
-        self.field.distance_px(self.lens.straighten(p)).min(self.square_distance_px(p))
+        self.footprint.distance_px(self.lens.undistort(p)).min(self.square_distance_px(p))
     }
 
     /// Whether a side of the sheet at `p` can be measured over `reach_px` to both sides without meeting one of these edges.
@@ -69,9 +69,9 @@ impl Light<'_> {
     pub(super) fn leaves_clear(&self, p: Point2<f64>, inward: Vector2<f64>, reach_px: f64) -> bool {
         /// The border itself is as wide as the blur of projector and camera, px.
         const BORDER_BLUR_PX: f64 = 2.0;
-        let seen = self.lens.straighten(p);
+        let seen = self.lens.undistort(p);
         let ends = [seen - inward * BORDER_BLUR_PX, seen + inward * reach_px];
-        let border = self.field.borders.iter().any(|l| {
+        let border = self.footprint.borders.iter().any(|l| {
             let [a, b] = ends.map(|q| l.signed_distance_px(q));
             a * b <= 0.0 || a.abs().min(b.abs()) <= BORDER_BLUR_PX
         });
@@ -79,7 +79,7 @@ impl Light<'_> {
     }
 
     fn square_distance_px(&self, p: Point2<f64>) -> f64 {
-        let p = self.lens.straighten(p);
+        let p = self.lens.undistort(p);
         self.board.map_or(f64::INFINITY, |(board, pattern)| board.edge_distance_px(pattern, p))
     }
 }

@@ -10,7 +10,7 @@ use crate::solve::homography_from_points;
 
 /// Straightened = centre + (seen − centre)·(1 + k·r²), with r = 1 at half the diagonal of the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Lens {
+pub(super) struct RoughLens {
     centre: Point2<f64>,
     half_diagonal: f64,
     k: f64,
@@ -21,9 +21,9 @@ const MAX_K: f64 = 0.3;
 /// The lens is used when it lowers the rms of the corners to this part of what a homography alone leaves.
 const WORTHWHILE: f64 = 0.7;
 
-impl Lens {
+impl RoughLens {
     /// No distortion.
-    pub(super) fn straight(width: usize, height: usize) -> Self {
+    pub(super) fn none(width: usize, height: usize) -> Self {
         Self {
             centre: Point2::new((width as f64 - 1.0) / 2.0, (height as f64 - 1.0) / 2.0),
             half_diagonal: (width as f64).hypot(height as f64) / 2.0,
@@ -33,7 +33,7 @@ impl Lens {
 
     /// A lens of given k.
     pub(super) fn radial(width: usize, height: usize, k: f64) -> Self {
-        Self { k, ..Self::straight(width, height) }
+        Self { k, ..Self::none(width, height) }
     }
 
     /// The lens under which the corners are best explained by a homography (golden-section search).
@@ -55,7 +55,7 @@ impl Lens {
     }
 
     fn rms(&self, pairs: &[CornerPair]) -> f64 {
-        let points: Vec<_> = pairs.iter().map(|p| (p.projector, self.straighten(p.camera))).collect();
+        let points: Vec<_> = pairs.iter().map(|p| (p.projector, self.undistort(p.camera))).collect();
         let Ok(h) = homography_from_points(&points) else { return f64::INFINITY };
         let error = |h: &Homography| -> f64 {
             points.iter().map(|(a, b)| h.map(*a).map_or(f64::INFINITY, |p| (p - b).norm_squared())).sum()
@@ -64,13 +64,13 @@ impl Lens {
     }
 
     /// Where a seen point would be without distortion, px.
-    pub(super) fn straighten(&self, p: Point2<f64>) -> Point2<f64> {
+    pub(super) fn undistort(&self, p: Point2<f64>) -> Point2<f64> {
         let d = p - self.centre;
         self.centre + d * (1.0 + self.k * d.norm_squared() / self.half_diagonal.powi(2))
     }
 
-    /// Where a straightened point is seen, px.
-    pub(super) fn bend(&self, p: Point2<f64>) -> Point2<f64> {
+    /// Where a undistorted point is seen, px.
+    pub(super) fn distort(&self, p: Point2<f64>) -> Point2<f64> {
         let target = (p - self.centre) / self.half_diagonal;
         let length = target.norm();
         // Newton on r·(1 + k·r²) = length, monotone within the bounds of k for points in and around the frame.
@@ -93,27 +93,27 @@ mod tests {
     use nalgebra::Matrix3;
 
     #[test]
-    fn bend_inverts_straighten() {
-        let lens = Lens { k: -0.12, ..Lens::straight(1280, 960) };
+    fn distort_inverts_undistort() {
+        let lens = RoughLens { k: -0.12, ..RoughLens::none(1280, 960) };
         for p in [Point2::new(0.0, 0.0), Point2::new(639.5, 479.5), Point2::new(1200.0, 30.0)] {
-            assert!((lens.bend(lens.straighten(p)) - p).norm() < 1e-9);
+            assert!((lens.distort(lens.undistort(p)) - p).norm() < 1e-9);
         }
     }
 
     #[test]
     fn a_bent_board_tells_its_lens_and_a_straight_one_has_none() {
-        let truth = Lens { k: 0.05, ..Lens::straight(1280, 960) };
+        let truth = RoughLens { k: 0.05, ..RoughLens::none(1280, 960) };
         let h = Homography(Matrix3::new(0.9, 0.1, 200.0, -0.05, 1.0, 100.0, 1e-4, 5e-5, 1.0));
-        let board = |lens: &Lens| -> Vec<CornerPair> {
+        let board = |lens: &RoughLens| -> Vec<CornerPair> {
             (0..70)
                 .map(|i| {
                     let projector =
                         Point2::new(300.0 + f64::from(i % 10) * 48.0, 200.0 + f64::from(i / 10) * 48.0);
-                    CornerPair { projector, camera: lens.bend(h.map(projector).unwrap()), sigma_px: 0.01 }
+                    CornerPair { projector, camera: lens.distort(h.map(projector).unwrap()), sigma_px: 0.01 }
                 })
                 .collect()
         };
-        assert!((Lens::from_corners(1280, 960, &board(&truth)).k - 0.05).abs() < 1e-4);
-        assert!(Lens::from_corners(1280, 960, &board(&Lens::straight(1280, 960))).k.abs() < 1e-6);
+        assert!((RoughLens::from_corners(1280, 960, &board(&truth)).k - 0.05).abs() < 1e-4);
+        assert!(RoughLens::from_corners(1280, 960, &board(&RoughLens::none(1280, 960))).k.abs() < 1e-6);
     }
 }

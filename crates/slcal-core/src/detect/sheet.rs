@@ -2,14 +2,13 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::SheetDetection;
+use super::downsampled::Downsampled;
 use super::edge::measure_side;
-use super::edge_map::{Edgel, SeenEdges};
-use super::lens::Lens;
-use super::light_field::{Light, LightField};
+use super::edge_map::{DistortedEdges, Edgel};
 use super::lines::find_lines;
+use super::projector_footprint::{ProjectedEdges, ProjectorFootprint};
 use super::quad::{Content, find_sheet};
-use super::working::Working;
+use super::rough_undistort::RoughLens;
 use crate::error::{Error, Result};
 use crate::observations::SheetObservation;
 use crate::photo::LinearPhoto;
@@ -23,6 +22,15 @@ const BORDER_DISTANCE: f64 = 2.0;
 
 /// A side found at working scale is known to within this many working pixels.
 const UNCERTAINTY: f64 = 3.0;
+
+/// The sheet as found by itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SheetDetection {
+    /// Its outline.
+    pub observation: SheetObservation,
+    /// Things worth telling: corners taken from the user.
+    pub notes: Vec<String>,
+}
 
 /// Checks corners given by hand.
 pub(super) fn check_corners(corners: &[Point2<f64>; 4]) -> Result<()> {
@@ -49,15 +57,20 @@ pub(super) fn contains(corners: &[Point2<f64>; 4], p: Point2<f64>) -> bool {
 /// Finds the sheet around the board, or the brightest one.
 pub(super) fn find(
     photo: &LinearPhoto<'_>,
-    working: &Working,
-    light: &Light<'_>,
+    downsampled: &Downsampled,
+    projected: &ProjectedEdges<'_>,
     by_hand: Option<[Point2<f64>; 4]>,
 ) -> Result<SheetDetection> {
     let (width, height) = (photo.width(), photo.height());
     let diagonal = (width as f64).hypot(height as f64);
     if let Some(corners) = by_hand {
         return Ok(
-            match measure(photo, corners.map(|c| light.lens.straighten(c)), HAND_REACH * diagonal, light) {
+            match measure(
+                photo,
+                corners.map(|c| projected.lens.undistort(c)),
+                HAND_REACH * diagonal,
+                projected,
+            ) {
                 Ok(observation) => SheetDetection { observation, notes: Vec::new() },
                 Err(i) => SheetDetection {
                     observation: SheetObservation::Corners { corners, sigma_px: HAND_SIGMA * diagonal },
@@ -70,29 +83,29 @@ pub(super) fn find(
             },
         );
     }
-    let edges = SeenEdges::new(working);
-    let outcome = match light.board {
-        Some(_) => search(&edges, light, light.lens),
+    let edges = DistortedEdges::new(downsampled);
+    let outcome = match projected.board {
+        Some(_) => search(&edges, projected, projected.lens),
         // Nothing tells the lens but the sheet's own sides: they are straight under the right one.
         None => TRIED_LENSES
             .iter()
-            .map(|&k| search(&edges, light, &Lens::radial(width, height, k)))
+            .map(|&k| search(&edges, projected, &RoughLens::radial(width, height, k)))
             .reduce(|best, next| if next.score > WORTHWHILE * best.score { next } else { best })
-            .unwrap_or_else(|| search(&edges, light, light.lens)),
+            .unwrap_or_else(|| search(&edges, projected, projected.lens)),
     };
     let Some(corners) = outcome.corners else {
         // A side along the light's border is cut short where its edges are taken for the border's.
-        let unlit = Light { field: &LightField::none(), ..*light };
-        let again = light.board.map(|_| search(&edges, &unlit, light.lens));
+        let unlit = ProjectedEdges { footprint: &ProjectorFootprint::none(), ..*projected };
+        let again = projected.board.map(|_| search(&edges, &unlit, projected.lens));
         let along = again.and_then(|again| {
             let corners = again.corners?;
-            (0..4).find(|i| along_border(*i, &corners, again.uncertainty_px, light))
+            (0..4).find(|i| along_border(*i, &corners, again.uncertainty_px, projected))
         });
         return Err(along.map_or_else(|| not_found(outcome.seen), border));
     };
-    let light = Light { lens: &outcome.lens, ..*light };
-    let observation = measure(photo, corners, outcome.uncertainty_px, &light).map_err(|i| {
-        if along_border(i, &corners, outcome.uncertainty_px, &light) {
+    let projected = ProjectedEdges { lens: &outcome.lens, ..*projected };
+    let observation = measure(photo, corners, outcome.uncertainty_px, &projected).map_err(|i| {
+        if along_border(i, &corners, outcome.uncertainty_px, &projected) {
             return border(i);
         }
         not_found(format!("a quadrilateral was seen, but its {} side is not a clean edge", SIDES[i]))
@@ -108,8 +121,8 @@ const WORTHWHILE: f64 = 1.1;
 
 /// What a search of the whole photograph came to.
 struct Outcome {
-    lens: Lens,
-    /// TL, TR, BR, BL, straightened, px.
+    lens: RoughLens,
+    /// TL, TR, BR, BL, undistorted, px.
     corners: Option<[Point2<f64>; 4]>,
     score: f64,
     uncertainty_px: f64,
@@ -117,17 +130,17 @@ struct Outcome {
     seen: String,
 }
 
-fn search(edges: &SeenEdges, light: &Light<'_>, lens: &Lens) -> Outcome {
+fn search(edges: &DistortedEdges, projected: &ProjectedEdges<'_>, lens: &RoughLens) -> Outcome {
     let map = edges.through(lens);
     let foreign = |e: &Edgel| {
         let p = map.to_photo(e.position);
-        light.field.explains(p, e.normal, BORDER_DISTANCE * map.factor as f64)
-            || light.board.is_some_and(|(board, pattern)| board.explains(pattern, p, e.normal))
+        projected.footprint.explains(p, e.normal, BORDER_DISTANCE * map.factor as f64)
+            || projected.board.is_some_and(|(board, pattern)| board.explains(pattern, p, e.normal))
     };
     let lines = find_lines(&map, |e| !foreign(e));
-    let (content, toward) = match light.board {
+    let (content, toward) = match projected.board {
         Some((board, _)) => {
-            let corners = board.pairs.iter().map(|p| map.to_working(lens.straighten(p.camera))).collect();
+            let corners = board.pairs.iter().map(|p| map.to_working(lens.undistort(p.camera))).collect();
             (Content::Board(corners), "towards the pattern")
         }
         None => (Content::Anything, "inside"),
@@ -155,11 +168,16 @@ fn not_found(seen: String) -> Error {
 }
 
 /// Whether most of side `i` lies too near to the border of the light to be told from it.
-fn along_border(i: usize, corners: &[Point2<f64>; 4], uncertainty_px: f64, light: &Light<'_>) -> bool {
+fn along_border(
+    i: usize,
+    corners: &[Point2<f64>; 4],
+    uncertainty_px: f64,
+    projected: &ProjectedEdges<'_>,
+) -> bool {
     const PLACES: usize = 16;
     let (a, d) = (corners[i], corners[(i + 1) % 4] - corners[i]);
     let at = |k: usize| a + d * ((k as f64 + 0.5) / PLACES as f64);
-    (0..PLACES).filter(|k| light.field.distance_px(at(*k)) < uncertainty_px).count() > PLACES / 2
+    (0..PLACES).filter(|k| projected.footprint.distance_px(at(*k)) < uncertainty_px).count() > PLACES / 2
 }
 
 /// The error for such a side.
@@ -186,22 +204,22 @@ fn named(corners: [Point2<f64>; 4]) -> [Point2<f64>; 4] {
 /// The sides in the order of the corners.
 const SIDES: [&str; 4] = ["top", "right", "bottom", "left"];
 
-/// Measures the four sides between straightened corners; the first that is not seen otherwise.
+/// Measures the four sides between undistorted corners; the first that is not seen otherwise.
 fn measure(
     photo: &LinearPhoto<'_>,
     corners: [Point2<f64>; 4],
     uncertainty_px: f64,
-    light: &Light<'_>,
+    projected: &ProjectedEdges<'_>,
 ) -> std::result::Result<SheetObservation, usize> {
     /// Enough to follow the bend of a lens.
     const PATH_POINTS: u32 = 17;
     let mut sides: [Vec<_>; 4] = Default::default();
     for i in 0..4 {
         let (a, d) = (corners[i], corners[(i + 1) % 4] - corners[i]);
-        let on = |k: u32| light.lens.bend(a + d * (f64::from(k) / f64::from(PATH_POINTS - 1)));
+        let on = |k: u32| projected.lens.distort(a + d * (f64::from(k) / f64::from(PATH_POINTS - 1)));
         let path: Vec<Point2<f64>> = (0..PATH_POINTS).map(on).collect();
         let inward = Vector2::new(-d.y, d.x);
-        sides[i] = measure_side(photo, &path, inward, uncertainty_px, light).ok_or(i)?;
+        sides[i] = measure_side(photo, &path, inward, uncertainty_px, projected).ok_or(i)?;
     }
     Ok(SheetObservation::Edges(sides))
 }

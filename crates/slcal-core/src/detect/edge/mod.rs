@@ -3,19 +3,24 @@
 //! A steep side is measured once per image row, a flat one once per column (`scan`): first roughly, then by the integral
 //! of the light across it (`profile`); the crossings that agree with each other are condensed to points (`crossing`).
 
+mod crossing;
+mod profile;
+mod scan;
+mod step_model;
+
 use std::ops::RangeInclusive;
 
 use nalgebra::{Point2, Vector2};
 
-use super::crossing::{CURVE_DEGREE, Crossing, condense, robust_curve};
-use super::erf::ErfTable;
-use super::light_field::Light;
-use super::profile::Profiles;
-use super::scan::Scan;
-use super::step::Common;
+use super::projector_footprint::ProjectedEdges;
+use crate::detect::erf::ErfTable;
 use crate::observations::EdgePoint;
 use crate::photo::LinearPhoto;
 use crate::solve::Polynomial;
+use crossing::{CURVE_DEGREE, Crossing, condense, robust_curve};
+use profile::Profiles;
+use scan::Scan;
+use step_model::Common;
 
 /// Part of a side next to each corner that is left out: there the other side's blur shines in.
 const CORNER_MARGIN: f64 = 0.02;
@@ -51,14 +56,14 @@ pub(super) fn measure_side(
     path: &[Point2<f64>],
     inward: Vector2<f64>,
     uncertainty_px: f64,
-    light: &Light<'_>,
+    projected: &ProjectedEdges<'_>,
 ) -> Option<Vec<EdgePoint>> {
     let scan = Scan::new(inward);
     let lines = scan_lines(photo, scan, path, uncertainty_px)?;
     // Where the side runs and how wide it is shows in a part of the lines of a large photograph.
     let some: Vec<(usize, f64)> = lines.iter().copied().step_by(lines.len().div_ceil(COARSE_LINES)).collect();
-    let (coarse, mut supported) = localise(photo, scan, &some, uncertainty_px, light)?;
-    let transition = half_transition(photo, scan, &some, &coarse, uncertainty_px, light);
+    let (coarse, mut supported) = localise(photo, scan, &some, uncertainty_px, projected)?;
+    let transition = half_transition(photo, scan, &some, &coarse, uncertainty_px, projected);
     let plateau = plateau(photo, scan, &some, &coarse, transition);
     let clearance = transition + plateau + 1.0;
     let toward_sheet = inward.normalize();
@@ -69,7 +74,7 @@ pub(super) fn measure_side(
     // The second pass has its windows where the first found the side, and starts from what that found common to it.
     for (lines, rounds, average) in [(&some, FIRST_ROUNDS, false), (&lines, ROUNDS, true)] {
         let clear =
-            |line: f64| light.leaves_clear(scan.join(line, curve.value(line)), toward_sheet, clearance);
+            |line: f64| projected.leaves_clear(scan.join(line, curve.value(line)), toward_sheet, clearance);
         // Beyond the crossings it was fitted to, the curve may leave the path: there the side is not seen.
         let near = |line: f64, expected: f64| (curve.value(line) - expected).abs() <= uncertainty_px + 1.0;
         let seen: Vec<(usize, f64)> = lines
@@ -146,7 +151,7 @@ fn localise(
     scan: Scan,
     lines: &[(usize, f64)],
     uncertainty_px: f64,
-    light: &Light<'_>,
+    projected: &ProjectedEdges<'_>,
 ) -> Option<(Polynomial, RangeInclusive<f64>)> {
     let reach = (uncertainty_px.ceil() as isize).max(2);
     // The step is taken between means over some pixels, so that noise at full resolution does not outdo the side.
@@ -167,7 +172,7 @@ fn localise(
         let side = |k: usize| {
             let around = &steps[k.saturating_sub(1)..(k + 2).min(steps.len())];
             let position = (first + k as isize) as f64 + 0.5;
-            let at_border = || light.distance_px(scan.join(line as f64, position)) <= arm as f64 + 1.5;
+            let at_border = || projected.distance_px(scan.join(line as f64, position)) <= arm as f64 + 1.5;
             (steps[k] > 0.0 && around.iter().all(|s| *s <= steps[k]) && !at_border())
                 .then_some((steps[k], position))
         };
@@ -195,13 +200,13 @@ fn half_transition(
     lines: &[(usize, f64)],
     curve: &Polynomial,
     uncertainty_px: f64,
-    light: &Light<'_>,
+    projected: &ProjectedEdges<'_>,
 ) -> f64 {
     let reach = (2.0 * uncertainty_px).ceil().clamp(6.0, 40.0) as isize;
     let bins = (2 * reach) as usize;
     let mut gradient = vec![0.0; bins];
     // The border of the light, a step of its own, would pass for blur.
-    let clear = |line: f64| light.distance_px(scan.join(line, curve.value(line))) > reach as f64;
+    let clear = |line: f64| projected.distance_px(scan.join(line, curve.value(line))) > reach as f64;
     let any = lines.iter().any(|l| clear(l.0 as f64));
     for line in lines.iter().map(|l| l.0).filter(|&line| !any || clear(line as f64)) {
         let position = curve.value(line as f64);

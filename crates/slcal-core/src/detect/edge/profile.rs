@@ -5,9 +5,9 @@
 //! the light on either side belong to the whole side. A symmetric blur of another shape does not move the crossing.
 
 use super::crossing::Crossing;
-use super::erf::ErfTable;
 use super::scan::Scan;
-use super::step::{Common, Equations, MIN_BLUR_PX, Noise, Profile, State, Summary};
+use super::step_model::{Common, Equations, MIN_BLUR_PX, Noise, Profile, State, Summary};
+use crate::detect::erf::ErfTable;
 use crate::photo::LinearPhoto;
 use crate::solve::{Polynomial, median};
 

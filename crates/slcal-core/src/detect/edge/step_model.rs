@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, RowVector3, Vector3};
 
-use super::erf::ErfTable;
+use crate::detect::erf::ErfTable;
 use crate::solve::median;
 
 /// Sharper sides than this cannot be told from perfect ones, px.
