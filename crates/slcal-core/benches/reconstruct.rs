@@ -6,13 +6,13 @@ use nalgebra::{DMatrix, Point2, Point3};
 use slcal_core::geometry::Distortion;
 use slcal_core::reconstruct::{CullRule, Culler, TriangulateConfig, Triangulator};
 use slcal_core::simulate::{RigConfig, Scene};
-use slcal_core::{Covariance, Match, Matches, PointCloud, Rig};
+use slcal_core::{Covariance, Match, Matches, PointCloud, Projector, Rig};
 
 /// The default simulated rig with these lenses and a covariance.
 fn rig(camera: Distortion, projector: Distortion) -> Rig {
     let mut rig = Scene::new(&RigConfig::default(), &[]).expect("a scene").rig();
     rig.camera.model.distortion = camera;
-    rig.projector.as_mut().expect("a projector").model.distortion = projector;
+    rig.projector.as_mut().expect("a projector").device.model.distortion = projector;
     let lens = ["focal_px", "cx_px", "cy_px"];
     let pose = ["rx_rad", "ry_rad", "rz_rad", "tx_mm", "ty_mm", "tz_mm"];
     let of = |device: &str, names: &[&str]| names.iter().map(|n| format!("{device}.{n}")).collect::<Vec<_>>();
@@ -24,12 +24,12 @@ fn rig(camera: Distortion, projector: Distortion) -> Rig {
 
 /// 625 lines across 64 stripes on a surface a metre away, slanted and bent; every slit at its own column.
 fn matches(rig: &Rig) -> Matches {
-    let (projector, stereo) = (rig.projector.expect("a projector"), rig.stereo.expect("a pose"));
+    let Projector { device, from_camera } = rig.projector.expect("a projector");
     let column = |pixel: Point2<f64>| {
         let bearing = rig.camera.model.bearing(pixel).expect("within the lens");
         let depth = 1000.0 + 60.0 * (pixel.x / 200.0).sin() + 0.05 * pixel.y;
-        let point = stereo.projector_from_camera.transform(&Point3::from(bearing * depth));
-        projector.model.project(&point).expect("in front").x
+        let point = from_camera.pose.transform(&Point3::from(bearing * depth));
+        device.model.project(&point).expect("in front").x
     };
     let mut items = Vec::new();
     for line in 0..625 {

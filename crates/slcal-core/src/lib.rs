@@ -47,5 +47,7 @@ pub use observations::{
 };
 pub use photographs::calibrate;
 pub use rectify::{Rectification, rectify, rectify_checker, rectify_checker_picture, rectify_picture};
-pub use rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning};
+pub use rig::{
+    Covariance, Device, DeviceSigma, Projector, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning,
+};
 pub use verify_photo::{PhotoVerifier, VerifiedPhoto, VerifyPhotoConfig, verify_photo};

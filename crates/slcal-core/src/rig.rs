@@ -28,15 +28,38 @@ pub struct Device {
     pub sigma: Option<DeviceSigma>,
 }
 
-/// The rigid transform between the devices.
+impl From<Camera> for Device {
+    /// Without uncertainty.
+    fn from(model: Camera) -> Self {
+        Self { model, sigma: None }
+    }
+}
+
+/// The rigid transform from the camera's frame to the projector's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StereoPose {
     /// X_projector = R · X_camera + t.
-    pub projector_from_camera: Pose,
+    pub pose: Pose,
     /// 1σ of t, mm.
     pub sigma_t_mm: Option<[f64; 3]>,
     /// 1σ of a small rotation about the projector's axes, rad.
     pub sigma_r_rad: Option<[f64; 3]>,
+}
+
+impl From<Pose> for StereoPose {
+    /// Without uncertainty.
+    fn from(pose: Pose) -> Self {
+        Self { pose, sigma_t_mm: None, sigma_r_rad: None }
+    }
+}
+
+/// A calibrated projector: its optics and its pose relative to the camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Projector {
+    /// The projector as an inverse camera.
+    pub device: Device,
+    /// Where it is: X_projector = R · X_camera + t.
+    pub from_camera: StereoPose,
 }
 
 /// Root mean square residuals of one view.
@@ -161,10 +184,8 @@ pub struct Covariance {
 pub struct Rig {
     /// The camera.
     pub camera: Device,
-    /// The projector.
-    pub projector: Option<Device>,
-    /// Between them.
-    pub stereo: Option<StereoPose>,
+    /// The projector; `None` for a camera that was calibrated without a pattern.
+    pub projector: Option<Projector>,
     /// The poses that it was calibrated from.
     pub views: Vec<View>,
     /// How it was made: "ml", "two-vp", or anything else for rigs from elsewhere.
@@ -176,25 +197,31 @@ pub struct Rig {
 }
 
 impl Rig {
+    /// The devices by their names in files: "camera", and "projector" if there is one.
+    pub fn devices(&self) -> impl Iterator<Item = (&'static str, &Device)> {
+        let projector = self.projector.as_ref().map(|p| ("projector", &p.device));
+        [("camera", &self.camera)].into_iter().chain(projector)
+    }
+
     /// Distance between the optical centres, mm; `None` without a projector.
     #[must_use]
     pub fn baseline_mm(&self) -> Option<f64> {
-        self.stereo.map(|s| s.projector_from_camera.translation.norm())
+        self.projector.map(|p| p.from_camera.pose.translation.norm())
     }
 
     /// 1σ of [`baseline_mm`](Self::baseline_mm), mm, from the covariance of the whole estimate: the components of t are
     /// strongly correlated, so that their own σ would not do. `None` where the rig has no such covariance.
     #[must_use]
     pub fn baseline_sigma_mm(&self) -> Option<f64> {
-        let along = self.stereo?.projector_from_camera.translation.try_normalize(0.0)?;
+        let along = self.projector?.from_camera.pose.translation.try_normalize(0.0)?;
         self.stereo_sigma(["tx_mm", "ty_mm", "tz_mm"], &along)
     }
 
-    /// 1σ of the angle by which the devices are turned against each other, rad: a small turn that follows another adds its
-    /// part along the axis of the other. `None` where the rig has no such covariance, or the devices are not turned.
+    /// 1σ of the rotation angle between the devices, rad: of a small rotation that follows another, the part along the
+    /// axis of the other changes the angle. `None` where the rig has no such covariance, or the devices are not rotated.
     #[must_use]
-    pub fn turn_sigma_rad(&self) -> Option<f64> {
-        let axis = self.stereo?.projector_from_camera.rotation.axis()?;
+    pub fn rotation_sigma_rad(&self) -> Option<f64> {
+        let axis = self.projector?.from_camera.pose.rotation.axis()?;
         self.stereo_sigma(["rx_rad", "ry_rad", "rz_rad"], &axis)
     }
 
@@ -211,12 +238,12 @@ impl Rig {
         (variance.is_finite() && variance >= 0.0).then(|| variance.sqrt())
     }
 
-    /// The projector, and where it stands.
+    /// The projector, for what cannot be done without one.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a rig that holds the camera alone.
-    pub(crate) fn lit(&self) -> Result<(&Device, &StereoPose)> {
-        self.projector.as_ref().zip(self.stereo.as_ref()).ok_or_else(|| {
+    pub fn require_projector(&self) -> Result<&Projector> {
+        self.projector.as_ref().ok_or_else(|| {
             let expected = "a calibrated projector (calibrate with a pattern)";
             Error::invalid("rig", expected, "a rig that holds the camera alone")
         })
@@ -226,9 +253,9 @@ impl Rig {
     ///
     /// # Errors
     /// [`Error::Invalid`] for a rig that holds the camera alone, and for another panel.
-    pub fn projector_for(&self, what: &str, panel: [u32; 2]) -> Result<&Device> {
-        let (projector, _) = self.lit()?;
-        let [w, h] = [projector.model.width, projector.model.height];
+    pub fn projector_for(&self, what: &str, panel: [u32; 2]) -> Result<&Projector> {
+        let projector = self.require_projector()?;
+        let [w, h] = [projector.device.model.width, projector.device.model.height];
         if panel != [w, h] {
             let expected = format!("a pattern for the rig's projector of {w}x{h} px");
             return Err(Error::invalid(what, expected, format!("one for {}x{} px", panel[0], panel[1])));
@@ -261,9 +288,8 @@ mod tests {
         let across = Vector3::new(-0.8, 0.6, 0.0) * 2.0;
         let pose = Pose { translation: Vector3::new(3.0, 4.0, 0.0), ..Pose::identity() };
         let mut rig = Rig {
-            camera: Device { model, sigma: None },
-            projector: Some(Device { model, sigma: None }),
-            stereo: Some(StereoPose { projector_from_camera: pose, sigma_t_mm: None, sigma_r_rad: None }),
+            camera: model.into(),
+            projector: Some(Projector { device: model.into(), from_camera: pose.into() }),
             views: Vec::new(),
             method: "ml".into(),
             quality: None,
@@ -279,16 +305,16 @@ mod tests {
         });
         assert!((rig.baseline_sigma_mm().unwrap() - 0.5).abs() < 1e-12);
 
-        // Of a turn about z, errors about x and y turn into another direction.
-        assert_eq!(rig.turn_sigma_rad(), None);
+        // Small rotations about x and y do not change the angle of a rotation about z.
+        assert_eq!(rig.rotation_sigma_rad(), None);
         let turned = Pose { rotation: nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 0.5), ..pose };
-        rig.stereo.as_mut().unwrap().projector_from_camera = turned;
+        rig.projector.as_mut().unwrap().from_camera.pose = turned;
         rig.covariance = Some(Covariance {
             parameters: ["rx_rad", "ry_rad", "rz_rad"].map(|n| format!("projector_from_camera.{n}")).to_vec(),
             matrix: DMatrix::from_diagonal(&nalgebra::dvector![1e-6, 4e-6, 9e-6]),
         });
-        assert!((rig.turn_sigma_rad().unwrap() - 3e-3).abs() < 1e-15);
-        rig.stereo.as_mut().unwrap().projector_from_camera = pose;
-        assert_eq!(rig.turn_sigma_rad(), None);
+        assert!((rig.rotation_sigma_rad().unwrap() - 3e-3).abs() < 1e-15);
+        rig.projector.as_mut().unwrap().from_camera.pose = pose;
+        assert_eq!(rig.rotation_sigma_rad(), None);
     }
 }

@@ -222,7 +222,7 @@ mod tests {
         let other = CheckerPattern::new([800, 600], &CheckerConfig::default()).unwrap();
         let error = PhotoVerifier::new(&rig, &other, &default).unwrap_err().to_string();
         assert!(error.contains("1024x768") && error.contains("800x600"), "{error}");
-        let alone = Rig { projector: None, stereo: None, ..rig.clone() };
+        let alone = Rig { projector: None, ..rig.clone() };
         assert!(PhotoVerifier::new(&alone, &pattern, &default).is_err());
         for wrong in [
             VerifyPhotoConfig { significance: 2.0, ..default.clone() },

@@ -42,7 +42,8 @@ fn truth(folder: &Path) -> Rig {
 /// Errors of f_cam and f_proj in per cent, of cy_proj in px.
 fn errors(found: &Rig, truth: &Rig) -> [f64; 3] {
     let percent = |a: f64, b: f64| 100.0 * (a / b - 1.0);
-    let (p, q) = (found.projector.unwrap().model.intrinsics, truth.projector.unwrap().model.intrinsics);
+    let (p, q) =
+        (found.projector.unwrap().device.model.intrinsics, truth.projector.unwrap().device.model.intrinsics);
     [
         percent(found.camera.model.intrinsics.fx, truth.camera.model.intrinsics.fx),
         percent(p.fx, q.fx),

@@ -121,15 +121,15 @@ fn errors_are_as_large_as_their_sigma() {
             Observations { camera: [w, h], projector: Some(pattern.projector), views: vec![view] };
         let c = calibrate_observations(&observations, &config).unwrap();
         let projector = c.rig.projector.as_ref().unwrap();
-        let stereo = c.rig.stereo.as_ref().unwrap();
-        let t = stereo.projector_from_camera.translation;
+        let t = projector.from_camera.pose.translation;
         let covariance = c.rig.covariance.as_ref().unwrap();
         let first = covariance.parameters.iter().position(|n| n == "projector_from_camera.tx_mm").unwrap();
         let block = covariance.matrix.fixed_view::<3, 3>(first, first);
         let along = (t.normalize().transpose() * block * t.normalize())[0].sqrt();
         let z = [
             (c.rig.camera.model.intrinsics.fx - scene.camera_focal_px) / c.rig.camera.sigma.unwrap().focal_px,
-            (projector.model.intrinsics.fx - scene.projector_focal_px) / projector.sigma.unwrap().focal_px,
+            (projector.device.model.intrinsics.fx - scene.projector_focal_px)
+                / projector.device.sigma.unwrap().focal_px,
             (t.norm() - scene.baseline_mm) / along,
         ];
         for (scores, z) in results.iter_mut().zip(z) {
@@ -149,7 +149,7 @@ fn errors_are_as_large_as_their_sigma() {
                 scene.wall,
                 100.0 * (c.rig.camera.model.intrinsics.fx / scene.camera_focal_px - 1.0),
                 z[0],
-                100.0 * (projector.model.intrinsics.fx / scene.projector_focal_px - 1.0),
+                100.0 * (projector.device.model.intrinsics.fx / scene.projector_focal_px - 1.0),
                 z[1],
                 z[2],
                 rms[0],

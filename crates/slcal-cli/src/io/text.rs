@@ -92,7 +92,7 @@ pub(crate) fn check_panel(path: &Path, pattern: [u32; 2], rig_path: &Path, rig: 
             ),
         ));
     };
-    let [w, h] = [projector.model.width, projector.model.height];
+    let [w, h] = [projector.device.model.width, projector.device.model.height];
     if pattern != [w, h] {
         return Err(Failure::new(
             Exit::Input,

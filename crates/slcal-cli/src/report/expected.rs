@@ -177,7 +177,7 @@ impl Working {
 
     /// Camera, projector and sheets from above.
     fn landmarks(&self, rig: &Rig) -> Vec<Value> {
-        let projector = rig.stereo.as_ref().map(|s| s.projector_from_camera.centre());
+        let projector = rig.projector.as_ref().map(|p| p.from_camera.pose.centre());
         // Names stand apart from each other.
         let sides = if projector.is_some_and(|p| p.x < 0.0) { ["right", "left"] } else { ["left", "right"] };
         let marks = [

@@ -15,8 +15,10 @@ pub(super) fn section(subject: &Subject) -> Section {
         div.scroll { table.parameters {
             thead { tr { th scope="col" { "Parameter" } th scope="col" { "Value" } th scope="col" { "Unit" } } }
             (device("camera", "Camera", &rig.camera))
-            @if let Some(projector) = &rig.projector { (device("projector", "Projector", projector)) }
-            @if let Some(stereo) = &rig.stereo { (between(rig, stereo)) }
+            @if let Some(projector) = &rig.projector {
+                (device("projector", "Projector", &projector.device))
+                (between(rig, &projector.from_camera))
+            }
         } }
         @if !rig.views.is_empty() { (poses(rig)) }
         @if rig.projector.is_none() { p.note { "There is no projector in this rig: it was calibrated without a pattern." } }
@@ -81,12 +83,12 @@ fn device(path: &str, title: &str, device: &Device) -> Markup {
 }
 
 fn between(rig: &Rig, stereo: &StereoPose) -> Markup {
-    let pose = &stereo.projector_from_camera;
+    let pose = &stereo.pose;
     let baseline = pose.translation.norm();
     let sigma = rig.baseline_sigma_mm();
     let decimals = sigma.map_or(1, decimals_of);
     let turn = pose.rotation.angle().to_degrees();
-    let turn_sigma = rig.turn_sigma_rad().map(f64::to_degrees);
+    let turn_sigma = rig.rotation_sigma_rad().map(f64::to_degrees);
     html! {
         tbody {
             tr.group { th scope="rowgroup" colspan="3" { "From camera to projector" } }

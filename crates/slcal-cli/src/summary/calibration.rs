@@ -59,8 +59,7 @@ fn judgement(page: &mut Page, quality: &Quality, cause: &str) {
 fn devices(page: &mut Page, rig: &Rig) {
     let mut table = Table::new(["", "focal length, px", ">", "principal point, px", "size, px"]);
     let mut bent = Vec::new();
-    for (name, device) in [("camera", Some(&rig.camera)), ("projector", rig.projector.as_ref())] {
-        let Some(device) = device else { continue };
+    for (name, device) in rig.devices() {
         let (model, k) = (&device.model, &device.model.intrinsics);
         let sigma = device.sigma.as_ref();
         let percent = sigma.filter(|s| s.focal_px > 0.0);

@@ -232,7 +232,7 @@ fn against_truth(rig: &Rig) -> Outcome<Table> {
         let with_sigma = sigma.map_or(format!("{found:.1}"), |s| format!("{found:.1} ± {s:.1}"));
         table.row([label.to_owned(), with_sigma, format!("{truth:.1}"), format!("{:.2}", found - truth)]);
     };
-    let both = |rig: &Rig| rig.projector.map(|p| (rig.camera, p));
+    let both = |rig: &Rig| rig.projector.map(|p| (rig.camera, p.device));
     let ((camera, projector), (true_camera, true_projector)) = both(rig)
         .zip(both(&truth))
         .ok_or_else(|| Failure::new(Exit::Other, "the built-in photographs gave no projector"))?;

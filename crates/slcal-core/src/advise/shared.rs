@@ -37,8 +37,8 @@ pub(crate) fn layout(views: usize) -> Layout {
 pub(crate) fn model(rig: &Rig, view: Pose) -> Model {
     Model {
         camera: rig.camera.model,
-        projector: rig.projector.map(|p| p.model),
-        projector_from_camera: rig.stereo.map_or(Pose::identity(), |s| s.projector_from_camera),
+        projector: rig.projector.map(|p| p.device.model),
+        projector_from_camera: rig.projector.map_or(Pose::identity(), |p| p.from_camera.pose),
         views: vec![view],
     }
 }
@@ -57,7 +57,7 @@ pub(crate) fn covariance_of(rig: &Rig, views: usize) -> Option<DMatrix<f64>> {
     let at: Vec<Option<usize>> = names.map(|name| known.parameters.iter().position(|p| *p == name)).collect();
     let focal = |i: usize| match i {
         0 => rig.camera.model.intrinsics.fx,
-        PROJECTOR => rig.projector.map_or(1.0, |p| p.model.intrinsics.fx),
+        PROJECTOR => rig.projector.map_or(1.0, |p| p.device.model.intrinsics.fx),
         _ => 1.0,
     };
     let c = DMatrix::from_fn(at.len(), at.len(), |i, j| match (at[i], at[j]) {
@@ -177,8 +177,8 @@ mod tests {
         }
         // No distortion was estimated: it has no variance.
         assert_eq!(c[(3, 3)], 0.0);
-        let sigma = found.projector.unwrap().sigma.unwrap();
-        let f = found.projector.unwrap().model.intrinsics.fx;
+        let sigma = found.projector.unwrap().device.sigma.unwrap();
+        let f = found.projector.unwrap().device.model.intrinsics.fx;
         assert!((c[(PROJECTOR, PROJECTOR)].sqrt() * f / sigma.focal_px - 1.0).abs() < 1e-9);
     }
 }

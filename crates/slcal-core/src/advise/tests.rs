@@ -97,7 +97,7 @@ fn what_is_predicted_is_what_the_photograph_brings() {
         let advice = advise_next(&before, Some(&projected())).unwrap();
         let now = advice.now.unwrap();
         let sigma = |r: &Rig| {
-            let (c, p) = (r.camera, r.projector.unwrap());
+            let (c, p) = (r.camera, r.projector.unwrap().device);
             let (cs, ps) = (c.sigma.unwrap(), p.sigma.unwrap());
             [
                 cs.focal_px / c.model.intrinsics.fx,
@@ -186,10 +186,10 @@ fn poses_are_possible_ones() {
         assert!((0.0..1279.0).contains(&p.x) && (0.0..959.0).contains(&p.y), "{p}");
     }
     // The pattern stays where the projector throws it, and the sheet is under it.
-    let stereo = before.stereo.unwrap().projector_from_camera;
+    let stereo = before.projector.unwrap().from_camera.pose;
     for q in [Point2::new(295.5, 239.5), Point2::new(727.5, 527.5)] {
         let p = crate::estimate::residual::lit_point(
-            &before.projector.unwrap().model,
+            &before.projector.unwrap().device.model,
             &stereo,
             &next.camera_from_sheet,
             q,

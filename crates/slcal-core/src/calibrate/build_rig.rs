@@ -7,7 +7,7 @@ use crate::estimate::model::{Layout, Model};
 use crate::estimate::refine::Fit;
 use crate::estimate::{Joint, Kind, Target};
 use crate::geometry::{Camera, Plane, Pose, Ray, RectangleSize};
-use crate::rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, View, ViewRms};
+use crate::rig::{Covariance, Device, DeviceSigma, Projector, Quality, Rig, StereoPose, View, ViewRms};
 
 /// 1σ of a stripe's position in the camera image that the expected point σ assumes, px.
 const STRIPE_NOISE_PX: f64 = 0.1;
@@ -78,16 +78,14 @@ fn view_rms(joint: &Joint, fit: &Fit, view: usize) -> ViewRms {
 /// The rig of a maximum-likelihood fit.
 pub(crate) fn rig(joint: &Joint, fit: &Fit, judgement: &Judgement) -> Rig {
     let (model, layout) = (&fit.model, &joint.layout);
-    let stereo = layout.stereo.map(|at| {
+    let projector = model.projector.zip(layout.stereo).map(|(p, at)| {
         let sigma = |i: usize| std::array::from_fn(|k| fit.covariance[(at + i + k, at + i + k)].sqrt());
-        StereoPose {
-            projector_from_camera: model.projector_from_camera,
-            sigma_t_mm: Some(sigma(3)),
-            sigma_r_rad: Some(sigma(0)),
-        }
+        let pose = model.projector_from_camera;
+        let from_camera = StereoPose { pose, sigma_t_mm: Some(sigma(3)), sigma_r_rad: Some(sigma(0)) };
+        Projector { device: device(p, &layout.projector, fit), from_camera }
     });
     let views = model.views.iter().zip(&joint.sizes).enumerate().map(|(i, (pose, &size))| {
-        let projector_from_sheet = stereo.map(|s| s.projector_from_camera.compose(pose));
+        let projector_from_sheet = projector.map(|p| p.from_camera.pose.compose(pose));
         View {
             photo: None,
             size,
@@ -106,8 +104,7 @@ pub(crate) fn rig(joint: &Joint, fit: &Fit, judgement: &Judgement) -> Rig {
     let (cause, advice) = judgement.why();
     Rig {
         camera: device(model.camera, &layout.camera, fit),
-        projector: model.projector.map(|p| device(p, &layout.projector, fit)),
-        stereo,
+        projector,
         views: views.collect(),
         method: "ml".into(),
         quality: Some(Quality {

@@ -75,10 +75,10 @@ mod tests {
         let mut rig = calibrated();
         rig.covariance = None;
         let mut projector = rig.projector.unwrap();
-        projector.model = rig.camera.model;
+        projector.device.model = rig.camera.model;
         rig.projector = Some(projector);
         let between = Pose { translation: nalgebra::Vector3::new(-200.0, 0.0, 0.0), ..Pose::identity() };
-        rig.stereo.as_mut().unwrap().projector_from_camera = between;
+        rig.projector.as_mut().unwrap().from_camera.pose = between;
         let k = rig.camera.model.intrinsics;
         let mut forecast = SigmaForecast::new(&rig, Axis::Columns, 0.2).unwrap();
         for z in [800.0, 1600.0] {
@@ -98,11 +98,11 @@ mod tests {
         // column and a row between two would pass for a stripe that was measured across its column.
         let mut rig = calibrated();
         let mut projector = rig.projector.unwrap();
-        projector.model = rig.camera.model;
+        projector.device.model = rig.camera.model;
         rig.projector = Some(projector);
         rig.covariance = None;
         let between = Pose { translation: nalgebra::Vector3::new(0.0, 200.0, 0.0), ..Pose::identity() };
-        rig.stereo.as_mut().unwrap().projector_from_camera = between;
+        rig.projector.as_mut().unwrap().from_camera.pose = between;
         let expected = 1e6 * 0.1 / (rig.camera.model.intrinsics.fx * 200.0);
         let mut forecast = SigmaForecast::new(&rig, Axis::Rows, 0.1).unwrap();
         let k = rig.camera.model.intrinsics;
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn a_camera_alone_is_refused() {
-        let alone = Rig { projector: None, stereo: None, ..calibrated() };
+        let alone = Rig { projector: None, ..calibrated() };
         assert!(SigmaForecast::new(&alone, Axis::Columns, 0.1).is_err());
         assert!(SigmaForecast::new(&calibrated(), Axis::Columns, f64::NAN).is_err());
     }

@@ -102,8 +102,8 @@ fn moved(rig: &Rig, name: &str, by: f64) -> Option<Rig> {
     let mut rig = rig.clone();
     match place(name)? {
         i if i < LENS => move_lens(&mut rig.camera.model, i, by),
-        i if i < 2 * LENS => move_lens(&mut rig.projector.as_mut()?.model, i - LENS, by),
-        i => move_pose(&mut rig.stereo.as_mut()?.projector_from_camera, i - 2 * LENS, by),
+        i if i < 2 * LENS => move_lens(&mut rig.projector.as_mut()?.device.model, i - LENS, by),
+        i => move_pose(&mut rig.projector.as_mut()?.from_camera.pose, i - 2 * LENS, by),
     }
     Some(rig)
 }
@@ -174,7 +174,7 @@ mod tests {
     fn a_scale_that_is_unsure_makes_lengths_unsure_in_proportion() {
         // The translation unsure along itself alone is a scale: σ_L / L = σ_t / t for any length.
         let mut rig = calibrated();
-        let t = rig.stereo.unwrap().projector_from_camera.translation;
+        let t = rig.projector.unwrap().from_camera.pose.translation;
         let names = ["tx_mm", "ty_mm", "tz_mm"].map(|n| format!("projector_from_camera.{n}")).to_vec();
         let matrix = t * t.transpose() * 0.02_f64.powi(2);
         rig.covariance = Some(Covariance {
@@ -202,7 +202,7 @@ mod tests {
         let bare = Rig { covariance: None, ..rig.clone() };
         let beside = at + Vector3::new(50.0, 0.0, 0.0);
         assert_eq!(length_sigma(&bare, Axis::Columns, 0.1, [at, beside]), Ok(None));
-        let alone = Rig { projector: None, stereo: None, ..rig };
+        let alone = Rig { projector: None, ..rig };
         assert!(length_sigma(&alone, Axis::Columns, 0.1, [at, beside]).is_err());
         assert!(length_sigma(&calibrated(), Axis::Columns, f64::NAN, [at, beside]).is_err());
     }

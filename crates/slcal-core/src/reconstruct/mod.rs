@@ -274,7 +274,7 @@ pub fn in_frame(mut cloud: PointCloud, rig: &Rig, frame: Frame) -> Result<PointC
 #[cfg(test)]
 pub(crate) fn test_rig() -> Rig {
     use crate::geometry::{Camera, Distortion, Intrinsics};
-    use crate::rig::{Device, StereoPose};
+    use crate::rig::{Device, Projector, StereoPose};
     use nalgebra::{Point2, Rotation3, Vector3};
     let device = |width, height, focal, pp| Device {
         model: Camera {
@@ -287,14 +287,12 @@ pub(crate) fn test_rig() -> Rig {
     };
     Rig {
         camera: device(1280, 960, 1536.0, Point2::new(639.5, 479.5)),
-        projector: Some(device(1024, 768, 1638.4, Point2::new(511.5, 383.5))),
-        stereo: Some(StereoPose {
-            projector_from_camera: Pose {
+        projector: Some(Projector {
+            device: device(1024, 768, 1638.4, Point2::new(511.5, 383.5)),
+            from_camera: StereoPose::from(Pose {
                 rotation: Rotation3::from_euler_angles(0.08, -0.2, 0.0),
                 translation: Vector3::new(200.0, 80.0, 20.0),
-            },
-            sigma_t_mm: None,
-            sigma_r_rad: None,
+            }),
         }),
         views: Vec::new(),
         method: "test".into(),

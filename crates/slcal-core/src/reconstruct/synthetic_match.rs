@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Camera, Pose};
 use crate::matches::Match;
 use crate::pattern::Axis;
-use crate::rig::Rig;
+use crate::rig::{Projector, Rig};
 
 /// A rig's devices, and how a point in space would be matched by them.
 #[derive(Debug, Clone)]
@@ -28,11 +28,11 @@ impl Probe {
         if !(sigma_px.is_finite() && sigma_px >= 0.0) {
             return Err(Error::invalid("the noise of matches", "zero or more pixels", sigma_px));
         }
-        let (projector, stereo) = rig.lit()?;
+        let Projector { device, from_camera } = rig.require_projector()?;
         Ok(Self {
             camera: rig.camera.model,
-            projector: projector.model,
-            projector_from_camera: stereo.projector_from_camera,
+            projector: device.model,
+            projector_from_camera: from_camera.pose,
             axis,
             sigma_px,
         })

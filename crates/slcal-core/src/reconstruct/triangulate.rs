@@ -12,7 +12,7 @@ use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::error::{Error, Result};
 use crate::geometry::Camera;
 use crate::matches::{Match, Matches};
-use crate::rig::Rig;
+use crate::rig::{Projector, Rig};
 use crate::solve::median;
 
 /// Which intersections are taken.
@@ -196,7 +196,7 @@ impl Triangulator {
     /// [`Error::Invalid`] for a rig without a projector or a configuration out of range.
     pub fn new(rig: &Rig, config: TriangulateConfig) -> Result<Self> {
         config.validate()?;
-        let (projector, stereo) = rig.lit()?;
+        let Projector { device, from_camera } = rig.require_projector()?;
         let camera = rig.camera.model;
         let k = &camera.intrinsics;
         Ok(Self {
@@ -204,12 +204,7 @@ impl Triangulator {
             camera,
             bent: !camera.distortion.is_none(),
             by_pixel: Matrix2::new(1.0 / k.fx, -k.skew / (k.fx * k.fy), 0.0, 1.0 / k.fy),
-            light: Light::new(
-                projector.model,
-                stereo.projector_from_camera,
-                config.min_angle_rad,
-                config.panel_margin,
-            ),
+            light: Light::new(device.model, from_camera.pose, config.min_angle_rad, config.panel_margin),
             depth_mm: config.depth_mm(),
             rig: RigSigma::of(rig),
             on_lines: true,

@@ -16,7 +16,7 @@ fn distorted() -> Rig {
     let mut rig = test_rig();
     rig.camera.model.distortion = Distortion { k1: -0.12, k2: 0.03, p1: 1e-3, p2: -5e-4, k3: 0.0 };
     rig.camera.model.intrinsics = Intrinsics { fx: 1500.0, fy: 1480.0, skew: 1.5, cx: 700.0, cy: 420.0 };
-    let projector = &mut rig.projector.as_mut().unwrap().model;
+    let projector = &mut rig.projector.as_mut().unwrap().device.model;
     projector.distortion = Distortion { k1: 0.05, k2: -0.02, p1: 1e-3, p2: 1e-3, k3: 0.0 };
     projector.intrinsics = Intrinsics { fx: 1700.0, fy: 1690.0, skew: -0.7, cx: 511.5, cy: 768.0 };
     rig
@@ -36,8 +36,8 @@ fn world() -> Vec<Point3<f64>> {
 }
 
 fn see(rig: &Rig, x: &Point3<f64>) -> Match {
-    let p = rig.stereo.unwrap().projector_from_camera.transform(x);
-    let on_panel = rig.projector.unwrap().model.project(&p).unwrap();
+    let p = rig.projector.unwrap().from_camera.pose.transform(x);
+    let on_panel = rig.projector.unwrap().device.model.project(&p).unwrap();
     Match {
         camera: rig.camera.model.project(x).unwrap(),
         projector_column: Some(on_panel.x),
@@ -74,7 +74,7 @@ fn a_row_that_tells_no_depth_does_no_harm() {
     let names = ["camera.focal_px", "projector.cy_px", "projector_from_camera.ty_mm"];
     let parameters = names.map(String::from).to_vec();
     rig.covariance = Some(Covariance { parameters, matrix: DMatrix::identity(3, 3) });
-    let pose = &mut rig.stereo.as_mut().unwrap().projector_from_camera;
+    let pose = &mut rig.projector.as_mut().unwrap().from_camera.pose;
     pose.rotation = Rotation3::identity();
     pose.translation = Vector3::new(-100.0, 0.0, 0.0);
     let both: Vec<Match> = world().iter().map(|x| see(&rig, x)).collect();
@@ -297,11 +297,11 @@ fn moved(rig: &Rig, d: &DVector<f64>) -> Rig {
         c.distortion = Distortion::from_array(k);
     };
     let mut out = rig.clone();
-    let pose = &mut out.stereo.as_mut().unwrap().projector_from_camera;
+    let pose = &mut out.projector.as_mut().unwrap().from_camera.pose;
     pose.rotation = Rotation3::new(Vector3::new(d[0], d[1], d[2])) * pose.rotation;
     pose.translation += Vector3::new(d[3], d[4], d[5]);
     lens(&mut out.camera.model, &d.as_slice()[7..15]);
-    lens(&mut out.projector.as_mut().unwrap().model, &d.as_slice()[15..]);
+    lens(&mut out.projector.as_mut().unwrap().device.model, &d.as_slice()[15..]);
     out
 }
 

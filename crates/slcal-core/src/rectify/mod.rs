@@ -65,8 +65,7 @@ pub fn rectify(
     top_left: Point2<f64>,
     bottom_right: Point2<f64>,
 ) -> Result<Rectification> {
-    let projector =
-        rig.projector.as_ref().ok_or_else(|| Error::invalid("rig", "one with a projector", "none"))?;
+    let projector = rig.require_projector()?.device.model;
     let chosen = rig.views.get(view).ok_or_else(|| {
         Error::invalid("view", "a view of the sheet in the rig", format!("{view} of {}", rig.views.len()))
     })?;
@@ -78,8 +77,8 @@ pub fn rectify(
     }
     let r = pose.rotation.matrix();
     let columns = [r.column(0).into_owned(), r.column(1).into_owned(), pose.translation];
-    let h = projector.model.intrinsics.matrix() * Matrix3::from_columns(&columns);
-    let [left, right, top, bottom] = straight_panel(&projector.model)?;
+    let h = projector.intrinsics.matrix() * Matrix3::from_columns(&columns);
+    let [left, right, top, bottom] = straight_panel(&projector)?;
     let size = chosen.size;
     let row = |i: usize| h.row(i).transpose();
     // In front of the projector by a small part of its distance, so that the horizon itself is outside.
@@ -116,8 +115,7 @@ pub fn rectify(
         Point2::new(top_left.x, bottom_right.y),
     ];
     let pairs: Vec<_> = source_corners.into_iter().zip(on_sheet).collect();
-    let panel_from_source =
-        Warp::onto(&projector.model, Homography(h).compose(&homography_from_points(&pairs)?));
+    let panel_from_source = Warp::onto(&projector, Homography(h).compose(&homography_from_points(&pairs)?));
     let mut corners_px = [Point2::origin(); 4];
     for (corner, c) in corners_px.iter_mut().zip(source_corners) {
         *corner = panel_from_source
@@ -251,7 +249,7 @@ mod tests {
         let straight = rectify(&rig, 0, a, b).unwrap();
         for k1 in [-0.1, 0.1] {
             let mut projector = rig.projector.unwrap();
-            projector.model.distortion = Distortion { k1, ..Distortion::NONE };
+            projector.device.model.distortion = Distortion { k1, ..Distortion::NONE };
             rig.projector = Some(projector);
             let found = rectify(&rig, 0, a, b).unwrap();
             // Not much of the sheet is given away.
@@ -267,7 +265,7 @@ mod tests {
                         .unwrap();
                     assert!(q.x > -0.501 && q.x < 1023.501 && q.y > -0.501 && q.y < 767.501, "{q}");
                     // Where the projector's light of that pixel falls on the sheet.
-                    let ray = pose.inverse().rotation * projector.model.bearing(q).unwrap();
+                    let ray = pose.inverse().rotation * projector.device.model.bearing(q).unwrap();
                     let centre = pose.inverse().translation;
                     let on_sheet = centre - ray * (centre.z / ray.z);
                     let size = Vector2::new(found.size_mm.width_mm, found.size_mm.height_mm);

@@ -4,7 +4,7 @@ use image::RgbImage;
 use nalgebra::Point2;
 
 use super::{Rectification, rectify, rectify_checker};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::pattern::{CheckerPattern, warp_image};
 use crate::rig::Rig;
 
@@ -16,7 +16,7 @@ use crate::rig::Rig;
 pub fn rectify_picture(rig: &Rig, view: usize, picture: &RgbImage) -> Result<(RgbImage, Rectification)> {
     let (w, h) = (f64::from(picture.width()), f64::from(picture.height()));
     let place = rectify(rig, view, Point2::new(-0.5, -0.5), Point2::new(w - 0.5, h - 0.5))?;
-    let projector = rig.projector.ok_or_else(|| Error::invalid("rig", "one with a projector", "none"))?.model;
+    let projector = rig.require_projector()?.device.model;
     let panel = [projector.width, projector.height];
     Ok((warp_image(picture, panel, &place.panel_from_source, [0; 3])?, place))
 }
@@ -91,7 +91,7 @@ mod tests {
         let other = CheckerPattern::new([800, 600], &CheckerConfig::default()).unwrap();
         let error = rectify_checker_picture(&rig, 0, &other).unwrap_err().to_string();
         assert!(error.contains("1024x768") && error.contains("800x600"), "{error}");
-        let alone = Rig { projector: None, stereo: None, ..rig };
+        let alone = Rig { projector: None, ..rig };
         assert!(rectify_checker_picture(&alone, 0, &pattern).is_err());
         assert!(rectify_picture(&alone, 0, &drawn).is_err());
     }

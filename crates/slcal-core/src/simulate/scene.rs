@@ -9,7 +9,7 @@ use super::rig_config::RigConfig;
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, Pose, RectangleSize};
 use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
-use crate::rig::{Device, Rig, StereoPose, View};
+use crate::rig::{Device, Projector, Rig, View};
 
 /// Observations without noise still need a σ: so small that nothing else matters, so large that rounding does not.
 const SMALLEST_SIGMA_PX: f64 = 1e-6;
@@ -273,11 +273,9 @@ impl Scene {
         });
         Rig {
             camera: device(self.camera),
-            projector: Some(device(self.projector)),
-            stereo: Some(StereoPose {
-                projector_from_camera: self.projector_from_camera,
-                sigma_t_mm: None,
-                sigma_r_rad: None,
+            projector: Some(Projector {
+                device: device(self.projector),
+                from_camera: self.projector_from_camera.into(),
             }),
             views: views.collect(),
             method: "truth".into(),

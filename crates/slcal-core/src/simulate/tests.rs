@@ -120,8 +120,8 @@ fn the_true_rig_sees_the_true_cube() {
     assert!(error.position_percent < 1e-9 && error.length_percent < 1e-9, "{error:?}");
     // A rig in which every length is one per cent too long makes a cube one per cent too large.
     let mut longer = scene.rig();
-    if let Some(stereo) = &mut longer.stereo {
-        stereo.projector_from_camera.translation *= 1.01;
+    if let Some(projector) = &mut longer.projector {
+        projector.from_camera.pose.translation *= 1.01;
     }
     let error = cube.error(&longer, 0.0, &mut Draws::new(1, 0)).unwrap().unwrap();
     assert!((error.length_percent - 1.0).abs() < 1e-9, "{error:?}");
@@ -148,8 +148,8 @@ fn the_bound_is_proportional_to_noise_and_equals_the_estimators_covariance() {
     // The robust loss may cost 5 % of the variance.
     let near = |a: f64, b: f64| assert!((0.999..1.027).contains(&(a / b)), "{a} {b}");
     near(rig.camera.sigma.unwrap().focal_px, one.camera_focal_px);
-    near(rig.projector.unwrap().sigma.unwrap().focal_px, one.projector_focal_px);
-    let t = rig.stereo.unwrap().sigma_t_mm.unwrap().map(|s| s * s).iter().sum::<f64>().sqrt();
+    near(rig.projector.unwrap().device.sigma.unwrap().focal_px, one.projector_focal_px);
+    let t = rig.projector.unwrap().from_camera.sigma_t_mm.unwrap().map(|s| s * s).iter().sum::<f64>().sqrt();
     near(t, one.translation_mm);
 }
 

@@ -11,7 +11,7 @@ use crate::calibrate::{CalibrateConfig, calibrate_observations};
 use crate::error::Error;
 use crate::geometry::{Camera, Plane, Pose, Ray};
 use crate::observations::{Observations, SheetObservation};
-use crate::rig::{Rig, Verdict};
+use crate::rig::{Projector, Rig, Verdict};
 
 /// What is collected over the draws of one method at one level.
 #[derive(Debug, Default)]
@@ -52,13 +52,13 @@ impl Tally {
                 return;
             }
         };
-        let (Some(projector), Some(stereo)) = (rig.projector, rig.stereo) else {
+        let Some(Projector { device: projector, from_camera }) = rig.projector else {
             self.failed += 1;
             return;
         };
         let verdict = rig.quality.as_ref().map(|q| q.verdict);
         self.refused += usize::from(verdict == Some(Verdict::Degenerate));
-        let pose = stereo.projector_from_camera;
+        let pose = from_camera.pose;
         let off = pose.translation - scene.projector_from_camera.translation;
         self.camera_focal.push([rig.camera.model.intrinsics.fx - scene.camera.intrinsics.fx]);
         self.projector_focal.push([projector.model.intrinsics.fx - scene.projector.intrinsics.fx]);

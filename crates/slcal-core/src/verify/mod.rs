@@ -25,7 +25,7 @@ use crate::estimate::model::Model;
 use crate::estimate::residual::lit_point;
 use crate::geometry::{Pose, RectangleSize};
 use crate::observations::{Observations, ViewObservation};
-use crate::rig::Rig;
+use crate::rig::{Projector, Rig};
 
 use posterior_fit::{Past, Scene, Weights};
 
@@ -112,8 +112,7 @@ pub fn verify(
     config: &VerifyConfig,
 ) -> Result<Verification> {
     config.validate()?;
-    let projector =
-        rig.projector.as_ref().ok_or_else(|| Error::invalid("rig", "one with a projector", "none"))?.model;
+    let projector = rig.require_projector()?.device.model;
     if !(aspect.is_finite() && aspect > 0.0 && outline_px.iter().all(|p| p.x.is_finite() && p.y.is_finite()))
     {
         return Err(Error::invalid("outline", "four finite corners and a positive aspect", aspect));
@@ -218,7 +217,7 @@ pub fn expected_corner(
     camera_from_sheet: &Pose,
     projector_px: Point2<f64>,
 ) -> Option<Point2<f64>> {
-    let (projector, stereo) = (rig.projector.as_ref()?, rig.stereo.as_ref()?);
-    let lit = lit_point(&projector.model, &stereo.projector_from_camera, camera_from_sheet, projector_px)?;
+    let Projector { device, from_camera } = rig.projector.as_ref()?;
+    let lit = lit_point(&device.model, &from_camera.pose, camera_from_sheet, projector_px)?;
     rig.camera.model.project(&lit)
 }

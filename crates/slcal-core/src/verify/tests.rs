@@ -237,7 +237,7 @@ fn what_cannot_be_compared_is_said() {
     let rig = calibrated(&model, &mut rng);
     let seen = photograph(&model, &mut rng);
     let with = |rig: &Rig, seen: &ViewObservation| verify(rig, seen, &panel(), 1.0, &VerifyConfig::default());
-    let alone = Rig { projector: None, stereo: None, ..rig.clone() };
+    let alone = Rig { projector: None, ..rig.clone() };
     assert!(with(&alone, &seen).unwrap_err().to_string().contains("projector"));
     let few = ViewObservation { pairs: seen.pairs[..3].to_vec(), ..seen.clone() };
     assert!(with(&rig, &few).is_err());

@@ -9,7 +9,7 @@ mod view;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use slcal_core::format::{read_rig, report_json, write_rig};
-use slcal_core::{CalibrationReport, StereoPose};
+use slcal_core::{CalibrationReport, Projector, StereoPose};
 
 pub(crate) use view::{Covariance, View};
 
@@ -100,19 +100,25 @@ impl Rig {
         projector_from_camera: Option<&Pose>,
         method: Option<String>,
     ) -> PyResult<Self> {
-        if projector.is_some() != projector_from_camera.is_some() {
-            let given = if projector.is_some() { "projector" } else { "projector_from_camera" };
-            let wanted = "both a projector and its projector_from_camera, or neither";
-            return Err(errors::invalid(py, "rig", wanted, &format!("{given} alone")));
-        }
+        let projector = match (projector, projector_from_camera) {
+            (Some(device), Some(p)) => Some(Projector {
+                device: device.0,
+                from_camera: StereoPose {
+                    pose: p.pose,
+                    sigma_t_mm: p.sigma_t_mm,
+                    sigma_r_rad: p.sigma_r_rad,
+                },
+            }),
+            (None, None) => None,
+            (given, _) => {
+                let given = if given.is_some() { "projector" } else { "projector_from_camera" };
+                let wanted = "both a projector and its projector_from_camera, or neither";
+                return Err(errors::invalid(py, "rig", wanted, &format!("{given} alone")));
+            }
+        };
         let rig = slcal_core::Rig {
             camera: camera.0,
-            projector: projector.map(|p| p.0),
-            stereo: projector_from_camera.map(|p| StereoPose {
-                projector_from_camera: p.pose,
-                sigma_t_mm: p.sigma_t_mm,
-                sigma_r_rad: p.sigma_r_rad,
-            }),
+            projector,
             views: Vec::new(),
             method: method.unwrap_or_else(|| "external".to_owned()),
             quality: None,
@@ -130,17 +136,14 @@ impl Rig {
     /// The projector; None when the camera alone was calibrated.
     #[getter]
     fn projector(&self) -> Option<Camera> {
-        self.rig.projector.map(Camera)
+        self.rig.projector.map(|p| Camera(p.device))
     }
 
     /// X_projector = R · X_camera + t, mm; None without a projector.
     #[getter]
     fn projector_from_camera(&self) -> Option<Pose> {
-        self.rig.stereo.as_ref().map(|s| Pose {
-            pose: s.projector_from_camera,
-            sigma_t_mm: s.sigma_t_mm,
-            sigma_r_rad: s.sigma_r_rad,
-        })
+        let StereoPose { pose, sigma_t_mm, sigma_r_rad } = self.rig.projector?.from_camera;
+        Some(Pose { pose, sigma_t_mm, sigma_r_rad })
     }
 
     /// The poses of the sheet that it was calibrated from.

@@ -4,7 +4,7 @@ use nalgebra::Matrix3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use slcal_core::geometry::{self, Distortion, Intrinsics};
-use slcal_core::{Device, Rig, StereoPose};
+use slcal_core::{Device, Projector, Rig, StereoPose};
 
 use crate::convert::array::{matrix_of, rows, shaped};
 use crate::convert::option::whole_pair;
@@ -17,8 +17,7 @@ const NAMES: [&str; 8] =
 /// See `Rig.to_opencv`.
 pub(super) fn to_opencv<'py>(py: Python<'py>, rig: &Rig) -> PyResult<Bound<'py, PyDict>> {
     let parameters = PyDict::new(py);
-    for (name, device) in [("camera", Some(&rig.camera)), ("projector", rig.projector.as_ref())] {
-        let Some(Device { model, .. }) = device else { continue };
+    for (name, Device { model, .. }) in rig.devices() {
         let k = model.intrinsics.matrix();
         parameters.set_item(format!("{name}_K"), rows(py, k.row_iter().map(|r| [r[0], r[1], r[2]]))?)?;
         parameters
@@ -26,7 +25,7 @@ pub(super) fn to_opencv<'py>(py: Python<'py>, rig: &Rig) -> PyResult<Bound<'py, 
         let size = vec![i64::from(model.width), i64::from(model.height)];
         parameters.set_item(format!("{name}_size"), shaped(py, size, &[2])?)?;
     }
-    if let Some(StereoPose { projector_from_camera: pose, .. }) = &rig.stereo {
+    if let Some(Projector { from_camera: StereoPose { pose, .. }, .. }) = &rig.projector {
         let r = pose.rotation.matrix();
         parameters.set_item("R", rows(py, r.row_iter().map(|r| [r[0], r[1], r[2]]))?)?;
         parameters.set_item("t", shaped(py, pose.translation.as_slice().to_vec(), &[3, 1])?)?;
@@ -68,22 +67,18 @@ pub(super) fn from_opencv(
             Some(values) => distortion_of(&values)?,
             None => Distortion::NONE,
         };
-        Ok(Device { model: geometry::Camera { width, height, intrinsics, distortion }, sigma: None })
+        Ok(Device::from(geometry::Camera { width, height, intrinsics, distortion }))
     };
     let camera = device("camera")?;
     let names_of_projector = &NAMES[3..];
     let with_projector =
         names_of_projector.iter().try_fold(false, |any, n| get(n).map(|v| any || v.is_some()))?;
-    let (projector, stereo) = if with_projector {
-        let stereo = StereoPose {
-            projector_from_camera: pose_of(py, &needed("R")?, &needed("t")?)?,
-            sigma_t_mm: None,
-            sigma_r_rad: None,
-        };
-        (Some(device("projector")?), Some(stereo))
+    let projector = if with_projector {
+        let from_camera = pose_of(py, &needed("R")?, &needed("t")?)?.into();
+        Some(Projector { device: device("projector")?, from_camera })
     } else {
-        (None, None)
+        None
     };
     let method = "opencv".to_owned();
-    Ok(Rig { camera, projector, stereo, views: Vec::new(), method, quality: None, covariance: None })
+    Ok(Rig { camera, projector, views: Vec::new(), method, quality: None, covariance: None })
 }

@@ -41,7 +41,7 @@ pub(super) fn in_a_line(rig: &Rig) -> String {
     }
     let _ = write!(text, "camera {}", focal(&rig.camera));
     if let Some(projector) = &rig.projector {
-        let _ = write!(text, ", projector {}", focal(projector));
+        let _ = write!(text, ", projector {}", focal(&projector.device));
     }
     if let Some(baseline) = baseline(rig) {
         let _ = write!(text, ", baseline {baseline}");
@@ -67,11 +67,9 @@ pub(super) fn as_html(rig: &Rig) -> String {
     if let Some(q) = &rig.quality {
         row("verdict", q.verdict.name());
     }
-    for (label, device) in [("camera", Some(&rig.camera)), ("projector", rig.projector.as_ref())] {
-        if let Some(device) = device {
-            let k = &device.model.intrinsics;
-            row(label, &format!("{}, principal point {:.1}, {:.1}", focal(device), k.cx, k.cy));
-        }
+    for (label, device) in rig.devices() {
+        let k = &device.model.intrinsics;
+        row(label, &format!("{}, principal point {:.1}, {:.1}", focal(device), k.cx, k.cy));
     }
     if let Some(baseline) = baseline(rig) {
         row("baseline", &baseline);

@@ -6,7 +6,7 @@ use maud::html;
 use nalgebra::{Point2, Point3};
 use serde_json::{Value, json};
 use slcal_core::geometry::{Camera, Pose};
-use slcal_core::{Rig, View};
+use slcal_core::{Projector, Rig, View};
 
 use super::ShownCloud;
 use super::figure::{Figures, packed};
@@ -26,16 +26,16 @@ pub(super) fn section(rig: &Rig, beside: Option<&ShownCloud>, figures: &mut Figu
         (true, None) => rig.baseline_mm().map_or(NOTHING_SEEN_MM, |b| 3.0 * b),
     };
     let mut traces = pyramid("camera", "$camera", &rig.camera.model, &Pose::identity(), PYRAMID * distance);
-    if let (Some(projector), Some(stereo)) = (&rig.projector, &rig.stereo) {
-        let camera_from_projector = stereo.projector_from_camera.inverse();
+    if let Some(Projector { device, from_camera }) = &rig.projector {
+        let camera_from_projector = from_camera.pose.inverse();
         traces.extend(pyramid(
             "projector",
             "$projector",
-            &projector.model,
+            &device.model,
             &camera_from_projector,
             PYRAMID * distance,
         ));
-        let centre = stereo.projector_from_camera.centre();
+        let centre = from_camera.pose.centre();
         traces.push(lines("baseline", "$ink", &[vec![Point3::origin(), centre]], "dash"));
     }
     for (i, view) in rig.views.iter().enumerate() {

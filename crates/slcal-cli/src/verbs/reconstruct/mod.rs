@@ -266,7 +266,7 @@ pub(in crate::verbs) fn make_folder(folder: &Path) -> Outcome {
 /// Refuses a rig without a projector.
 pub(super) fn with_projector(rig: &Rig, path: &Path) -> Outcome {
     match rig.projector {
-        Some(p) => check_panel(path, [p.model.width, p.model.height], path, rig),
+        Some(p) => check_panel(path, [p.device.model.width, p.device.model.height], path, rig),
         None => check_panel(path, [0, 0], path, rig),
     }
 }

@@ -84,8 +84,8 @@ pub fn residuals(rig: &Rig, observations: &Observations) -> Result<Vec<ViewResid
     belong_together(rig, observations)?;
     let model = Model {
         camera: rig.camera.model,
-        projector: rig.projector.map(|p| p.model),
-        projector_from_camera: rig.stereo.map_or(Pose::identity(), |s| s.projector_from_camera),
+        projector: rig.projector.map(|p| p.device.model),
+        projector_from_camera: rig.projector.map_or(Pose::identity(), |p| p.from_camera.pose),
         views: rig.views.iter().map(|v| v.camera_from_sheet).collect(),
     };
     let layout = Layout::new(&CalibrateConfig::default(), rig.projector.is_some(), rig.views.len());
@@ -105,7 +105,7 @@ pub fn residuals(rig: &Rig, observations: &Observations) -> Result<Vec<ViewResid
 
 fn belong_together(rig: &Rig, observations: &Observations) -> Result<()> {
     let size = |d: &Camera| [d.width, d.height];
-    let expected = (rig.views.len(), size(&rig.camera.model), rig.projector.map(|p| size(&p.model)));
+    let expected = (rig.views.len(), size(&rig.camera.model), rig.projector.map(|p| size(&p.device.model)));
     let found = (observations.views.len(), observations.camera, observations.projector);
     if expected == found {
         return Ok(());

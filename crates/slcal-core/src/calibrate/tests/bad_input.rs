@@ -160,7 +160,7 @@ fn a_wrong_label_is_outvoted() {
             for other in [(k + 1) % n, (k + n / 2) % n] {
                 o.views[0].pairs[k].projector = clean.views[0].pairs[other].projector;
                 let c = calibrate_observations(&o, &exact()).unwrap();
-                let (p, q) = (c.rig.projector.unwrap(), expected.rig.projector.unwrap());
+                let (p, q) = (c.rig.projector.unwrap().device, expected.rig.projector.unwrap().device);
                 let off = (p.model.intrinsics.fx - q.model.intrinsics.fx).abs() / q.sigma.unwrap().focal_px;
                 assert!(off < 1.0, "{views} views, corner {k} as {other}: {off} σ");
                 assert!(c.report.corner_inliers < 1.0, "{views} views, corner {k} as {other} was kept");

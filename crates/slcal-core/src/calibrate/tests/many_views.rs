@@ -20,7 +20,7 @@ fn calibrated(o: &Observations, projector_distortion: DistortionModel) -> Rig {
 
 /// The error of the projector's focal length, in per cent and in its own σ.
 fn projector_focal_error(rig: &Rig) -> (f64, f64) {
-    let p = rig.projector.unwrap();
+    let p = rig.projector.unwrap().device;
     let off = p.model.intrinsics.fx - 1700.0;
     (off / 17.0, off / p.sigma.unwrap().focal_px)
 }
@@ -36,7 +36,7 @@ fn the_projectors_distortion_is_found_and_biases_where_it_is_left_out() {
     let o = with_edges(o, &truth, 40, 0.1, &mut rng);
     for model in [DistortionModel::Auto, DistortionModel::K1, DistortionModel::Full] {
         let found = calibrated(&o, model);
-        let p = found.projector.unwrap();
+        let p = found.projector.unwrap().device;
         let sigma = p.sigma.unwrap().distortion[0];
         let off = (p.model.distortion.k1 + 0.08) / sigma;
         assert!(sigma > 0.0 && sigma < 0.02 && off.abs() < 3.0, "{model:?}: {off} σ of {sigma}");
@@ -48,7 +48,7 @@ fn the_projectors_distortion_is_found_and_biases_where_it_is_left_out() {
         assert!(found.camera.model.distortion.is_none());
     }
     // Left out, it moves the principal point, far beyond what σ says.
-    let p = calibrated(&o, DistortionModel::None).projector.unwrap();
+    let p = calibrated(&o, DistortionModel::None).projector.unwrap().device;
     let off = p.model.intrinsics.cy - 768.0;
     assert!(off.abs() > 20.0 && off.abs() > 10.0 * p.sigma.unwrap().cy_px, "{off} px");
 }
@@ -57,9 +57,9 @@ fn the_projectors_distortion_is_found_and_biases_where_it_is_left_out() {
 fn a_projector_without_distortion_is_left_without_and_two_views_do_not_ask() {
     let truth = rig(768.0, ten_poses());
     let mut o = observe(&truth, 0.2, 0.1, &mut rng(6));
-    assert!(calibrated(&o, DistortionModel::Auto).projector.unwrap().model.distortion.is_none());
+    assert!(calibrated(&o, DistortionModel::Auto).projector.unwrap().device.model.distortion.is_none());
     o.views.truncate(2);
-    assert!(calibrated(&o, DistortionModel::Auto).projector.unwrap().model.distortion.is_none());
+    assert!(calibrated(&o, DistortionModel::Auto).projector.unwrap().device.model.distortion.is_none());
     let asking = CalibrateConfig { projector_distortion: DistortionModel::K1, ..CalibrateConfig::default() };
     let error = calibrate_observations(&o, &asking).unwrap_err();
     assert!(error.to_string().contains("three photographs"), "{error}");
@@ -81,7 +81,10 @@ fn the_order_of_the_photographs_does_not_matter() {
     for order in orders {
         let views = order.iter().map(|&i| o.views[i].clone()).collect();
         let other = calibrate_observations(&Observations { views, ..o.clone() }, &config).unwrap().rig;
-        let pairs = [(first.camera, other.camera), (first.projector.unwrap(), other.projector.unwrap())];
+        let pairs = [
+            (first.camera, other.camera),
+            (first.projector.unwrap().device, other.projector.unwrap().device),
+        ];
         for (a, b) in pairs {
             assert!((a.model.intrinsics.matrix() - b.model.intrinsics.matrix()).amax() < 1e-9 * 1e3);
             let lens = a.model.distortion.to_array().into_iter().zip(b.model.distortion.to_array());
@@ -89,7 +92,7 @@ fn the_order_of_the_photographs_does_not_matter() {
             let [a, b] = [a, b].map(|d| d.sigma.unwrap().focal_px);
             assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
         }
-        let [a, b] = [&first, &other].map(|r| r.stereo.unwrap().projector_from_camera);
+        let [a, b] = [&first, &other].map(|r| r.projector.unwrap().from_camera.pose);
         assert!(a.turn_from(&b).norm() < 1e-9);
         assert!((a.translation - b.translation).norm() < 1e-9 * a.translation.norm());
         for (k, &i) in order.iter().enumerate() {

@@ -9,7 +9,7 @@ use crate::calibrate::initial_guess::metric::{centred, focal_from_homographies};
 use crate::calibrate::two_vp::{focal, vanishing_points_of_quad};
 use crate::calibrate::{CalibrateConfig, PrincipalPointRule, calibrate_observations, maximum_likelihood};
 use crate::observations::Observations;
-use crate::rig::{Device, Rig};
+use crate::rig::{Device, Projector, Rig};
 use crate::solve::{homography_from_points, robust_scale};
 
 const DRAWS: usize = 200;
@@ -170,14 +170,13 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         let o = observe(&truth, 0.2, 0.1, &mut rng);
         let found: Rig = calibrate_observations(&o, &CalibrateConfig::default()).unwrap().rig;
         let holds = |d: &Device, f: f64| (d.model.intrinsics.fx - f).abs() < 1.96 * d.sigma.unwrap().focal_px;
-        let p = found.projector.unwrap();
+        let Projector { device: p, from_camera } = found.projector.unwrap();
         held[0] += u32::from(holds(&found.camera, 1500.0));
         held[1] += u32::from(holds(&p, 1700.0));
         let cy = (p.model.intrinsics.cy - 768.0).abs() < 1.96 * p.sigma.unwrap().cy_px;
         held[2] += u32::from(cy);
-        let stereo = found.stereo.unwrap();
-        let off = stereo.projector_from_camera.translation - truth.projector_from_camera.translation;
-        held[3] += u32::from(off.x.abs() < 1.96 * stereo.sigma_t_mm.unwrap()[0]);
+        let off = from_camera.pose.translation - truth.projector_from_camera.translation;
+        held[3] += u32::from(off.x.abs() < 1.96 * from_camera.sigma_t_mm.unwrap()[0]);
     }
     // 95 % of 300 with three binomial σ (1.26 %) on either side.
     for count in held {

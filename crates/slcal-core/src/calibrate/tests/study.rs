@@ -151,7 +151,7 @@ pub(crate) fn errors(found: &Rig, truth: &Model) -> Vec<Off> {
     };
     lens(["f_cam", "cx_cam", "cy_cam", "k1", "k2"], &found.camera, &truth.camera);
     if let (Some(d), Some(t)) = (&found.projector, &truth.projector) {
-        lens(["f_proj", "cx_proj", "cy_proj", "", ""], d, t);
+        lens(["f_proj", "cx_proj", "cy_proj", "", ""], &d.device, t);
         let error = found.baseline_mm().unwrap() - truth.projector_from_camera.translation.norm();
         all.push(Off { name: "baseline", error, sigma: found.baseline_sigma_mm().unwrap() });
     }

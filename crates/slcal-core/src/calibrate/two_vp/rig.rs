@@ -16,7 +16,7 @@ use crate::estimate::model::principal_point;
 use crate::estimate::residual::lit_point;
 use crate::geometry::{Camera, Homography};
 use crate::observations::{Observations, SheetObservation, ViewObservation};
-use crate::rig::{Device, DeviceSigma, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning};
+use crate::rig::{Device, DeviceSigma, Projector, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning};
 
 /// Residuals this many times the noise say that the assumptions (centred principal points, no distortion) do not hold.
 const MISFIT: f64 = 10.0;
@@ -232,16 +232,18 @@ fn assemble(
     };
     let camera_sigma = if known.is_some() { 0.0 } else { sigma[0] };
     let camera = known.unwrap_or(output.camera);
-    let stereo = output.projector.map(|(_, pose)| StereoPose {
-        projector_from_camera: pose,
-        sigma_r_rad: Some(std::array::from_fn(|k| sigma[TURN + k])),
-        sigma_t_mm: Some(std::array::from_fn(|k| sigma[SHIFT + k])),
+    let projector = output.projector.map(|(model, pose)| Projector {
+        device: device(model, sigma[1]),
+        from_camera: StereoPose {
+            pose,
+            sigma_r_rad: Some(std::array::from_fn(|k| sigma[TURN + k])),
+            sigma_t_mm: Some(std::array::from_fn(|k| sigma[SHIFT + k])),
+        },
     });
     let projector_from_sheet = output.projector.map(|(_, pose)| pose.compose(&output.sheet));
     Rig {
         camera: device(camera, camera_sigma),
-        projector: output.projector.map(|(p, _)| device(p, sigma[1])),
-        stereo,
+        projector,
         views: vec![View {
             photo: None,
             size: input.size,

@@ -133,8 +133,8 @@ fn a_centred_projector_is_found_and_a_shifted_one_is_wrong_and_says_so() {
     let (truth, o) = exact(383.5);
     let c = calibrate_observations(&o, &config).unwrap().rig;
     assert_relative_eq!(c.camera.model.intrinsics.fx, 1500.0, epsilon = 1e-5);
-    assert_relative_eq!(c.projector.unwrap().model.intrinsics.fx, 1700.0, epsilon = 1e-4);
-    let stereo = c.stereo.unwrap().projector_from_camera;
+    assert_relative_eq!(c.projector.unwrap().device.model.intrinsics.fx, 1700.0, epsilon = 1e-4);
+    let stereo = c.projector.unwrap().from_camera.pose;
     assert_relative_eq!(stereo.translation, truth.projector_from_camera.translation, epsilon = 1e-4);
     assert_eq!(c.method, "two-vp");
     let quality = c.quality.unwrap();
@@ -144,7 +144,7 @@ fn a_centred_projector_is_found_and_a_shifted_one_is_wrong_and_says_so() {
     match calibrate_observations(&o, &config) {
         Err(e) => assert!(matches!(e, Error::ImaginaryFocal { device: "projector", .. }), "{e}"),
         Ok(c) => {
-            let f = c.rig.projector.unwrap().model.intrinsics.fx;
+            let f = c.rig.projector.unwrap().device.model.intrinsics.fx;
             assert!((f / 1700.0 - 1.0).abs() > 0.2, "{f}");
             let quality = c.rig.quality.unwrap();
             assert!(quality.warnings.iter().any(|w| w.code == "two-vp-misfit"), "{:?}", quality.warnings);
@@ -163,7 +163,7 @@ fn sigma_is_the_scatter_over_noise() {
     for _ in 0..n {
         let o = observe(&truth, 0.2, 0.1, &mut rng);
         let c = calibrate_observations(&o, &config).unwrap().rig;
-        let (camera, projector) = (c.camera, c.projector.unwrap());
+        let (camera, projector) = (c.camera, c.projector.unwrap().device);
         sums[0] += (camera.model.intrinsics.fx - 1500.0).powi(2);
         sums[1] += (projector.model.intrinsics.fx - 1700.0).powi(2);
         claimed = [camera.sigma.unwrap().focal_px, projector.sigma.unwrap().focal_px];

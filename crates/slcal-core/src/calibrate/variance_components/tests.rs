@@ -107,7 +107,7 @@ fn intervals_hold_the_truth_though_no_noise_was_stated() {
         assert!(done.noise.iter().all(|n| n.redundancy.is_some()), "{:?}", done.noise);
         let holds = |d: &Device, f: f64| (d.model.intrinsics.fx - f).abs() < 1.96 * d.sigma.unwrap().focal_px;
         held[0] += i32::from(holds(&done.calibration.rig.camera, 1500.0));
-        held[1] += i32::from(holds(&done.calibration.rig.projector.unwrap(), 1700.0));
+        held[1] += i32::from(holds(&done.calibration.rig.projector.unwrap().device, 1700.0));
     }
     // 95 % less three binomial σ (1.8 %).
     assert!(held.iter().all(|h| f64::from(*h) / f64::from(n) > 0.895), "{held:?} of {n}");

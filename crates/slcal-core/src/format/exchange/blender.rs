@@ -68,9 +68,9 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
     let mut script = HEAD.to_owned();
     let camera = device("camera", &rig.camera.model, &Pose::identity(), losses)?;
     let _ = writeln!(script, "CAMERA = {camera}");
-    let projector = match (&rig.projector, &rig.stereo) {
-        (Some(d), Some(s)) => device("projector", &d.model, &s.projector_from_camera.inverse(), losses)?,
-        _ => "None".to_owned(),
+    let projector = match &rig.projector {
+        Some(p) => device("projector", &p.device.model, &p.from_camera.pose.inverse(), losses)?,
+        None => "None".to_owned(),
     };
     let _ = writeln!(script, "PROJECTOR = {projector}");
     let to_world = world_from_camera().to_homogeneous() / MM_PER_METRE;

@@ -38,9 +38,9 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
         .enumerate()
         .map(|(i, p)| format!("{} {} {}", number(p.x + HALF_PIXEL), number(p.y + HALF_PIXEL), i + 1));
     let _ = writeln!(images, "{}", seen.collect::<Vec<_>>().join(" "));
-    if let (Some(projector), Some(stereo)) = (&rig.projector, &rig.stereo) {
-        camera_line(&mut cameras, 2, "projector", &projector.model, losses)?;
-        image_line(&mut images, 2, "projector.png", &stereo.projector_from_camera);
+    if let Some(projector) = &rig.projector {
+        camera_line(&mut cameras, 2, "projector", &projector.device.model, losses)?;
+        image_line(&mut images, 2, "projector.png", &projector.from_camera.pose);
         images.push('\n');
     }
     losses.around(rig, Holds { poses: true });
@@ -291,7 +291,7 @@ fn view(corners: &[Point3<f64>], seen: &[Point2<f64>], rig: &Rig) -> Result<View
     let (x, y) = (width / size.width_mm, height / size.height_mm);
     let rotation = Matrix3::from_columns(&[x, y, x.cross(&y)]);
     let pose = Pose::from_matrix(&rotation, corners[0].coords).map_err(|e| wrong(&e))?;
-    let projector_from_sheet = rig.stereo.map(|s| s.projector_from_camera.compose(&pose));
+    let projector_from_sheet = rig.projector.map(|p| p.from_camera.pose.compose(&pose));
     Ok(View {
         photo: None,
         size,
@@ -301,7 +301,7 @@ fn view(corners: &[Point3<f64>], seen: &[Point2<f64>], rig: &Rig) -> Result<View
         projector_vanishing_points: rig
             .projector
             .zip(projector_from_sheet)
-            .map(|(d, pose)| d.model.vanishing_points(&pose)),
+            .map(|(p, pose)| p.device.model.vanishing_points(&pose)),
         corners_px: [seen[0], seen[1], seen[2], seen[3]],
         rms_px: None,
     })

@@ -21,13 +21,12 @@ const MM_PER_METRE: f64 = 1000.0;
 
 pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>> {
     let mut text = "# Metres, pixel centres at integers; cam0 is the camera".to_owned();
-    let pair = rig.projector.as_ref().zip(rig.stereo.as_ref());
-    text.push_str(if pair.is_some() { ", cam1 the projector.\n" } else { ".\n" });
+    text.push_str(if rig.projector.is_some() { ", cam1 the projector.\n" } else { ".\n" });
     chained(&mut text, 0, "camera", &rig.camera.model, losses)?;
-    if let Some((projector, stereo)) = pair {
-        chained(&mut text, 1, "projector", &projector.model, losses)?;
+    if let Some(projector) = &rig.projector {
+        chained(&mut text, 1, "projector", &projector.device.model, losses)?;
         text.push_str("  T_cn_cnm1:\n");
-        let Pose { rotation: r, translation: t } = &stereo.projector_from_camera;
+        let Pose { rotation: r, translation: t } = &projector.from_camera.pose;
         for i in 0..3 {
             let row = [r[(i, 0)], r[(i, 1)], r[(i, 2)], t[i] / MM_PER_METRE];
             let _ = writeln!(text, "  - [{}]", joined(row, ", "));

@@ -5,7 +5,7 @@ use nalgebra::Point2;
 use super::ExchangeFormat;
 use crate::error::{Error, Result};
 use crate::geometry::Camera;
-use crate::rig::{Device, Rig};
+use crate::rig::Rig;
 
 /// Below this nobody could tell the difference, px.
 const NEGLIGIBLE_PX: f64 = 1e-7;
@@ -34,11 +34,12 @@ impl Losses {
 
     /// Tells which of the things around a rig's geometry have no place in the format.
     pub(super) fn around(&mut self, rig: &Rig, holds: Holds) {
-        let devices: Vec<&Device> = std::iter::once(&rig.camera).chain(&rig.projector).collect();
-        let of_pose = rig.stereo.is_some_and(|s| s.sigma_t_mm.is_some() || s.sigma_r_rad.is_some());
+        let of_pose = rig
+            .projector
+            .is_some_and(|p| p.from_camera.sigma_t_mm.is_some() || p.from_camera.sigma_r_rad.is_some());
         let views = if holds.poses { "photographs' names, residuals" } else { "poses of the sheet" };
         let left: Vec<&str> = [
-            (of_pose || devices.iter().any(|d| d.sigma.is_some()), "σ"),
+            (of_pose || rig.devices().any(|(_, d)| d.sigma.is_some()), "σ"),
             (rig.covariance.is_some(), "covariance"),
             (rig.quality.is_some(), "verdict and warnings"),
             (!rig.views.is_empty(), views),

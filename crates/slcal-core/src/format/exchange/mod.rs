@@ -29,7 +29,7 @@ use super::rig_json::exact_pose;
 use super::tree::Expecting;
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, Intrinsics, Pose};
-use crate::rig::{Device, Rig, StereoPose};
+use crate::rig::{Device, Projector, Rig};
 
 /// A format of other programs that holds a rig, or part of one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -179,11 +179,7 @@ pub struct Imported {
 pub fn export_rig(rig: &Rig, format: ExchangeFormat, config: &ExportConfig) -> Result<Export> {
     // Refuses what no file should hold.
     super::write_rig(rig, std::io::sink())?;
-    if rig.projector.is_some() != rig.stereo.is_some() {
-        let expected = "both a projector and projector_from_camera, or neither";
-        return Err(Error::invalid("rig", expected, "one of them"));
-    }
-    for device in std::iter::once(&rig.camera).chain(&rig.projector) {
+    for (_, device) in rig.devices() {
         Intrinsics::from_matrix(&device.model.intrinsics.matrix())?;
     }
     let mut losses = Losses::new(format, config.lossy);
@@ -279,10 +275,7 @@ fn device(
         return Err(Error::invalid(what(), expected, "none"));
     };
     notes.extend(known.notes);
-    Ok(Device {
-        model: Camera { width, height, intrinsics: known.intrinsics, distortion: known.distortion },
-        sigma: None,
-    })
+    Ok(Camera { width, height, intrinsics: known.intrinsics, distortion: known.distortion }.into())
 }
 
 /// A pose as a file has it, mm.
@@ -294,12 +287,7 @@ fn pose_of(r: &Matrix3<f64>, t: Vector3<f64>, expecting: Expecting, place: &str)
 fn plain_rig(camera: Device, projector: Option<(Device, Pose)>, format: ExchangeFormat) -> Rig {
     Rig {
         camera,
-        projector: projector.map(|(device, _)| device),
-        stereo: projector.map(|(_, pose)| StereoPose {
-            projector_from_camera: pose,
-            sigma_t_mm: None,
-            sigma_r_rad: None,
-        }),
+        projector: projector.map(|(device, pose)| Projector { device, from_camera: pose.into() }),
         views: Vec::new(),
         method: format.name().to_owned(),
         quality: None,

@@ -34,7 +34,7 @@ use super::{ExchangeFormat, ExportedFile, ImportConfig, extras, opencv};
 use crate::error::{Error, Result};
 use crate::format::tree::Node;
 use crate::geometry::{Pose, VanishingPoints};
-use crate::rig::{DeviceSigma, Rig, View};
+use crate::rig::{DeviceSigma, Rig, StereoPose, View};
 
 /// Entries and bytes of an entry that are read; a covariance of a hundred views has 3 MB.
 const MOST_ENTRIES: usize = 1000;
@@ -49,7 +49,10 @@ pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
     let numbers = |shape: &[usize], values: Vec<f64>| Array::Numbers(shape.to_vec(), values);
     let devices = [
         (["camera_K", "camera_dist", "camera_size", "camera_sigma"], Some(&rig.camera)),
-        (["projector_K", "projector_dist", "projector_size", "projector_sigma"], rig.projector.as_ref()),
+        (
+            ["projector_K", "projector_dist", "projector_size", "projector_sigma"],
+            rig.projector.as_ref().map(|p| &p.device),
+        ),
     ];
     for (names, device) in devices {
         let Some(device) = device else { continue };
@@ -62,11 +65,10 @@ pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
             arrays.push((names[3], numbers(&[8], values)));
         }
     }
-    if let Some(stereo) = &rig.stereo {
-        let pose = &stereo.projector_from_camera;
+    if let Some(StereoPose { pose, sigma_t_mm, sigma_r_rad }) = rig.projector.map(|p| p.from_camera) {
         arrays.push(("R", numbers(&[3, 3], rows(pose.rotation.matrix()).to_vec())));
         arrays.push(("t", numbers(&[3, 1], pose.translation.as_slice().to_vec())));
-        let sigmas = [("sigma_t_mm", stereo.sigma_t_mm), ("sigma_r_rad", stereo.sigma_r_rad)];
+        let sigmas = [("sigma_t_mm", sigma_t_mm), ("sigma_r_rad", sigma_r_rad)];
         arrays.extend(sigmas.into_iter().filter_map(|(n, s)| Some((n, numbers(&[3], s?.to_vec())))));
     }
     arrays.push(("method", Array::Words(vec![], vec![rig.method.clone()])));

@@ -17,7 +17,7 @@ use crate::error::Result;
 use crate::format::camera::{FIRST, SECOND, device, numbers};
 use crate::format::tree::{Expecting, Node};
 use crate::geometry::Pose;
-use crate::rig::{Device, Rig};
+use crate::rig::{Device, Projector, Rig, StereoPose};
 
 const FILE: Expecting = expecting("OpenCV file");
 /// The map of all that has no name in other programs.
@@ -34,14 +34,13 @@ pub(super) fn export(rig: &Rig, storage: StorageText, losses: &mut Losses) -> Re
     put("image_height", Item::Whole(camera.model.height));
     put("camera_matrix", matrix(camera));
     put("distortion_coefficients", lens(camera));
-    if let (Some(projector), Some(stereo)) = (&rig.projector, &rig.stereo) {
+    if let Some(Projector { device: projector, from_camera: StereoPose { pose, .. } }) = &rig.projector {
         put("projector_width", Item::Whole(projector.model.width));
         put("projector_height", Item::Whole(projector.model.height));
         put("cam_K", matrix(camera));
         put("cam_kc", lens(camera));
         put("proj_K", matrix(projector));
         put("proj_kc", lens(projector));
-        let pose = &stereo.projector_from_camera;
         put("R", Item::Matrix(3, rows(pose.rotation.matrix()).to_vec()));
         put("T", Item::Matrix(1, pose.translation.as_slice().to_vec()));
     }
@@ -53,8 +52,9 @@ pub(super) fn export(rig: &Rig, storage: StorageText, losses: &mut Losses) -> Re
                 .into(),
         );
     }
-    for (name, device) in [("camera", Some(camera)), ("projector", rig.projector.as_ref())] {
-        if let Some(s) = device.map(|d| d.model.intrinsics.skew).filter(|s| *s != 0.0) {
+    for (name, device) in rig.devices() {
+        let s = device.model.intrinsics.skew;
+        if s != 0.0 {
             losses.notes.push(format!(
                 "opencv: the matrices hold the {name}'s skew of {s} px, but cv2.projectPoints and its kin leave it out"
             ));
@@ -78,7 +78,7 @@ pub(super) fn import(bytes: &[u8], config: &ImportConfig, notes: &mut Vec<String
     let root = FILE.parse(text)?;
     let rig = devices(&root, config, ExchangeFormat::OpenCv, FILE, notes)?;
     let Some(node) = root.get(EXTRAS) else {
-        if rig.stereo.is_some() {
+        if rig.projector.is_some() {
             notes.push("T is taken to be in mm".to_owned());
         }
         return Ok(rig);

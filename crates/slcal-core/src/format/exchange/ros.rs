@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::format::camera::{FIRST, device, numbers};
 use crate::format::tree::{Expecting, Node};
 use crate::geometry::{Camera, Intrinsics, Pose};
-use crate::rig::Rig;
+use crate::rig::{Projector, Rig};
 
 const FILE: Expecting = expecting("ROS camera_info");
 const POSE: &str = "projector_from_camera";
@@ -27,9 +27,9 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
         name: "camera.yaml",
         bytes: camera_info("camera", &rig.camera.model, losses)?.into_bytes(),
     }];
-    if let (Some(projector), Some(stereo)) = (&rig.projector, &rig.stereo) {
-        let mut text = camera_info("projector", &projector.model, losses)?;
-        text.push_str(&placed(&stereo.projector_from_camera));
+    if let Some(Projector { device, from_camera }) = &rig.projector {
+        let mut text = camera_info("projector", &device.model, losses)?;
+        text.push_str(&placed(&from_camera.pose));
         files.push(ExportedFile { name: "projector.yaml", bytes: text.into_bytes() });
     }
     losses.around(rig, Holds::default());

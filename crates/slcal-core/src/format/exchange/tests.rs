@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, Matrix3, Point2, Point3, Rotation3, Vector3};
 
 use super::*;
 use crate::geometry::{Distortion, RectangleSize};
-use crate::rig::{Covariance, DeviceSigma, Quality, Verdict, View, ViewRms, Warning};
+use crate::rig::{Covariance, DeviceSigma, Quality, StereoPose, Verdict, View, ViewRms, Warning};
 
 const PHOTO: &str = "it's a \"photo\"\n<né> & 日本 😀 \\ '''.jpg";
 
@@ -52,11 +52,9 @@ fn rig(distortion: [f64; 5], skew: f64) -> Rig {
     };
     Rig {
         camera,
-        projector: Some(projector),
-        stereo: Some(StereoPose {
-            projector_from_camera: quarter(),
-            sigma_t_mm: Some([0.1, 0.2, 0.3]),
-            sigma_r_rad: None,
+        projector: Some(Projector {
+            device: projector,
+            from_camera: StereoPose { pose: quarter(), sigma_t_mm: Some([0.1, 0.2, 0.3]), sigma_r_rad: None },
         }),
         views: vec![view.clone(), View { photo: None, rms_px: None, ..view }],
         method: "ml".into(),
@@ -156,16 +154,20 @@ fn every_format_gives_the_devices_back() {
         let read = back(&exported(&rig, format), None).unwrap();
         assert_eq!(read.format, format);
         assert_eq!(read.rig.camera.model, rig.camera.model, "{format:?}");
-        assert_eq!(read.rig.projector.unwrap().model, rig.projector.unwrap().model, "{format:?}");
-        let (found, pose) = (read.rig.stereo.unwrap().projector_from_camera, quarter());
+        assert_eq!(
+            read.rig.projector.unwrap().device.model,
+            rig.projector.unwrap().device.model,
+            "{format:?}"
+        );
+        let (found, pose) = (read.rig.projector.unwrap().from_camera.pose, quarter());
         assert!((found.rotation.matrix() - pose.rotation.matrix()).amax() < 1e-15, "{format:?}");
         assert!((found.translation - pose.translation).amax() < 1e-13, "{format:?}");
-        let alone = Rig { projector: None, stereo: None, ..rig };
+        let alone = Rig { projector: None, ..rig };
         let export = exported(&alone, format);
         assert!(export.files.len() == if format == ExchangeFormat::Colmap { 3 } else { 1 });
         let read = back(&export, Some(format)).unwrap();
         assert_eq!(read.rig.camera.model, alone.camera.model, "{format:?}");
-        assert!(read.rig.projector.is_none() && read.rig.stereo.is_none());
+        assert!(read.rig.projector.is_none());
     }
 }
 
@@ -280,8 +282,8 @@ fn colmap_models_of_other_programs() {
     let read =
         import("5 SIMPLE_RADIAL 640 480 800 320 240 0.1\n4 SIMPLE_PINHOLE 64 48 80 32 24", images).unwrap();
     assert_eq!(read.rig.camera.model.intrinsics.cx, 31.5);
-    assert_eq!(read.rig.projector.unwrap().model.distortion.k1, 0.1);
-    assert_eq!(read.rig.stereo.unwrap().projector_from_camera.translation, Vector3::new(1.0, 0.0, 0.0));
+    assert_eq!(read.rig.projector.unwrap().device.model.distortion.k1, 0.1);
+    assert_eq!(read.rig.projector.unwrap().from_camera.pose.translation, Vector3::new(1.0, 0.0, 0.0));
     assert_eq!(read.notes.len(), 2);
     assert!(import("1 RADIAL 640 480 800 320 240 0.1 0.2", "").is_ok(), "a camera alone needs no image");
     for (cameras, images, words) in [
@@ -408,8 +410,6 @@ fn rigs_that_no_file_should_hold_are_refused() {
         let mut broken = rig(NO_LENS, 0.0);
         broken.camera.model.intrinsics.fy = -1.0;
         assert!(matches!(refused(&broken), Error::Invalid { .. }));
-        let broken = Rig { stereo: None, ..rig(NO_LENS, 0.0) };
-        assert!(matches!(refused(&broken), Error::Invalid { .. }));
         let mut huge = rig(NO_LENS, 0.0);
         huge.camera.model.intrinsics = Intrinsics { fx: 1e300, fy: 1e300, skew: 0.0, cx: -1e300, cy: -4.5 };
         if format != ExchangeFormat::Blender {
@@ -463,8 +463,8 @@ fn files_of_other_programs() {
                 T: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ 100., 2., 3. ]\nstereo_error: 0.25\n";
     let read = import(pair, &config).unwrap();
     assert_eq!(read.rig.camera.model.distortion.k1, 0.1);
-    assert_eq!(read.rig.projector.unwrap().model.intrinsics.cy, 900.0);
-    assert_eq!(read.rig.stereo.unwrap().projector_from_camera.translation, Vector3::new(100.0, 2.0, 3.0));
+    assert_eq!(read.rig.projector.unwrap().device.model.intrinsics.cy, 900.0);
+    assert_eq!(read.rig.projector.unwrap().from_camera.pose.translation, Vector3::new(100.0, 2.0, 3.0));
     has(&read.notes.join("; "), &["T is taken to be in mm"]);
     let error = import(pair, &ImportConfig::default()).unwrap_err();
     has(&error.to_string(), &["size of the camera's image"]);
@@ -474,7 +474,7 @@ fn files_of_other_programs() {
         "rows: 3\n   cols: 3\n   dt: d\n   data: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]",
         "rows: 3\n   cols: 1\n   dt: d\n   data: [ 1.5707963267948966, 0., 0. ]",
     );
-    let turned = import(&rvec, &config).unwrap().rig.stereo.unwrap().projector_from_camera;
+    let turned = import(&rvec, &config).unwrap().rig.projector.unwrap().from_camera.pose;
     assert!((turned.rotation.matrix() - quarter().rotation.matrix()).amax() < 1e-15);
     let no_pose = pair.split("R:").next().unwrap();
     has(&import(no_pose, &config).unwrap_err().to_string(), &["expected R"]);

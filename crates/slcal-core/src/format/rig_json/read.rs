@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::geometry::{
     Camera, Distortion, Intrinsics, Pose, ProjectivePoint, RectangleSize, VanishingPoints,
 };
-use crate::rig::{Covariance, Device, DeviceSigma, Quality, Rig, StereoPose, View, ViewRms};
+use crate::rig::{Covariance, Device, DeviceSigma, Projector, Quality, Rig, StereoPose, View, ViewRms};
 
 /// What the names of all versions begin with.
 const SCHEMA_FAMILY: &str = "slcal-rig/";
@@ -44,25 +44,29 @@ pub(super) fn rig_from_dto(dto: RigDto) -> Result<Rig> {
     let stereo = parse_optional::<StereoDto>(dto.projector_from_camera, "projector_from_camera")?
         .map(|s| {
             Ok(StereoPose {
-                projector_from_camera: pose_from_rows(&s.r, s.t, "projector_from_camera")?,
+                pose: pose_from_rows(&s.r, s.t, "projector_from_camera")?,
                 sigma_t_mm: s.sigma_t_mm,
                 sigma_r_rad: s.sigma_r_rad,
             })
         })
         .transpose()?;
-    if projector.is_some() != stereo.is_some() {
-        return Err(malformed("`projector` and `projector_from_camera` must both be given or both be null"));
-    }
+    let projector = match (projector, stereo) {
+        (Some(device), Some(from_camera)) => Some(Projector { device, from_camera }),
+        (None, None) => None,
+        _ => {
+            let wrong = "`projector` and `projector_from_camera` must both be given or both be null";
+            return Err(malformed(wrong));
+        }
+    };
     let mut views = Vec::new();
     for (i, value) in dto.views.into_iter().enumerate() {
         let place = format!("views[{i}]");
         let view: ViewDto = parse(value, &place)?;
-        views.extend(view_from_dto(view, &place, &camera.model, projector.as_ref(), stereo.as_ref())?);
+        views.extend(view_from_dto(view, &place, &camera.model, projector.as_ref())?);
     }
     Ok(Rig {
         camera,
         projector,
-        stereo,
         views,
         method: dto.method.unwrap_or_else(|| "unknown".into()),
         quality: parse_optional(dto.quality, "quality")?.and_then(quality_from_dto),
@@ -109,15 +113,14 @@ fn view_from_dto(
     dto: ViewDto,
     place: &str,
     camera: &Camera,
-    projector: Option<&Device>,
-    stereo: Option<&StereoPose>,
+    projector: Option<&Projector>,
 ) -> Result<Option<View>> {
     let (Some([w, h]), Some(pose)) = (dto.size_mm, dto.camera_from_sheet) else { return Ok(None) };
     let size = RectangleSize::new(w, h).map_err(|e| malformed(format!("{place}: {e}")))?;
     let camera_from_sheet = pose_from_rows(&pose.r, pose.t, &format!("{place}.camera_from_sheet"))?;
     let projector_from_sheet = match dto.projector_from_sheet {
         Some(p) => Some(pose_from_rows(&p.r, p.t, &format!("{place}.projector_from_sheet"))?),
-        None => stereo.map(|s| s.projector_from_camera.compose(&camera_from_sheet)),
+        None => projector.map(|p| p.from_camera.pose.compose(&camera_from_sheet)),
     };
     let given = dto.vanishing_points.unwrap_or(VanishingDto { camera: None, projector: None });
     let corners_px = match dto.corners_px {
@@ -136,7 +139,7 @@ fn view_from_dto(
         projector_vanishing_points: given
             .projector
             .map(vanishing_from_rows)
-            .or_else(|| Some(projector?.model.vanishing_points(projector_from_sheet.as_ref()?))),
+            .or_else(|| Some(projector?.device.model.vanishing_points(projector_from_sheet.as_ref()?))),
         corners_px,
         rms_px: dto
             .rms_px

@@ -3,7 +3,7 @@ use nalgebra::{DMatrix, Rotation3, Vector3};
 use super::read::project_corners;
 use super::*;
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
-use crate::rig::{Covariance, Device, DeviceSigma, Quality, StereoPose, View, ViewRms};
+use crate::rig::{Covariance, Device, DeviceSigma, Projector, Quality, StereoPose, View, ViewRms};
 
 fn rig() -> Rig {
     let size = RectangleSize::new(594.0, 420.0).unwrap();
@@ -20,11 +20,13 @@ fn rig() -> Rig {
     let sigma = Some(DeviceSigma { focal_px: 1.5, cx_px: 2.0, cy_px: 3.0, distortion: [0.1; 5] });
     Rig {
         camera: Device { model: camera, sigma },
-        projector: Some(Device { model: camera, sigma: None }),
-        stereo: Some(StereoPose {
-            projector_from_camera: pose.inverse(),
-            sigma_t_mm: Some([0.1, 0.2, 0.3]),
-            sigma_r_rad: None,
+        projector: Some(Projector {
+            device: camera.into(),
+            from_camera: StereoPose {
+                pose: pose.inverse(),
+                sigma_t_mm: Some([0.1, 0.2, 0.3]),
+                sigma_r_rad: None,
+            },
         }),
         views: vec![View {
             photo: Some("a.png".into()),
@@ -66,7 +68,7 @@ fn a_rig_survives_writing_and_reading_bit_by_bit() {
     rig.views[0].projector_vanishing_points =
         Some(rig.camera.model.vanishing_points(&rig.views[0].camera_from_sheet));
     assert_eq!(read_rig(text(&rig).as_bytes()).unwrap(), rig);
-    let alone = Rig { projector: None, stereo: None, views: vec![], quality: None, covariance: None, ..rig };
+    let alone = Rig { projector: None, views: vec![], quality: None, covariance: None, ..rig };
     let written = text(&alone);
     assert!(written.contains("\"projector\": null") && written.contains("\"projector_from_camera\": null"));
     assert_eq!(read_rig(written.as_bytes()).unwrap(), alone);

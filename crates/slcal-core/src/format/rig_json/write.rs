@@ -43,8 +43,8 @@ pub(super) fn rig_to_dto(rig: &Rig) -> Result<impl Serialize> {
         units: UNITS,
         pixel_centre: PIXEL_CENTRE,
         camera: device_to_dto(&rig.camera, "camera")?,
-        projector: rig.projector.as_ref().map(|d| device_to_dto(d, "projector")).transpose()?,
-        projector_from_camera: rig.stereo.as_ref().map(stereo_to_dto).transpose()?,
+        projector: rig.projector.as_ref().map(|p| device_to_dto(&p.device, "projector")).transpose()?,
+        projector_from_camera: rig.projector.as_ref().map(|p| stereo_to_dto(&p.from_camera)).transpose()?,
         views: rig.views.iter().map(view_to_dto).collect::<Result<_>>()?,
         method: rig.method.clone(),
         quality: rig.quality.as_ref().map(quality_to_dto).transpose()?,
@@ -80,7 +80,7 @@ fn pose_to_dto(p: &Pose, what: &str) -> Result<PoseDto> {
 }
 
 fn stereo_to_dto(s: &StereoPose) -> Result<StereoDto> {
-    let pose = pose_to_dto(&s.projector_from_camera, "projector_from_camera")?;
+    let pose = pose_to_dto(&s.pose, "projector_from_camera")?;
     finite(s.sigma_t_mm.iter().chain(&s.sigma_r_rad).flatten(), "projector_from_camera")?;
     Ok(StereoDto { r: pose.r, t: pose.t, sigma_t_mm: s.sigma_t_mm, sigma_r_rad: s.sigma_r_rad })
 }

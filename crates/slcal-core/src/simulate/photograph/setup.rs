@@ -200,8 +200,8 @@ impl SceneSetup {
             rig.projector_for("pattern", panel)?;
             return Ok((rig, pattern.clone()));
         }
-        let projector = rig.projector.ok_or_else(|| Error::invalid("rig", "one with a projector", "none"))?;
-        let panel = [projector.model.width, projector.model.height];
+        let projector = rig.require_projector()?.device.model;
+        let panel = [projector.width, projector.height];
         let pattern = if checker {
             let config = CheckerConfig { square_px, ..CheckerConfig::default() };
             Pattern::Checker(CheckerPattern::new(panel, &config)?)

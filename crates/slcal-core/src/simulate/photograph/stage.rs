@@ -4,9 +4,9 @@ use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 use super::surface::Surface;
 use super::truth::TruePixel;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{Camera, Plane, Pose, Ray};
-use crate::rig::Rig;
+use crate::rig::{Projector, Rig};
 
 /// A shadow ends this share of the light's way before the point itself, which would else shade itself by rounding.
 const OWN_SHADOW: f64 = 1e-7;
@@ -37,18 +37,12 @@ pub(super) struct Look {
 
 impl Stage {
     pub(super) fn new(rig: &Rig, surfaces: &[Surface]) -> Result<Self> {
-        let (Some(projector), Some(stereo)) = (&rig.projector, &rig.stereo) else {
-            return Err(Error::invalid(
-                "rig",
-                "one with a projector (calibrate with a pattern)",
-                "the camera alone",
-            ));
-        };
+        let Projector { device, from_camera } = rig.require_projector()?;
         surfaces.iter().try_for_each(Surface::validate)?;
-        let projector_from_camera = stereo.projector_from_camera;
+        let projector_from_camera = from_camera.pose;
         Ok(Self {
             camera: rig.camera.model,
-            projector: projector.model,
+            projector: device.model,
             projector_from_camera,
             lamp: projector_from_camera.centre(),
             surfaces: surfaces.to_vec(),

@@ -13,8 +13,8 @@ fn a_plane_takes_pixels_to_the_panel_by_a_homography() {
     let rig = rig(160);
     let surface = plane(1000.0, 20.0, -25.0);
     let seen = Photographer::new(&rig, &[Surface::object(Shape::Plane(surface))], &exact()).unwrap();
-    let (camera, projector) = (rig.camera.model, rig.projector.unwrap().model);
-    let pose = rig.stereo.unwrap().projector_from_camera;
+    let (camera, projector) = (rig.camera.model, rig.projector.unwrap().device.model);
+    let pose = rig.projector.unwrap().from_camera.pose;
     // X_p = (R − t nᵀ / d) X_c on n·X + d = 0.
     let through = pose.rotation.matrix() - pose.translation * surface.normal.transpose() / surface.offset_mm;
     let back = camera.intrinsics.matrix().try_inverse().unwrap();
@@ -67,8 +67,8 @@ fn shadows_fall_where_the_line_to_the_projector_is_blocked() {
     let (centre, radius_mm) = (Point3::new(-40.0, 10.0, 900.0), 90.0);
     let ball = Surface::object(Shape::Sphere { centre, radius_mm });
     let seen = Photographer::new(&rig, &[wall(1200.0), ball], &exact()).unwrap();
-    let pose = rig.stereo.unwrap().projector_from_camera;
-    let projector = rig.projector.unwrap().model;
+    let pose = rig.projector.unwrap().from_camera.pose;
+    let projector = rig.projector.unwrap().device.model;
     let (lamp, mut shaded) = (pose.centre(), 0);
     for pixel in seen.truth().pixels().flatten() {
         let way = (pixel.point - lamp).normalize();
@@ -109,8 +109,8 @@ fn matches_are_exact_under_both_lenses_and_triangulate_onto_the_surface() {
             // Another way to the same panel position: meet the plane, go to the projector's frame, project.
             let direction = rig.camera.model.bearing(m.camera).unwrap();
             let point = Ray { origin: Point3::origin(), direction }.meet(&slanted).unwrap();
-            let local = rig.stereo.unwrap().projector_from_camera.transform(&point);
-            let q = rig.projector.unwrap().model.project(&local).unwrap();
+            let local = rig.projector.unwrap().from_camera.pose.transform(&point);
+            let q = rig.projector.unwrap().device.model.project(&local).unwrap();
             let off = (if axis == Axis::Columns { q.x } else { q.y }) - across.unwrap();
             let surface =
                 seen.truth().at(m.camera.x.round() as usize, m.camera.y.round() as usize).unwrap().surface;
@@ -133,8 +133,8 @@ fn a_camera_turned_by_a_quarter_is_crossed_along_its_columns() {
     let mut rig = rig(160);
     let quarter = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
     let turn = Pose { rotation: quarter, translation: Vector3::zeros() };
-    let stereo = rig.stereo.as_mut().unwrap();
-    stereo.projector_from_camera = stereo.projector_from_camera.compose(&turn);
+    let pose = &mut rig.projector.as_mut().unwrap().from_camera.pose;
+    *pose = pose.compose(&turn);
     let pattern = StripePattern::new([1024, 768], &StripeConfig::default()).unwrap();
     let wall = [Surface::object(Shape::Plane(plane(1000.0, 0.0, 0.0)))];
     let matches = Photographer::new(&rig, &wall, &exact()).unwrap().stripe_matches(&pattern);

@@ -23,14 +23,14 @@ fn linear() -> RenderConfig {
 fn twins(n: u32) -> Rig {
     let mut rig = rig(96);
     let camera = rig.camera.model;
-    let projector = &mut rig.projector.as_mut().unwrap().model;
+    let projector = &mut rig.projector.as_mut().unwrap().device.model;
     [projector.width, projector.height] = [camera.width / n, camera.height / n];
     projector.intrinsics = camera.intrinsics;
     let k = &mut projector.intrinsics;
     [k.fx, k.fy] = [k.fx / f64::from(n), k.fy / f64::from(n)];
     // Camera position x is panel position (x + 0.5 − 0.5) / n − 0.5.
     [k.cx, k.cy] = [k.cx / f64::from(n) - 0.5, (k.cy + 0.5) / f64::from(n) - 0.5];
-    rig.stereo.as_mut().unwrap().projector_from_camera = crate::geometry::Pose::identity();
+    rig.projector.as_mut().unwrap().from_camera.pose = crate::geometry::Pose::identity();
     rig
 }
 
@@ -75,7 +75,7 @@ fn light_falls_off_by_cosine_and_square() {
     let config = RenderConfig { reference_mm: Some(1100.0), exposure: 0.5, ..linear() };
     let seen = Photographer::new(&rig, &[surface], &config).unwrap();
     let photo = light(&seen.photograph(Shown::White, 0).unwrap(), Encoding::Linear);
-    let lamp = rig.stereo.unwrap().projector_from_camera.centre();
+    let lamp = rig.projector.unwrap().from_camera.pose.centre();
     let mut checked = 0;
     for (pixel, found) in seen.truth().pixels().zip(&photo) {
         let Some(pixel) = pixel

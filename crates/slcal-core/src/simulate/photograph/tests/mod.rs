@@ -28,7 +28,7 @@ fn bent_rig(width: u32) -> Rig {
     let mut rig = rig(width);
     rig.camera.model.distortion = Distortion::from_array([-0.2, 0.05, 1e-3, -5e-4, 0.0]);
     if let Some(projector) = &mut rig.projector {
-        projector.model.distortion = Distortion::from_array([-0.06, 0.0, 0.0, 8e-4, 0.0]);
+        projector.device.model.distortion = Distortion::from_array([-0.06, 0.0, 0.0, 8e-4, 0.0]);
     }
     rig
 }

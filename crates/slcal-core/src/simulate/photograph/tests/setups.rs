@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 
+use crate::Projector;
 use crate::pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
 use crate::simulate::{PatternKind, RenderConfig, RigConfig, SceneSetup, SurfaceKind, WallKind};
 
@@ -28,9 +29,9 @@ fn a_sphere_stands_before_its_wall() {
     }
     // What the maps say of a lit pixel is where the projector sees its point.
     let (columns, rows) = (scene.columns(), scene.rows());
-    let (projector, stereo) = (scene.rig.projector.unwrap().model, scene.rig.stereo.unwrap());
+    let Projector { device, from_camera } = scene.rig.projector.unwrap();
     let point = scene.photographer.truth().at(80, 60).unwrap().point;
-    let q = projector.project(&stereo.projector_from_camera.transform(&point)).unwrap();
+    let q = device.model.project(&from_camera.pose.transform(&point)).unwrap();
     assert!((f64::from(columns[middle]) - q.x).abs() < 1e-3 && (f64::from(rows[middle]) - q.y).abs() < 1e-3);
     assert!(columns.iter().zip(&rows).all(|(c, r)| c.is_nan() == r.is_nan()));
 }
@@ -43,14 +44,13 @@ fn a_sheet_is_a_view_of_its_rig_and_holds_the_whole_checkerboard() {
     let tilt = stage.rig.tilt_rad(0).unwrap();
     let expected = 25_f64.to_radians().cos() * 28_f64.to_radians().cos();
     assert!((tilt.cos() - expected).abs() < 1e-12);
-    let (projector, stereo) = (stage.rig.projector.unwrap().model, stage.rig.stereo.unwrap());
+    let Projector { device, from_camera } = stage.rig.projector.unwrap();
     let pose = stage.rig.views[0].camera_from_sheet;
     for q in checker.inner_corners() {
         // The ray of the corner meets the sheet's plane inside the sheet.
         let inverse = pose.inverse();
-        let from = inverse.transform(&stereo.projector_from_camera.centre());
-        let ray = inverse.rotation
-            * (stereo.projector_from_camera.rotation.inverse() * projector.bearing(q).unwrap());
+        let from = inverse.transform(&from_camera.pose.centre());
+        let ray = inverse.rotation * (from_camera.pose.rotation.inverse() * device.model.bearing(q).unwrap());
         let at = from - ray * (from.z / ray.z);
         assert!((0.0..594.0).contains(&at.x) && (0.0..420.0).contains(&at.y), "{at}");
     }
@@ -76,7 +76,7 @@ fn rigs_and_patterns_of_ones_own_must_go_together() {
     let stage = known.set_up().unwrap();
     let default = CheckerPattern::new([1024, 768], &CheckerConfig::default()).unwrap();
     assert_eq!((stage.rig, stage.pattern), (rig.clone(), Pattern::Checker(default)));
-    let alone = crate::Rig { projector: None, stereo: None, ..rig };
+    let alone = crate::Rig { projector: None, ..rig };
     assert!(SceneSetup { known_rig: Some(alone), ..SceneSetup::default() }.set_up().is_err());
 }
 
