@@ -45,7 +45,7 @@ pub(crate) enum Failure {
         message: String,
     },
     /// Errors that were shown when they happened; the work went on, and this is the code of the first.
-    Told(u8),
+    Reported(u8),
     /// The reader of stdout went away; nobody is left to tell.
     ClosedPipe,
 }
@@ -74,7 +74,7 @@ impl Failure {
     pub(crate) fn code(&self) -> u8 {
         match self {
             Self::Error { exit, .. } => *exit as u8,
-            Self::Told(code) => *code,
+            Self::Reported(code) => *code,
             Self::ClosedPipe => 0,
         }
     }
@@ -90,7 +90,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Error { message, .. } => f.write_str(message),
-            Self::Told(_) | Self::ClosedPipe => Ok(()),
+            Self::Reported(_) | Self::ClosedPipe => Ok(()),
         }
     }
 }

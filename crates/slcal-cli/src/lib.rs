@@ -52,7 +52,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     match verbs::run(cli.verb, &typed, printer) {
         Ok(()) => 0,
         Err(failure) => {
-            if !matches!(failure, Failure::ClosedPipe | Failure::Told(_)) {
+            if !matches!(failure, Failure::ClosedPipe | Failure::Reported(_)) {
                 printer.error(&failure);
             }
             failure.code()

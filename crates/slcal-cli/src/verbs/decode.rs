@@ -25,7 +25,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     check_json(args.json, &output)?;
     let pattern = load_stripes(&args.input.pattern)?;
     let busy = printer.busy(format!("decoding {}", input_name(&args.image)));
-    let frames = Frames::load(&args.input, printer)?;
+    let frames = References::load(&args.input, printer)?;
     let photo = load_photo(&args.image, printer)?;
     let decoding =
         decode_frames(&frames.input(&args.image, &photo)?, &pattern, &frames.config).in_file(&args.image)?;
@@ -54,13 +54,13 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
 }
 
 /// The photographs under a dark and a white projector, and how all of them are to be read.
-pub(super) struct Frames {
+pub(super) struct References {
     black: Option<(PathBuf, DynamicImage)>,
     white: Option<(PathBuf, DynamicImage)>,
     config: DecodeConfig,
 }
 
-impl Frames {
+impl References {
     pub(super) fn load(input: &args::DecodeInput, printer: Printer) -> Outcome<Self> {
         let load = |path: &PathBuf| {
             if is_dash(path) {

@@ -1,9 +1,9 @@
 //! `slcal reconstruct`: photographs of an object under the stripes in, clouds out.
 
+mod frames;
 mod pool;
 mod report;
-mod source;
-mod told;
+mod reporter;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,10 +16,10 @@ use slcal_core::pattern::StripePattern;
 use slcal_core::reconstruct::{CullRule, ReconstructConfig, Reconstruction, Reconstructor};
 use slcal_core::{PointCloud, Rig};
 
+use self::frames::{Frame, OutputFolder, Place};
 use self::report::{CloudReport, FrameResult};
-use self::source::{Folder, Frame, Place};
-use self::told::{Done, Told};
-use super::decode::Frames;
+use self::reporter::{Done, Reporter};
+use super::decode::References;
 use crate::args::{CullArg, FrameArg, ReconstructArgs, ShapeArg};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
@@ -45,7 +45,7 @@ pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer)
     let report = Destination::prepare_report(args.report.as_ref(), args.force)?;
     check_places(args, &places, &overlay.iter().chain(&report).collect::<Vec<_>>())?;
     let job = Job {
-        scene: Frames::load(&args.input, printer)?,
+        scene: References::load(&args.input, printer)?,
         rig: &rig,
         pattern: &pattern,
         format,
@@ -61,7 +61,7 @@ pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer)
         mesh: args.shape.mesh,
         ..ReconstructConfig::default()
     };
-    if let (Some(folder), Some(raw)) = (Folder::of(args), args.raw) {
+    if let (Some(folder), Some(raw)) = (OutputFolder::of(args), args.raw) {
         return job.run(config, folder.frames(raw), None, printer);
     }
     let of_file = |(image, place): (&PathBuf, Place)| Frame {
@@ -125,7 +125,7 @@ fn places(args: &ReconstructArgs) -> Outcome<Vec<Place>> {
         check_json(args.json, &place)?;
         return Ok(vec![Place { name: place.name(), output: Some(place) }]);
     }
-    let folder = Folder::of(args).ok_or_else(|| Failure::usage("expected -o FILE or --out-dir DIR"))?;
+    let folder = OutputFolder::of(args).ok_or_else(|| Failure::usage("expected -o FILE or --out-dir DIR"))?;
     if let Some(path) = &args.out_dir {
         make_folder(path)?;
     }
@@ -146,7 +146,7 @@ fn check_places(args: &ReconstructArgs, places: &[Place], beside: &[&Destination
 
 /// What all frames have in common.
 struct Job<'a> {
-    scene: Frames,
+    scene: References,
     rig: &'a Rig,
     pattern: &'a StripePattern,
     format: CloudFormat,
@@ -173,9 +173,9 @@ impl Job<'_> {
                 Reconstructor::new(self.rig, self.pattern, config).in_file(&self.args.input.pattern)?;
             workers.push(move |frame: Frame| self.work(frame, &mut scanner));
         }
-        let mut told = Told::new(self.args, printer, count);
-        pool::in_order(frames, workers, |done| told.take(done))?;
-        told.finish()
+        let mut reporter = Reporter::new(self.args, printer, count);
+        pool::in_order(frames, workers, |done| reporter.take(done))?;
+        reporter.finish()
     }
 
     fn work(&self, frame: Frame, scanner: &mut Reconstructor) -> Done {

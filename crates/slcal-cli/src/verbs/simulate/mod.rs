@@ -1,6 +1,6 @@
 //! `slcal simulate`: experiments on rigs whose truth is known.
 
-mod made;
+mod outputs;
 mod scene;
 
 use std::ops::ControlFlow;

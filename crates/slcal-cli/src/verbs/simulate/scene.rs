@@ -7,7 +7,7 @@ use slcal_core::pattern::Pattern;
 use slcal_core::simulate::{PatternKind, RenderConfig, RigConfig, SceneSetup, SurfaceKind, WallKind};
 
 use super::super::reconstruct::{make_folder, with_projector};
-use super::made::{Made, NAMES, contents};
+use super::outputs::{NAMES, SceneOutputs, contents};
 use super::rig as rig_config;
 use crate::args::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs, WallArg};
 use crate::exit::{Failure, Outcome};
@@ -29,13 +29,13 @@ pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
         );
     }
     busy.say("writing the truth of every pixel");
-    let made = Made::of(&scene);
+    let outputs = SceneOutputs::of(&scene);
     write_all(&places.into_iter().zip(contents(&scene)?).collect::<Vec<_>>())?;
     drop(busy);
     if args.json {
-        return print_json(&made);
+        return print_json(&outputs);
     }
-    print_result(&made.in_words(&args.out))
+    print_result(&outputs.in_words(&args.out))
 }
 
 /// Where the files go, in a folder that is made when it does not exist.

@@ -49,14 +49,14 @@ pub(super) struct Place {
 
 /// The rules by which clouds get their names in a folder.
 #[derive(Debug, Clone)]
-pub(super) struct Folder {
+pub(super) struct OutputFolder {
     path: PathBuf,
     format: CloudFormat,
     force: bool,
     resume: bool,
 }
 
-impl Folder {
+impl OutputFolder {
     /// Of `--out-dir`, when it is given.
     pub(super) fn of(args: &ReconstructArgs) -> Option<Self> {
         let (format, force, resume) = (args.format, args.force, args.resume);

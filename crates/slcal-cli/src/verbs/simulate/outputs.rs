@@ -60,13 +60,13 @@ pub(super) fn contents(scene: &SimulatedScene) -> Outcome<Vec<Vec<u8>>> {
 
 /// What was made, as JSON.
 #[derive(Serialize)]
-pub(super) struct Made {
+pub(super) struct SceneOutputs {
     #[serde(flatten)]
     scene: SceneReport,
     files: [&'static str; 12],
 }
 
-impl Made {
+impl SceneOutputs {
     pub(super) fn of(scene: &SimulatedScene) -> Self {
         Self { scene: report_json::simulated_scene(&scene.photographer, &scene.matches), files: NAMES }
     }

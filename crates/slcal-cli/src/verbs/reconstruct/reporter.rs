@@ -1,7 +1,7 @@
 //! What is said while frames are done, and at the end.
 
+use super::frames::Frame;
 use super::report::{ErrorReport, FrameResult, Report, print_reports};
-use super::source::Frame;
 use crate::args::ReconstructArgs;
 use crate::exit::{Failure, Outcome};
 use crate::io::{input_name, is_dash};
@@ -15,7 +15,7 @@ pub(super) struct Done {
 }
 
 /// What is said while frames are done, and at the end.
-pub(super) struct Told<'a> {
+pub(super) struct Reporter<'a> {
     args: &'a ReconstructArgs,
     printer: Printer,
     progress: Progress,
@@ -28,10 +28,10 @@ pub(super) struct Told<'a> {
     /// The exit code of the first error.
     code: Option<u8>,
     /// Whether nobody reads stdout any more. The clouds are wanted all the same.
-    unheard: bool,
+    stdout_closed: bool,
 }
 
-impl<'a> Told<'a> {
+impl<'a> Reporter<'a> {
     pub(super) fn new(args: &'a ReconstructArgs, printer: Printer, count: Option<usize>) -> Self {
         let progress = printer.progress("frames", count);
         if let ([image], None) = (args.images.as_slice(), args.raw) {
@@ -46,7 +46,7 @@ impl<'a> Told<'a> {
             resumed: 0,
             failed: 0,
             code: None,
-            unheard: false,
+            stdout_closed: false,
         }
     }
 
@@ -67,9 +67,9 @@ impl<'a> Told<'a> {
             }
             Ok(result) => {
                 self.printer.remarks(&remarks);
-                match self.tell(&heading, &result) {
-                    Err(Failure::ClosedPipe) => self.unheard = true,
-                    told => told?,
+                match self.print(&heading, &result) {
+                    Err(Failure::ClosedPipe) => self.stdout_closed = true,
+                    printed => printed?,
                 }
                 result
             }
@@ -85,9 +85,9 @@ impl<'a> Told<'a> {
     }
 
     /// The result in words: the whole story for one photograph, a line for one of many.
-    fn tell(&self, heading: &str, result: &FrameResult) -> Outcome {
+    fn print(&self, heading: &str, result: &FrameResult) -> Outcome {
         match (result, &self.args.output) {
-            (FrameResult::Cloud(_), _) if self.args.json || self.unheard => Ok(()),
+            (FrameResult::Cloud(_), _) if self.args.json || self.stdout_closed => Ok(()),
             (FrameResult::Cloud(report), None) => {
                 print_result(&format!("{}: {}", shown(heading), report.line))
             }
@@ -124,6 +124,6 @@ impl<'a> Told<'a> {
                 self.written, self.resumed, self.failed
             ));
         }
-        self.code.map_or(json, |code| Err(Failure::Told(code)))
+        self.code.map_or(json, |code| Err(Failure::Reported(code)))
     }
 }
