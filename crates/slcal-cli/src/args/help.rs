@@ -5,7 +5,7 @@ use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use clap::{Arg, ArgAction, Command, CommandFactory as _, ValueHint};
 
 use super::Cli;
-use crate::output::{HELP, MAX_WIDTH, columns_of, glued, wrapped};
+use crate::output::{HELP, MAX_WIDTH, display_width, unbroken, wrapped};
 
 /// Where the options of any verb stand in its help, by their names. What is not here is an input or a choice.
 const HEADINGS: [(&str, &[&str]); 4] = [
@@ -112,7 +112,7 @@ fn finished(command: Command) -> Command {
 fn narrow(command: Command) -> Command {
     let usage = command.clone().render_usage().to_string();
     let usage = usage.trim_start_matches("Usage:").trim();
-    if usage.contains('\n') || columns_of(usage) + USAGE_INDENT <= MAX_WIDTH {
+    if usage.contains('\n') || display_width(usage) + USAGE_INDENT <= MAX_WIDTH {
         return command;
     }
     command.override_usage(wrapped(&options_whole(usage), MAX_WIDTH, USAGE_INDENT))
@@ -125,7 +125,7 @@ fn options_whole(usage: &str) -> String {
     for word in usage.split(' ') {
         if !out.is_empty() {
             let value = word.starts_with('<') && previous.starts_with("--");
-            out.push_str(&if value { glued(" ") } else { " ".to_owned() });
+            out.push_str(&if value { unbroken(" ") } else { " ".to_owned() });
         }
         out.push_str(word);
         previous = word;
@@ -250,7 +250,7 @@ mod tests {
         for (path, verb) in all_verbs().iter_mut().chain([&mut ("slcal".to_owned(), command())]) {
             for help in [verb.render_help(), verb.render_long_help()] {
                 let help = help.to_string();
-                let wide = help.lines().find(|line| columns_of(line) > MAX_WIDTH);
+                let wide = help.lines().find(|line| display_width(line) > MAX_WIDTH);
                 assert_eq!(wide, None, "{path}");
             }
         }

@@ -1,17 +1,19 @@
 //! All printing: results to stdout, everything else to stderr.
 
-mod page;
-mod paint;
 mod progress;
+mod style;
+mod text_layout;
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 
 use serde::Serialize;
 
-pub(crate) use self::page::{MAX_WIDTH, Page, Table, columns_of, glued, plain, shown, wrapped};
-pub(crate) use self::paint::{BAD, BOLD, ColorArg, FAIR, GOOD, HELP, paint, set_color};
 pub(crate) use self::progress::{Progress, clear_on_interrupt};
+pub(crate) use self::style::{BAD, BOLD, ColorArg, FAIR, GOOD, HELP, set_color, styled};
+pub(crate) use self::text_layout::{
+    MAX_WIDTH, Table, TextLayout, display_width, sanitized, unbroken, without_style, wrapped,
+};
 use crate::exit::{Exit, Failure, Outcome};
 
 /// How much is said on stderr.
@@ -54,18 +56,18 @@ impl Printer {
 
     /// Something worth knowing.
     pub(crate) fn note(self, message: impl Display) {
-        self.to_stderr(Verbosity::Normal, "", &shown(&message.to_string()));
+        self.to_stderr(Verbosity::Normal, "", &sanitized(&message.to_string()));
     }
 
     /// Something for those who asked for more.
     pub(crate) fn detail(self, message: impl Display) {
-        self.to_stderr(Verbosity::Verbose, "", &shown(&message.to_string()));
+        self.to_stderr(Verbosity::Verbose, "", &sanitized(&message.to_string()));
     }
 
     /// Why the run ended; always said.
     pub(crate) fn error(self, message: impl Display) {
-        let label = format!("{} ", paint(BAD, "slcal:"));
-        self.to_stderr(Verbosity::Quiet, &label, &shown(&message.to_string()));
+        let label = format!("{} ", styled(BAD, "slcal:"));
+        self.to_stderr(Verbosity::Quiet, &label, &sanitized(&message.to_string()));
     }
 
     /// A result that makes way for another one on stdout.
@@ -76,7 +78,7 @@ impl Printer {
     /// What was kept for later.
     pub(crate) fn remarks(self, remarks: &Remarks) {
         for (from, message) in &remarks.0 {
-            self.to_stderr(*from, "", &shown(message));
+            self.to_stderr(*from, "", &sanitized(message));
         }
     }
 
@@ -97,7 +99,7 @@ impl Printer {
 
     fn to_stderr(self, from: Verbosity, label: &str, message: &str) {
         if self.verbosity >= from {
-            let text = page::for_stderr(label, message);
+            let text = text_layout::for_stderr(label, message);
             // A closed stderr is no reason to fail.
             progress::suspended(|| {
                 let _ = writeln!(anstream::stderr().lock(), "{text}");

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::page::shown;
+use super::text_layout::sanitized;
 
 /// What is done sooner shows nothing, so that nothing flickers.
 const PATIENCE: Duration = Duration::from_millis(400);
@@ -133,7 +133,7 @@ fn show_later(bar: &ProgressBar, wait: &Receiver<()>) -> bool {
 
 /// A message without its middle where it is long, so that the line does not wrap.
 fn shortened(message: &str) -> String {
-    let letters: Vec<char> = shown(message).chars().collect();
+    let letters: Vec<char> = sanitized(message).chars().collect();
     if letters.len() <= LONGEST {
         return letters.into_iter().collect();
     }

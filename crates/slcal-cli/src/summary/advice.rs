@@ -2,7 +2,7 @@
 
 use slcal_core::advise::{Advice, Predicted, TiltForecast};
 
-use crate::output::{BOLD, GOOD, Page, Table, glued, paint};
+use crate::output::{BOLD, GOOD, Table, TextLayout, styled, unbroken};
 
 /// Per cent with two significant digits.
 fn percent(share: f64) -> String {
@@ -19,21 +19,21 @@ fn predicted(p: &Predicted) -> String {
     let mut parts = vec![format!("camera {} %", percent(p.camera_focal))];
     parts.extend(p.projector_focal.map(|f| format!("projector {} %", percent(f))));
     parts.extend(p.projector_cy_px.map(|cy| format!("its cy {cy:.1} px")));
-    let point = p.point_mm.map(|mm| format!("; {}", glued(&format!("a point at the sheet {mm:.2} mm"))));
-    parts.iter().map(|part| glued(part)).collect::<Vec<_>>().join(", ") + &point.unwrap_or_default()
+    let point = p.point_mm.map(|mm| format!("; {}", unbroken(&format!("a point at the sheet {mm:.2} mm"))));
+    parts.iter().map(|part| unbroken(part)).collect::<Vec<_>>().join(", ") + &point.unwrap_or_default()
 }
 
 /// What is known, what any tilt would bring, and what to do next.
 pub(crate) fn advice(advice: &Advice) -> String {
-    let mut page = Page::new();
-    page.paragraph(format!(
+    let mut layout = TextLayout::new();
+    layout.paragraph(format!(
         "Predicted 1σ of the focal lengths, per cent; the sheet of {:.0} x {:.0} mm {}",
         advice.size.width_mm,
         advice.size.height_mm,
-        glued(&format!("{:.0} mm from the camera", advice.distance_mm))
+        unbroken(&format!("{:.0} mm from the camera", advice.distance_mm))
     ));
     if let Some(now) = &advice.now {
-        page.line("now", predicted(now));
+        layout.line("now", predicted(now));
     }
     let with_projector = advice.table.iter().filter_map(|t| t.one).any(|p| p.projector_focal.is_some());
     let tables: &[(&str, Outlook)] = if advice.now.is_some() {
@@ -42,29 +42,29 @@ pub(crate) fn advice(advice: &Advice) -> String {
         &[("after one photograph", |t| t.one), ("after two, the second with the tilt reversed", |t| t.pair)]
     };
     for (title, of) in tables {
-        table(&mut page, advice, &format!("camera, {title}"), |t| Some(of(t)?.camera_focal));
+        table(&mut layout, advice, &format!("camera, {title}"), |t| Some(of(t)?.camera_focal));
         if with_projector {
-            table(&mut page, advice, &format!("projector, {title}"), |t| of(t)?.projector_focal);
+            table(&mut layout, advice, &format!("projector, {title}"), |t| of(t)?.projector_focal);
         }
     }
-    page.gap();
-    page.paragraph(
+    layout.gap();
+    layout.paragraph(
         "Across: tilt about the vertical axis, + with the right side nearer to the camera than the left. Down: about the horizontal \
          axis, + with the top side nearer than the bottom. Sides are as the photograph shows them. - : the sheet would leave the \
          frame or the pattern the sheet, or be seen too flat.",
     );
-    page.gap();
-    next(&mut page, advice);
-    page.into_text()
+    layout.gap();
+    next(&mut layout, advice);
+    layout.into_text()
 }
 
 /// Which photographs are forecast.
 type Outlook = fn(&TiltForecast) -> Option<Predicted>;
 
-fn table(page: &mut Page, advice: &Advice, title: &str, of: impl Fn(&TiltForecast) -> Option<f64>) {
+fn table(layout: &mut TextLayout, advice: &Advice, title: &str, of: impl Fn(&TiltForecast) -> Option<f64>) {
     let Some(first) = advice.table.first() else { return };
-    page.gap();
-    page.paragraph(paint(BOLD, &glued(title)));
+    layout.gap();
+    layout.paragraph(styled(BOLD, &unbroken(title)));
     let columns = advice.table.iter().take_while(|t| t.tilt_x_rad == first.tilt_x_rad).count().max(1);
     let degrees = |rad: f64| format!("{:+.0}°", rad.to_degrees());
     let heads = advice.table[..columns].iter().map(|t| format!(">{}", degrees(t.tilt_y_rad)));
@@ -74,12 +74,12 @@ fn table(page: &mut Page, advice: &Advice, title: &str, of: impl Fn(&TiltForecas
         let cells = row.iter().map(|t| of(t).map_or("-".to_owned(), percent));
         table.row(row.first().map(|t| degrees(t.tilt_x_rad)).into_iter().chain(cells));
     }
-    page.table(&table);
+    layout.table(&table);
 }
 
-fn next(page: &mut Page, advice: &Advice) {
+fn next(layout: &mut TextLayout, advice: &Advice) {
     let Some(next) = &advice.next else {
-        return page.line(
+        return layout.line(
             "next",
             "no pose is possible: the sheet does not fit into the frame at this distance, or the pattern onto the sheet; move the \
              sheet further away or make the pattern smaller",
@@ -88,19 +88,19 @@ fn next(page: &mut Page, advice: &Advice) {
     let (words, after) = (next.in_words(advice.size), predicted(&next.after));
     match &advice.now {
         None => {
-            page.line("next", format!("{words}; then photograph it again with both tilts reversed"));
-            page.line("after both", after);
+            layout.line("next", format!("{words}; then photograph it again with both tilts reversed"));
+            layout.line("after both", after);
         }
         Some(_) if advice.worth_it => {
-            page.line("next", words);
-            page.line("after it", after);
+            layout.line("next", words);
+            layout.line("after it", after);
         }
         Some(_) => {
-            page.line(
+            layout.line(
                 "next",
-                format!("{}: the best pose would bring {after}", paint(GOOD, "nothing more is worth it")),
+                format!("{}: the best pose would bring {after}", styled(GOOD, "nothing more is worth it")),
             );
-            page.line("", format!("({words})"));
+            layout.line("", format!("({words})"));
         }
     }
 }

@@ -4,44 +4,45 @@ use std::collections::HashSet;
 
 use slcal_core::{CalibrationReport, Device, Quality, Rig, Verdict, View};
 
-use super::{rounded, verdict};
-use crate::output::{FAIR, Page, Table, glued, shown};
+use super::number::rounded;
+use super::verdict::verdict;
+use crate::output::{FAIR, Table, TextLayout, sanitized, unbroken};
 
 /// A σ from here on is told in whole pixels: its decimals mean nothing, and would burst the column.
 const WIDE_SIGMA_PX: f64 = 1000.0;
 
 /// What a calibration found, how sure it is, and what to do about it.
 pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
-    let mut page = Page::new();
+    let mut layout = TextLayout::new();
     if let Some(quality) = &rig.quality {
-        judgement(&mut page, quality, &report.cause);
-        page.gap();
+        judgement(&mut layout, quality, &report.cause);
+        layout.gap();
     }
-    devices(&mut page, rig);
+    devices(&mut layout, rig);
     if let Some(baseline) = rig.baseline_mm() {
         let sigma = rig.baseline_sigma_mm().map_or(String::new(), |s| format!(" ± {s:.1}"));
-        page.line("baseline", format!("{baseline:.1}{sigma} mm"));
+        layout.line("baseline", format!("{baseline:.1}{sigma} mm"));
     }
     if let Some(sigma) = rig.quality.as_ref().and_then(|q| q.expected_point_sigma_mm) {
-        page.line("points", format!("expected to be off by {sigma:.2} mm (1σ) at the sheet's distance"));
+        layout.line("points", format!("expected to be off by {sigma:.2} mm (1σ) at the sheet's distance"));
     }
     if let Some(first) = rig.views.first() {
-        page.gap();
-        views(&mut page, rig, first);
+        layout.gap();
+        views(&mut layout, rig, first);
     }
     let said = remarks(rig, report);
     if !said.is_empty() {
-        page.gap();
+        layout.gap();
     }
     for (style, label, sentence) in said {
-        page.painted(style, label, sentence);
+        layout.styled_line(style, label, sentence);
     }
-    page.into_text()
+    layout.into_text()
 }
 
-fn judgement(page: &mut Page, quality: &Quality, cause: &str) {
+fn judgement(layout: &mut TextLayout, quality: &Quality, cause: &str) {
     let word = verdict(quality.verdict);
-    page.line(
+    layout.line(
         "verdict",
         match quality.verdict {
             Verdict::Good => word,
@@ -51,12 +52,12 @@ fn judgement(page: &mut Page, quality: &Quality, cause: &str) {
         },
     );
     if !cause.is_empty() {
-        page.line("because", cause);
+        layout.line("because", cause);
     }
 }
 
 /// Camera and projector, a row each.
-fn devices(page: &mut Page, rig: &Rig) {
+fn devices(layout: &mut TextLayout, rig: &Rig) {
     let mut table = Table::new(["", "focal length, px", ">", "principal point, px", "size, px"]);
     let mut bent = Vec::new();
     for (name, device) in rig.devices() {
@@ -81,16 +82,16 @@ fn devices(page: &mut Page, rig: &Rig) {
             bent.push((name, device));
         }
     }
-    page.table(&table);
+    layout.table(&table);
     for (name, device) in bent {
-        distortion(page, name, device);
+        distortion(layout, name, device);
     }
 }
 
-fn distortion(page: &mut Page, name: &str, device: &Device) {
+fn distortion(layout: &mut TextLayout, name: &str, device: &Device) {
     let terms = ["k1", "k2", "p1", "p2", "k3"].iter().zip(device.model.distortion.to_array());
-    let terms: Vec<String> = terms.map(|(name, value)| glued(&format!("{name} {value:.4}"))).collect();
-    page.line("distortion", format!("of the {name}: {}", terms.join(", ")));
+    let terms: Vec<String> = terms.map(|(name, value)| unbroken(&format!("{name} {value:.4}"))).collect();
+    layout.line("distortion", format!("of the {name}: {}", terms.join(", ")));
 }
 
 /// "1536.0 ± 34.2", or what was not estimated as "639.5 (fixed)".
@@ -104,7 +105,7 @@ fn with_sigma(value: f64, sigma: Option<f64>) -> String {
 }
 
 /// The sheet in each photograph, a row each.
-fn views(page: &mut Page, rig: &Rig, first: &View) {
+fn views(layout: &mut TextLayout, rig: &Rig, first: &View) {
     let all_alike = rig.views.iter().all(|v| v.size == first.size);
     let sizes = if all_alike {
         format!("{:.1} x {:.1} mm", first.size.width_mm, first.size.height_mm)
@@ -112,7 +113,7 @@ fn views(page: &mut Page, rig: &Rig, first: &View) {
         "of several sizes".to_owned()
     };
     let with_rms = rig.views.iter().any(|v| v.rms_px.is_some());
-    page.line("sheet", format!("{sizes}{}", if with_rms { "; residuals (rms) in px" } else { "" }));
+    layout.line("sheet", format!("{sizes}{}", if with_rms { "; residuals (rms) in px" } else { "" }));
     let mut heads = vec!["", ">away", ">tilted by"];
     if with_rms {
         heads.extend([">edges", ">pattern", ">panel"]);
@@ -136,10 +137,10 @@ fn views(page: &mut Page, rig: &Rig, first: &View) {
                 px(rms.and_then(|r| r.projector)),
             ]);
         }
-        row.push(view.photo.as_deref().map_or(String::new(), shown));
+        row.push(view.photo.as_deref().map_or(String::new(), sanitized));
         table.row(row);
     }
-    page.table(&table);
+    layout.table(&table);
 }
 
 /// Warnings, and then what to do.

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use slcal_core::PointCloud;
 use slcal_core::reconstruct::Reconstruction;
 
-use super::decoding::{decoded_percent, seen, told};
-use crate::output::{Page, glued};
+use super::decoding::{add_counts, add_remarks, decoded_percent};
+use crate::output::{TextLayout, unbroken};
 
 /// One cloud of many: decoding and points in a line, and lines of their own for what is out of the ordinary.
 pub(crate) fn cloud_in_a_line(result: &Reconstruction) -> String {
@@ -19,34 +19,34 @@ pub(crate) fn cloud_in_a_line(result: &Reconstruction) -> String {
     }
     if let Some(report) = &result.decode {
         let _ = write!(text, ", {:.1} % decoded", decoded_percent(report));
-        let mut page = Page::new();
-        told(&mut page, report);
-        let _ = write!(text, "\n{}", page.into_text());
+        let mut layout = TextLayout::new();
+        add_remarks(&mut layout, report);
+        let _ = write!(text, "\n{}", layout.into_text());
     }
     text.trim_end().to_owned()
 }
 
 /// A photograph's way to its cloud.
 pub(crate) fn reconstruction(result: &Reconstruction) -> String {
-    let mut page = Page::new();
+    let mut layout = TextLayout::new();
     if let Some(report) = &result.decode {
-        seen(&mut page, report);
+        add_counts(&mut layout, report);
     }
-    points(&mut page, result);
+    points(&mut layout, result);
     if let Some(report) = &result.decode {
-        told(&mut page, report);
+        add_remarks(&mut layout, report);
     }
-    page.into_text()
+    layout.into_text()
 }
 
 /// What became of matches.
 pub(crate) fn cloud(result: &Reconstruction) -> String {
-    let mut page = Page::new();
-    points(&mut page, result);
-    page.into_text()
+    let mut layout = TextLayout::new();
+    points(&mut layout, result);
+    layout.into_text()
 }
 
-fn points(page: &mut Page, result: &Reconstruction) {
+fn points(layout: &mut TextLayout, result: &Reconstruction) {
     let cloud = &result.cloud;
     let mut parts = vec![cloud.points.len().to_string()];
     if !cloud.triangles.is_empty() {
@@ -56,7 +56,7 @@ fn points(page: &mut Page, result: &Reconstruction) {
         parts.push(format!("{near:.0} to {far:.0} mm from the camera"));
         parts.push(format!("half of them within {middle:.0} mm"));
     }
-    page.line("points", listed(&parts));
+    layout.line("points", listed(&parts));
     let t = &result.triangulate;
     let refused = t.invalid + t.grazing + t.behind + t.outside_panel + t.contradicting;
     if refused + result.cull.outliers > 0 {
@@ -70,13 +70,13 @@ fn points(page: &mut Page, result: &Reconstruction) {
         if t.contradicting > 0 {
             parts.push(format!("{} whose column and row contradict each other", t.contradicting));
         }
-        page.line("left out", listed(&parts));
+        layout.line("left out", listed(&parts));
     }
 }
 
 /// With commas between, broken nowhere else.
 fn listed(parts: &[String]) -> String {
-    parts.iter().map(|p| glued(p)).collect::<Vec<_>>().join(", ")
+    parts.iter().map(|p| unbroken(p)).collect::<Vec<_>>().join(", ")
 }
 
 /// Nearest, median and farthest distance of the points from the camera, mm.

@@ -2,7 +2,7 @@
 
 use slcal_core::decode::{DecodeReport, ScanDirection};
 
-use crate::output::{BOLD, FAIR, Page, glued};
+use crate::output::{BOLD, FAIR, TextLayout, unbroken};
 
 /// Above this share of clipped stripes the user is told to expose less.
 const SATURATED_SHARE: f64 = 0.05;
@@ -17,10 +17,10 @@ const NOISE_LEVELS: f64 = 4.0;
 
 /// What decoding saw and why it left some of it out.
 pub(crate) fn decoding(report: &DecodeReport) -> String {
-    let mut page = Page::new();
-    seen(&mut page, report);
-    told(&mut page, report);
-    page.into_text()
+    let mut layout = TextLayout::new();
+    add_counts(&mut layout, report);
+    add_remarks(&mut layout, report);
+    layout.into_text()
 }
 
 /// Of the crossings that were seen.
@@ -29,7 +29,7 @@ pub(super) fn decoded_percent(report: &DecodeReport) -> f64 {
 }
 
 /// The numbers.
-pub(super) fn seen(page: &mut Page, report: &DecodeReport) {
+pub(super) fn add_counts(layout: &mut TextLayout, report: &DecodeReport) {
     let share = decoded_percent(report);
     let parts = [
         format!("{} crossings seen,", report.crossings),
@@ -37,7 +37,7 @@ pub(super) fn seen(page: &mut Page, report: &DecodeReport) {
         format!("{} different slits,", report.slits),
         format!("{:.1} px wide", report.stripe_width_px),
     ];
-    page.line("stripes", parts.map(|p| glued(&p)).join(" "));
+    layout.line("stripes", parts.map(|p| unbroken(&p)).join(" "));
     let d = &report.rejected;
     let parts = [
         format!("{} weak,", d.low_contrast),
@@ -46,13 +46,13 @@ pub(super) fn seen(page: &mut Page, report: &DecodeReport) {
         format!("{} cut,", d.truncated),
         format!("{} unsure", d.low_confidence),
     ];
-    page.line("dropped", parts.map(|p| glued(&p)).join(" "));
+    layout.line("dropped", parts.map(|p| unbroken(&p)).join(" "));
 }
 
 /// What to know or to do.
-pub(super) fn told(page: &mut Page, report: &DecodeReport) {
+pub(super) fn add_remarks(layout: &mut TextLayout, report: &DecodeReport) {
     for (label, remark) in remarks(report) {
-        page.painted(if label == "warning" { FAIR } else { BOLD }, label, remark);
+        layout.styled_line(if label == "warning" { FAIR } else { BOLD }, label, remark);
     }
 }
 

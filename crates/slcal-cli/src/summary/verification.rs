@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use slcal_core::verify::{Change, Measured, SheetCheck, Verification};
 
-use super::unsigned;
-use crate::output::{BAD, GOOD, Page, glued, paint};
+use super::number::unsigned;
+use crate::output::{BAD, GOOD, TextLayout, styled, unbroken};
 
 /// A keystone below this is not seen by the eye, degrees: 1 mm over 0.6 m.
 const UNSEEN_DEG: f64 = 0.1;
@@ -13,7 +13,7 @@ const UNSEEN_DEG: f64 = 0.1;
 /// An angle in degrees with two digits of its σ.
 fn degrees(m: Measured) -> String {
     let (value, sigma) = (m.value.to_degrees(), m.sigma.to_degrees());
-    glued(&format!("{:.d$}° ± {sigma:.d$}°", unsigned(value, digits(sigma)), d = digits(sigma)))
+    unbroken(&format!("{:.d$}° ± {sigma:.d$}°", unsigned(value, digits(sigma)), d = digits(sigma)))
 }
 
 /// Decimals that show two digits of a σ, and no more than anybody needs.
@@ -22,38 +22,42 @@ fn digits(sigma: f64) -> usize {
 }
 
 fn probability(p: f64) -> String {
-    glued(&if p < 1e-6 { "p < 0.000001".into() } else { format!("p = {p:.*}", if p < 0.01 { 6 } else { 2 }) })
+    unbroken(&if p < 1e-6 {
+        "p < 0.000001".into()
+    } else {
+        format!("p = {p:.*}", if p < 0.01 { 6 } else { 2 })
+    })
 }
 
 /// Whether anything has moved, then how square the projection is.
 pub(crate) fn verification(v: &Verification, as_drawn: bool) -> String {
-    let mut page = Page::new();
-    page.line("rig", rig_in_words(v));
+    let mut layout = TextLayout::new();
+    layout.line("rig", rig_in_words(v));
     if let Some(sheet) = &v.sheet {
-        page.line("sheet", sheet_in_words(v, sheet, as_drawn));
+        layout.line("sheet", sheet_in_words(v, sheet, as_drawn));
     }
-    page.gap();
+    layout.gap();
     let k = &v.keystone;
-    page.line("keystone", format!("{} at worst", degrees(k.worst_rad)));
+    layout.line("keystone", format!("{} at worst", degrees(k.worst_rad)));
     let sides = ["top", "right", "bottom", "left"].iter().zip(&k.sides_rad);
     let sides: Vec<String> =
-        sides.map(|(name, side)| glued(&format!("{name} {:.3}°", side.value.to_degrees()))).collect();
-    page.line("", format!("{} against the sheet's sides, clockwise counts up", sides.join(", ")));
-    page.line("turned", format!("by {}", degrees(k.rotation_rad)));
-    page.line(
+        sides.map(|(name, side)| unbroken(&format!("{name} {:.3}°", side.value.to_degrees()))).collect();
+    layout.line("", format!("{} against the sheet's sides, clockwise counts up", sides.join(", ")));
+    layout.line("turned", format!("by {}", degrees(k.rotation_rad)));
+    layout.line(
         "aspect",
         format!(
             "width to height off by {}",
-            glued(&format!("{:.3} % ± {:.3} %", 100.0 * k.aspect.value, 100.0 * k.aspect.sigma))
+            unbroken(&format!("{:.3} % ± {:.3} %", 100.0 * k.aspect.value, 100.0 * k.aspect.sigma))
         ),
     );
-    page.line("test", test_in_words(v));
-    page.into_text()
+    layout.line("test", test_in_words(v));
+    layout.into_text()
 }
 
 fn sheet_in_words(v: &Verification, s: &SheetCheck, as_drawn: bool) -> String {
     if !s.moved {
-        return format!("{} ({})", paint(GOOD, "has not moved"), probability(s.p_value));
+        return format!("{} ({})", styled(GOOD, "has not moved"), probability(s.p_value));
     }
     if as_drawn {
         return format!(
@@ -63,7 +67,7 @@ fn sheet_in_words(v: &Verification, s: &SheetCheck, as_drawn: bool) -> String {
     }
     format!(
         "{} by {:.1} mm and turned by {:.2}° ({}): {}",
-        paint(BAD, "has moved"),
+        styled(BAD, "has moved"),
         s.shift_mm,
         s.turn_rad.to_degrees(),
         probability(s.p_value),
@@ -81,12 +85,12 @@ pub(crate) fn rig_in_words(v: &Verification) -> String {
     if !r.moved {
         return format!(
             "{} ({}); the pattern lies within {:.2} mm (rms) of where the rig puts it",
-            paint(GOOD, "has not moved"),
+            styled(GOOD, "has not moved"),
             probability(r.p_value),
             r.pattern_off_mm
         );
     }
-    let percent = |m: Measured| glued(&format!("{:+.2} % ± {:.2} %", 100.0 * m.value, 100.0 * m.sigma));
+    let percent = |m: Measured| unbroken(&format!("{:+.2} % ± {:.2} %", 100.0 * m.value, 100.0 * m.sigma));
     let what = match r.change {
         Some(Change::Moved { turn_rad, shift_mm }) => format!(
             "projector moved against the camera: turned by {}, shifted by {:.1} ± {:.1} mm",
@@ -111,7 +115,7 @@ pub(crate) fn rig_in_words(v: &Verification) -> String {
     };
     format!(
         "{}: {what} ({}); the pattern lies {:.1} mm (rms) from where the rig puts it; calibrate again",
-        paint(BAD, "has moved"),
+        styled(BAD, "has moved"),
         probability(r.p_value),
         r.pattern_off_mm
     )

@@ -19,7 +19,7 @@ use super::reconstruct::{draw, make_folder};
 use crate::args::DemoArgs;
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{Destination, cloud_bytes, decode_photo, png_bytes, write_all};
-use crate::output::{BOLD, Page, Printer, Table, glued, paint, print_result, shown};
+use crate::output::{BOLD, Printer, Table, TextLayout, print_result, sanitized, styled, unbroken};
 use crate::picture::fit::{self, Fit};
 use crate::picture::sheet;
 use crate::report::{Photo, ShownCloud, Subject, html};
@@ -171,40 +171,40 @@ fn story(
     head: &Reconstruction,
 ) -> Outcome<String> {
     let rig = &calibration.rig;
-    let mut page = Page::new();
-    page.paragraph(format!(
+    let mut layout = TextLayout::new();
+    layout.paragraph(format!(
         "A projector and a camera look at a sheet of paper of {} x {} mm, then at a board and at a head. The photographs are \
          rendered, so that everything about them is known.",
         SHEET_SIZE_MM[0], SHEET_SIZE_MM[1]
     ));
-    page.gap();
-    page.paragraph(paint(BOLD, &glued("1. Calibration from one photograph, sheet.jpg")));
-    page.paragraph(format!(
+    layout.gap();
+    layout.paragraph(styled(BOLD, &unbroken("1. Calibration from one photograph, sheet.jpg")));
+    layout.paragraph(format!(
         "The sheet's four sides and {} of {} corners of the projected checkerboard were measured (drawn in sheet_found.png).",
         detection.observation.pairs.len(),
         detection.pattern_corners
     ));
-    page.gap();
-    page.table(&against_truth(rig)?);
-    page.gap();
-    page.paragraph(format!(
+    layout.gap();
+    layout.table(&against_truth(rig)?);
+    layout.gap();
+    layout.paragraph(format!(
         "Verdict: {}. The ± is far larger than the error because one photograph cannot tell where the lens's axis meets the \
          sensor; here it does so exactly in the middle, as slcal assumes until told otherwise.",
         rig.quality.as_ref().map_or("none".to_owned(), |q| summary::verdict(q.verdict))
     ));
-    page.gap();
-    page.paragraph(paint(
+    layout.gap();
+    layout.paragraph(styled(
         BOLD,
-        &glued("2. Reconstruction from one photograph each, with the rig just found"),
+        &unbroken("2. Reconstruction from one photograph each, with the rig just found"),
     ));
-    page.line(
+    layout.line(
         "board.jpg",
         format!(
             "{} points; a flat board comes out flat to {:.3} mm, {:.4} % of its distance",
             flatness.points, flatness.mean_mm, flatness.mean_percent
         ),
     );
-    page.line(
+    layout.line(
         "head.jpg",
         format!(
             "{} points, {} triangles (head_found.png shows where the stripes were found)",
@@ -212,16 +212,20 @@ fn story(
             head.cloud.triangles.len()
         ),
     );
-    page.gap();
-    page.paragraph(format!("{} {}:", paint(BOLD, "In"), glued(&shown(&args.out.display().to_string()))));
-    page.table(&files());
-    page.paragraph("MeshLab, CloudCompare and Blender show the .ply files.");
-    page.gap();
-    page.paragraph(paint(BOLD, &glued("The same by hand, in that folder")));
+    layout.gap();
+    layout.paragraph(format!(
+        "{} {}:",
+        styled(BOLD, "In"),
+        unbroken(&sanitized(&args.out.display().to_string()))
+    ));
+    layout.table(&files());
+    layout.paragraph("MeshLab, CloudCompare and Blender show the .ply files.");
+    layout.gap();
+    layout.paragraph(styled(BOLD, &unbroken("The same by hand, in that folder")));
     for command in BY_HAND {
-        page.paragraph(glued(&format!("  {command}")));
+        layout.paragraph(unbroken(&format!("  {command}")));
     }
-    Ok(page.into_text())
+    Ok(layout.into_text())
 }
 
 /// What was found, beside what is true.

@@ -15,7 +15,7 @@ use crate::io::{
     Destination, check_distinct, check_json, check_spares, export_places, import_paths, input_name, load_rig,
     read_exchange, storage_of, write_all,
 };
-use crate::output::{Page, Printer, print_json, print_result, shown};
+use crate::output::{Printer, TextLayout, print_json, print_result, sanitized};
 use crate::verbs::reconstruct::make_folder;
 
 #[derive(Serialize)]
@@ -73,12 +73,12 @@ pub(super) fn export(args: &ExportArgs, printer: Printer) -> Outcome {
     if args.json {
         return print_json(&report);
     }
-    let mut page = Page::new();
+    let mut layout = TextLayout::new();
     for file in &report.files {
-        page.line("wrote", shown(file));
+        layout.line("wrote", sanitized(file));
     }
-    page.line("convention", report.convention);
-    print_result(&page.into_text())
+    layout.line("convention", report.convention);
+    print_result(&layout.into_text())
 }
 
 pub(super) fn import(args: &ImportArgs, printer: Printer) -> Outcome {
@@ -124,10 +124,10 @@ pub(super) fn import(args: &ImportArgs, printer: Printer) -> Outcome {
         n => format!(", {n} views"),
     };
     let format = report.format.name();
-    let mut page = Page::new();
-    page.line("wrote", shown(&report.file));
-    page.line("read", format!("{devices}{views} from {format}"));
-    print_result(&page.into_text())
+    let mut layout = TextLayout::new();
+    layout.line("wrote", sanitized(&report.file));
+    layout.line("read", format!("{devices}{views} from {format}"));
+    print_result(&layout.into_text())
 }
 
 fn file_name(path: &Path) -> String {

@@ -10,7 +10,7 @@ use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{
     Destination, check_panel, check_spares, load_checker, load_photo, load_rig, png_bytes, write_all,
 };
-use crate::output::{Page, Printer, print_result};
+use crate::output::{Printer, TextLayout, print_result};
 use crate::summary::unsigned;
 
 pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
@@ -33,7 +33,7 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
     };
     write_all(&[(output.clone(), png_bytes(&DynamicImage::ImageRgb8(picture))?)])?;
     drop(busy);
-    let mut page = Page::new();
+    let mut layout = TextLayout::new();
     let placed = format!(
         "{:.1} x {:.1} mm on the sheet, {:.1} mm from its left and {:.1} mm from its top",
         place.size_mm.width_mm,
@@ -41,8 +41,8 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
         unsigned(place.origin_mm.x, 1),
         unsigned(place.origin_mm.y, 1)
     );
-    page.line("placed", placed);
-    let text = page.into_text();
+    layout.line("placed", placed);
+    let text = layout.into_text();
     if output == Destination::Stdout {
         printer.result(&text);
         return Ok(());

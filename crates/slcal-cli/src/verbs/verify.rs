@@ -15,7 +15,7 @@ use crate::io::{
     Destination, check_panel, check_spares, input_name, load_checker, load_photo, load_rig, png_bytes,
     write_all,
 };
-use crate::output::{Printer, plain, print_json, print_result};
+use crate::output::{Printer, print_json, print_result, without_style};
 use crate::picture::{as_seen, expected};
 use crate::summary;
 
@@ -104,6 +104,6 @@ fn draw(
     rig: &Rig,
     result: &Verification,
 ) -> Outcome<DynamicImage> {
-    let verdict = plain(&format!("the rig {}", summary::rig_in_words(result)));
+    let verdict = without_style(&format!("the rig {}", summary::rig_in_words(result)));
     expected::compared([photo.width(), photo.height()], name, &verdict, found, rig, result).over(photo)
 }

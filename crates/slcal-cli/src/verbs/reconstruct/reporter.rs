@@ -5,7 +5,7 @@ use super::report::{ErrorReport, FrameResult, Report, print_reports};
 use crate::args::ReconstructArgs;
 use crate::exit::{Failure, Outcome};
 use crate::io::{input_name, is_dash};
-use crate::output::{Printer, Progress, Remarks, print_result, shown};
+use crate::output::{Printer, Progress, Remarks, print_result, sanitized};
 
 /// A frame that was worked on.
 pub(super) struct Done {
@@ -89,7 +89,7 @@ impl<'a> Reporter<'a> {
         match (result, &self.args.output) {
             (FrameResult::Cloud(_), _) if self.args.json || self.stdout_closed => Ok(()),
             (FrameResult::Cloud(report), None) => {
-                print_result(&format!("{}: {}", shown(heading), report.line))
+                print_result(&format!("{}: {}", sanitized(heading), report.line))
             }
             (FrameResult::Cloud(report), Some(output)) if is_dash(output) => {
                 self.printer.result(&report.text);

@@ -16,7 +16,7 @@ use super::calibrate::rig_bytes;
 use crate::args::{NoiseArgs, PrincipalPointsArg, RigArgs, SimulateVerb, ViewsArgs};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{Destination, check_distinct, write_all};
-use crate::output::{Page, Printer, Table, glued, print_json, print_result};
+use crate::output::{Printer, Table, TextLayout, print_json, print_result, unbroken};
 use crate::summary;
 
 /// The noise of `views` is a stream of its own, beyond those of its poses.
@@ -77,7 +77,7 @@ fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
     if args.json {
         return print_json(&report_json::noise_experiment(&config, &report));
     }
-    let text = summary::noise(&config, &report);
+    let text = summary::noise_experiment(&config, &report);
     if csv_to_stdout {
         printer.result(&text);
         return Ok(());
@@ -136,11 +136,11 @@ fn tell_outside(scene: &Scene, printer: Printer) {
 }
 
 fn poses_in_words(poses: &[PoseConfig], scene: &Scene) -> String {
-    let mut page = Page::new();
-    page.paragraph(format!(
+    let mut layout = TextLayout::new();
+    layout.paragraph(format!(
         "{} views of a sheet of {} with {} projected corners, {} px apart",
         poses.len(),
-        glued(&format!("{} x {} mm", scene.size.width_mm, scene.size.height_mm)),
+        unbroken(&format!("{} x {} mm", scene.size.width_mm, scene.size.height_mm)),
         scene.pattern.len(),
         scene.square_px
     ));
@@ -149,6 +149,6 @@ fn poses_in_words(poses: &[PoseConfig], scene: &Scene) -> String {
         let angles = [p.tilt_x_rad, p.tilt_y_rad, p.roll_rad].map(|a| format!("{:.1}°", a.to_degrees()));
         table.row(std::iter::once(format!("view {}", i + 1)).chain(angles));
     }
-    page.table(&table);
-    page.into_text()
+    layout.table(&table);
+    layout.into_text()
 }

@@ -12,7 +12,7 @@ use super::super::calibrate::rig_bytes;
 use super::super::pattern::pattern_bytes;
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{cloud_bytes, png_bytes};
-use crate::output::{Page, glued, shown};
+use crate::output::{TextLayout, sanitized, unbroken};
 
 /// The files, in the order of [`contents`].
 pub(super) const NAMES: [&str; 12] = [
@@ -75,8 +75,8 @@ impl SceneOutputs {
         let scene = &self.scene;
         let [w, h] = scene.camera;
         let percent = |n: usize| 100.0 * n as f64 / (f64::from(w) * f64::from(h));
-        let mut page = Page::new();
-        page.line(
+        let mut layout = TextLayout::new();
+        layout.line(
             "photograph",
             format!(
                 "{w} x {h} px; {:.1} % see a surface, {:.1} % in the projector's light",
@@ -85,11 +85,11 @@ impl SceneOutputs {
             ),
         );
         if let Some([near, far]) = scene.depth_mm {
-            page.line("depth", format!("{near:.1} to {far:.1} mm"));
+            layout.line("depth", format!("{near:.1} to {far:.1} mm"));
         }
-        page.line("matches", format!("{} without error in truth_matches.csv", scene.matches));
-        page.line("files", format!("in {}:", glued(&shown(&folder.display().to_string()))));
-        page.line("", self.files.join(", "));
-        page.into_text()
+        layout.line("matches", format!("{} without error in truth_matches.csv", scene.matches));
+        layout.line("files", format!("in {}:", unbroken(&sanitized(&folder.display().to_string()))));
+        layout.line("", self.files.join(", "));
+        layout.into_text()
     }
 }

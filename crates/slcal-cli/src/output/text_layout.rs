@@ -6,7 +6,7 @@ use anstyle::Style;
 use terminal_size::{Width, terminal_size_of};
 use unicode_width::UnicodeWidthChar as _;
 
-use super::paint::{BOLD, DIM, paint};
+use super::style::{BOLD, DIM, styled};
 
 /// As wide as a text gets, and as wide as it is where there is no terminal: what a pipe gets is the same everywhere.
 pub(crate) const MAX_WIDTH: usize = 80;
@@ -38,12 +38,12 @@ pub(super) fn for_stderr(label: &str, message: &str) -> String {
     let out = std::io::stderr();
     let columns = if out.is_terminal() { terminal_size_of(&out) } else { None };
     let Some((Width(columns), _)) = columns else { return format!("{label}{message}") };
-    let indent = columns_of(label);
+    let indent = display_width(label);
     let lines: Vec<String> = message
         .split('\n')
         // What is laid out already stays so.
         .map(|line| {
-            if columns_of(line) + indent <= usize::from(columns) {
+            if display_width(line) + indent <= usize::from(columns) {
                 line.to_owned()
             } else {
                 wrapped(line, fitting(columns), indent)
@@ -54,23 +54,23 @@ pub(super) fn for_stderr(label: &str, message: &str) -> String {
 }
 
 /// A text from outside, a file's name for instance, without what would move a terminal's cursor.
-pub(crate) fn shown(text: &str) -> String {
+pub(crate) fn sanitized(text: &str) -> String {
     text.chars().map(|c| if c.is_control() && c != '\n' { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
-/// A text as it is without paint, for other places than a terminal.
-pub(crate) fn plain(text: &str) -> String {
+/// A text without its style, for other places than a terminal.
+pub(crate) fn without_style(text: &str) -> String {
     // First, since glue is a control character, which would be stripped.
     anstream::adapter::strip_str(&text.replace(GLUE, " ")).to_string()
 }
 
 /// A text that is not broken at its spaces.
-pub(crate) fn glued(text: &str) -> String {
+pub(crate) fn unbroken(text: &str) -> String {
     text.replace(' ', &GLUE.to_string())
 }
 
 /// The columns that a text takes on a terminal.
-pub(crate) fn columns_of(text: &str) -> usize {
+pub(crate) fn display_width(text: &str) -> usize {
     let mut columns = 0;
     let mut painting = false;
     for c in text.chars() {
@@ -101,7 +101,7 @@ pub(crate) fn wrapped(text: &str, width: usize, indent: usize) -> String {
     let (mut out, mut at) = (String::new(), indent);
     for part in words.chunk_by(|a, b| belong(a, b)) {
         let part = part.join(" ");
-        let columns = columns_of(&part);
+        let columns = display_width(&part);
         if at > indent && at + 1 + columns > width {
             out.push('\n');
             out.push_str(&" ".repeat(indent));
@@ -118,12 +118,12 @@ pub(crate) fn wrapped(text: &str, width: usize, indent: usize) -> String {
 
 /// A text that is built from above.
 #[derive(Debug)]
-pub(crate) struct Page {
+pub(crate) struct TextLayout {
     text: String,
     width: usize,
 }
 
-impl Page {
+impl TextLayout {
     /// As wide as stdout.
     pub(crate) fn new() -> Self {
         Self { text: String::new(), width: width() }
@@ -131,15 +131,15 @@ impl Page {
 
     /// A label and what it stands for; lines without a label belong to the one above.
     pub(crate) fn line(&mut self, label: &str, content: impl AsRef<str>) {
-        self.painted(BOLD, label, content);
+        self.styled_line(BOLD, label, content);
     }
 
     /// The same with the label in a style of its own.
-    pub(crate) fn painted(&mut self, style: Style, label: &str, content: impl AsRef<str>) {
+    pub(crate) fn styled_line(&mut self, style: Style, label: &str, content: impl AsRef<str>) {
         if !label.is_empty() {
-            self.text.push_str(&paint(style, label));
+            self.text.push_str(&styled(style, label));
         }
-        let space = LABEL.saturating_sub(columns_of(label)).max(usize::from(!label.is_empty()));
+        let space = LABEL.saturating_sub(display_width(label)).max(usize::from(!label.is_empty()));
         self.text.push_str(&" ".repeat(space));
         self.text.push_str(&wrapped(content.as_ref(), self.width, LABEL));
         self.text.push('\n');
@@ -201,7 +201,7 @@ impl Table {
         let widths: Vec<usize> = (0..=last)
             .map(|i| {
                 let widest =
-                    all().filter_map(|row| row.get(i)).map(|cell| columns_of(cell)).max().unwrap_or(0);
+                    all().filter_map(|row| row.get(i)).map(|cell| display_width(cell)).max().unwrap_or(0);
                 if i == 0 { widest.max(LABEL - self.gap) } else { widest }
             })
             .collect();
@@ -213,10 +213,10 @@ impl Table {
             let mut line = String::new();
             let mut space = 0;
             for (i, cell) in row.iter().enumerate().take(if beneath { last } else { last + 1 }) {
-                let pad = widths[i].saturating_sub(columns_of(cell));
+                let pad = widths[i].saturating_sub(display_width(cell));
                 let (before, after) = if self.right[i] { (pad, 0) } else { (0, pad) };
                 let style = if number == 0 { Some(DIM) } else { (i == 0).then_some(BOLD) };
-                let cell = style.filter(|_| !cell.is_empty()).map_or(cell.clone(), |s| paint(s, cell));
+                let cell = style.filter(|_| !cell.is_empty()).map_or(cell.clone(), |s| styled(s, cell));
                 if !cell.is_empty() {
                     line.push_str(&" ".repeat(space + before));
                     line.push_str(&cell);
@@ -239,19 +239,19 @@ impl Table {
 mod tests {
     use super::*;
 
-    fn page(width: usize) -> Page {
-        Page { text: String::new(), width }
+    fn layout(width: usize) -> TextLayout {
+        TextLayout { text: String::new(), width }
     }
 
-    fn bare(page: Page) -> String {
-        anstream::adapter::strip_str(&page.into_text()).to_string()
+    fn bare(layout: TextLayout) -> String {
+        anstream::adapter::strip_str(&layout.into_text()).to_string()
     }
 
     #[test]
     fn lines_are_broken_between_words_and_indented() {
-        let mut p = page(30);
+        let mut p = layout(30);
         p.line("label", "one two three four five six");
-        p.line("", format!("seven {}", glued("8 mm away")));
+        p.line("", format!("seven {}", unbroken("8 mm away")));
         assert_eq!(
             bare(p),
             "label      one two three four\n           five six\n           seven 8 mm away\n"
@@ -268,17 +268,17 @@ mod tests {
 
     #[test]
     fn what_is_wide_on_a_terminal_counts_so() {
-        assert_eq!(columns_of("写真.jpg"), 8);
-        assert_eq!(columns_of("e\u{301}"), 1);
-        assert_eq!(columns_of(&paint(BOLD, "good")), 4);
-        let mut p = page(20);
+        assert_eq!(display_width("写真.jpg"), 8);
+        assert_eq!(display_width("e\u{301}"), 1);
+        assert_eq!(display_width(&styled(BOLD, "good")), 4);
+        let mut p = layout(20);
         p.line("", "写真写真 写真");
         assert_eq!(bare(p), "           写真写真\n           写真\n");
     }
 
     #[test]
     fn a_long_word_stays_whole() {
-        let mut p = page(20);
+        let mut p = layout(20);
         p.line("file", "a aVeryLongNameThatDoesNotFit b");
         assert_eq!(bare(p), "file       a\n           aVeryLongNameThatDoesNotFit\n           b\n");
     }
@@ -289,7 +289,7 @@ mod tests {
             let mut t = Table::new(["", ">px", "name"]);
             t.row(["view 1", "9.5", "写.jpg"]);
             t.row(["view 2", "10.25", name]);
-            let mut p = page(40);
+            let mut p = layout(40);
             p.table(&t);
             bare(p)
         };
@@ -306,6 +306,6 @@ mod tests {
 
     #[test]
     fn control_characters_do_not_reach_the_terminal() {
-        assert_eq!(shown("a\u{1b}[31m\r\u{7}b\n"), "a\u{fffd}[31m\u{fffd}\u{fffd}b\n");
+        assert_eq!(sanitized("a\u{1b}[31m\r\u{7}b\n"), "a\u{fffd}[31m\u{fffd}\u{fffd}b\n");
     }
 }

@@ -74,7 +74,7 @@ pub(crate) fn set_color(color: ColorArg) {
 }
 
 /// A text in a style.
-pub(crate) fn paint(style: Style, text: &str) -> String {
+pub(crate) fn styled(style: Style, text: &str) -> String {
     format!("{style}{text}{style:#}")
 }
 

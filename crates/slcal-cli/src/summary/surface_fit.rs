@@ -2,7 +2,7 @@
 
 use slcal_core::evaluate::{FitReport, PlaneFit, SphereFit};
 
-use crate::output::{Page, Table};
+use crate::output::{Table, TextLayout};
 
 /// The plane, and how far the points lie from it.
 pub(crate) fn plane_fit(fit: &PlaneFit) -> String {
@@ -12,19 +12,19 @@ pub(crate) fn plane_fit(fit: &PlaneFit) -> String {
     };
     let equation =
         format!("{:.5} x {} {} {} = 0", n.x, term(n.y, 5, "y"), term(n.z, 5, "z"), term(offset, 2, "mm"));
-    page("plane", &equation, &fit.report)
+    surface_fit("plane", &equation, &fit.report)
 }
 
 /// The sphere, and how far the points lie from it.
 pub(crate) fn sphere_fit(fit: &SphereFit) -> String {
     let [x, y, z]: [f64; 3] = fit.centre.into();
     let words = format!("centre {x:.2}, {y:.2}, {z:.2} mm, radius {:.2} mm", fit.radius_mm);
-    page("sphere", &words, &fit.report)
+    surface_fit("sphere", &words, &fit.report)
 }
 
-fn page(shape: &str, surface: &str, report: &FitReport) -> String {
-    let mut page = Page::new();
-    page.line(shape, surface);
+fn surface_fit(shape: &str, surface: &str, report: &FitReport) -> String {
+    let mut layout = TextLayout::new();
+    layout.line(shape, surface);
     let mut table = Table::new(["", ">mm", "% of the distance to the camera"]);
     for (name, mm, percent) in [
         ("mean", report.mean_mm, report.mean_percent),
@@ -33,8 +33,8 @@ fn page(shape: &str, surface: &str, report: &FitReport) -> String {
     ] {
         table.row([name.to_owned(), format!("{mm:.4}"), format!("{percent:.4}")]);
     }
-    page.table(&table);
-    page.line(
+    layout.table(&table);
+    layout.line(
         "over",
         format!(
             "{} of {} points, those within {:.3} mm of it ({:.1} % are not), {:.0} mm from the camera on average",
@@ -45,5 +45,5 @@ fn page(shape: &str, surface: &str, report: &FitReport) -> String {
             report.camera_distance_mm
         ),
     );
-    page.into_text()
+    layout.into_text()
 }

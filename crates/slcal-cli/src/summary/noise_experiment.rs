@@ -5,28 +5,28 @@ use slcal_core::simulate::{
     Statistics,
 };
 
-use super::unsigned;
-use crate::output::{Page, Table, glued};
+use super::number::unsigned;
+use crate::output::{Table, TextLayout, unbroken};
 
 /// Tilts below this about one of the axes leave one vanishing point near infinity, rad.
 const SINGLE_AXIS_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 /// The tables with what they mean.
-pub(crate) fn noise(config: &NoiseConfig, report: &NoiseReport) -> String {
-    let mut page = Page::new();
-    head(&mut page, config, report);
-    page.gap();
-    page.table(&fits(report));
-    page.gap();
-    page.table(&errors(report));
-    page.gap();
-    page.table(&held(report));
-    page.gap();
-    foot(&mut page, config, report);
-    page.into_text()
+pub(crate) fn noise_experiment(config: &NoiseConfig, report: &NoiseReport) -> String {
+    let mut layout = TextLayout::new();
+    head(&mut layout, config, report);
+    layout.gap();
+    layout.table(&fits(report));
+    layout.gap();
+    layout.table(&errors(report));
+    layout.gap();
+    layout.table(&held(report));
+    layout.gap();
+    foot(&mut layout, config, report);
+    layout.into_text()
 }
 
-fn head(page: &mut Page, config: &NoiseConfig, report: &NoiseReport) {
+fn head(layout: &mut TextLayout, config: &NoiseConfig, report: &NoiseReport) {
     let t = report.truth;
     let [x, y] = [config.pose.tilt_x_rad, config.pose.tilt_y_rad].map(f64::to_degrees);
     let norm = t.translation_mm.iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -40,14 +40,14 @@ fn head(page: &mut Page, config: &NoiseConfig, report: &NoiseReport) {
         ),
         format!("tilted by {x:.1}°, {y:.1}°"),
     ];
-    page.line("truth", parts.map(|p| glued(&p)).join(" "));
+    layout.line("truth", parts.map(|p| unbroken(&p)).join(" "));
     let told = match config.principal_points {
         PrincipalPoints::Exact => "principal points are told exactly",
         PrincipalPoints::Prior => {
             "principal points are drawn from the default priors: ml is told these, two-vp takes the centres for exact"
         }
     };
-    page.line(
+    layout.line(
         "draws",
         format!(
             "{} per level, seed {}; {told}; projected squares of {} px; cube of {} mm on the sheet, {} corners seen",
@@ -154,8 +154,8 @@ fn shares(h: &Held) -> [String; 3] {
 }
 
 /// What the columns are; where the method of two vanishing points fails, and why.
-fn foot(page: &mut Page, config: &NoiseConfig, report: &NoiseReport) {
-    page.paragraph(
+fn foot(layout: &mut TextLayout, config: &NoiseConfig, report: &NoiseReport) {
+    layout.paragraph(
         "camera, projector: reprojection of what was observed, mean ± std; 3D error: corners of the cube in the camera's frame, mean \
          ± std; failed: draws without a real focal length, refused by their own σ, failed otherwise. Errors of f and \
          translation: rms (bias); bound: smallest standard deviation that any unbiased estimator can have (Cramér–Rao). held: how often \
@@ -165,7 +165,7 @@ fn foot(page: &mut Page, config: &NoiseConfig, report: &NoiseReport) {
     let (draws, imaginary, refused) =
         two_vp.fold((0, 0, 0), |(d, i, r), m| (d + m.draws, i + m.imaginary, r + m.refused));
     if imaginary + refused > 0 {
-        page.line(
+        layout.line(
             "two-vp",
             format!(
                 "{imaginary} of {draws} draws without a real focal length, {refused} refused by their own σ"
@@ -174,14 +174,14 @@ fn foot(page: &mut Page, config: &NoiseConfig, report: &NoiseReport) {
     }
     let pose = config.pose;
     if pose.tilt_x_rad.abs().min(pose.tilt_y_rad.abs()) < SINGLE_AXIS_RAD {
-        page.line(
+        layout.line(
             "two-vp",
             "a tilt about (nearly) one axis alone sends a vanishing point to infinity, where noise alone decides: the second \
              constraint of a sheet of known size, which ml uses, is what determines the focal length there",
         );
     }
     if config.principal_points == PrincipalPoints::Prior && config.rig.lens_shift != 0.0 {
-        page.line(
+        layout.line(
             "two-vp",
             "takes the projector's principal point to be the panel's centre; the lens shift of this one makes its focal length wrong or \
              imaginary, without noise as well",
