@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Which folders each folder may use, a folder within another by rules of its own. What is not listed here meets in the plain types at the top of the crate.
-const MAY_USE: [(&str, &[&str]); 16] = [
+const MAY_USE: [(&str, &[&str]); 15] = [
     ("geometry", &[]),
     ("solve", &["geometry"]),
     ("photo", &[]),
@@ -21,21 +21,6 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     ("reconstruct", &["geometry", "solve", "photo", "pattern", "decode"]),
     ("evaluate", &["geometry", "solve"]),
     ("format", &["geometry", "photo", "pattern"]),
-    // Writes down what the stages report; no stage knows of it.
-    (
-        "format/report_json",
-        &[
-            "geometry",
-            "pattern",
-            "calibrate",
-            "advise",
-            "verify",
-            "decode",
-            "reconstruct",
-            "evaluate",
-            "simulate",
-        ],
-    ),
     // Runs the estimators and compares with the truth; nothing depends on it.
     ("simulate", &["geometry", "solve", "photo", "pattern", "calibrate", "reconstruct"]),
 ];

@@ -2,7 +2,6 @@
 
 use pyo3::prelude::*;
 use slcal_core::advise::{Advice, CameraPlan, advise_first, advise_next};
-use slcal_core::format::report_json;
 use slcal_core::{CalibrateConfig, PrincipalPointRule, Rig};
 
 use crate::convert::option;
@@ -16,7 +15,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 }
 
 fn recorded<'py>(py: Python<'py>, advice: slcal_core::Result<Advice>) -> PyResult<Bound<'py, PyAny>> {
-    record(py, "Advice", &report_json::advice(&advice.raise(py, Looking::ForSheet)?))
+    record(py, "Advice", &advice.raise(py, Looking::ForSheet)?.to_json())
 }
 
 /// See `Rig.advise`.

@@ -4,7 +4,6 @@ use nalgebra::Point3;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use slcal_core::evaluate::{FitConfig, fit_plane, fit_sphere};
-use slcal_core::format::report_json::{plane_evaluation, sphere_evaluation};
 use slcal_core::{CloudPoint, Result};
 
 use crate::cloud::PointCloud;
@@ -69,15 +68,13 @@ fn evaluate<'py>(cloud: &Bound<'py, PyAny>, shape: &Bound<'py, PyAny>) -> PyResu
 
 /// The plane of a cloud.
 pub(crate) fn plane<'py>(py: Python<'py>, cloud: &slcal_core::PointCloud) -> PyResult<Bound<'py, PyAny>> {
-    fitted(py, "PlaneFit", "plane", |config| {
-        fit_plane(cloud, config).map(|fit| json!(plane_evaluation(&fit, config)))
-    })
+    fitted(py, "PlaneFit", "plane", |config| fit_plane(cloud, config).map(|fit| json!(fit.to_json(config))))
 }
 
 /// The sphere of a cloud.
 pub(crate) fn sphere<'py>(py: Python<'py>, cloud: &slcal_core::PointCloud) -> PyResult<Bound<'py, PyAny>> {
     fitted(py, "SphereFit", "sphere", |config| {
-        fit_sphere(cloud, config).map(|fit| json!(sphere_evaluation(&fit, config)))
+        fit_sphere(cloud, config).map(|fit| json!(fit.to_json(config)))
     })
 }
 

@@ -5,7 +5,6 @@ use std::sync::{Mutex, PoisonError};
 use pyo3::prelude::*;
 use slcal_core::Rig as CoreRig;
 use slcal_core::decode::DecodeConfig;
-use slcal_core::format::report_json;
 use slcal_core::reconstruct::{
     self, CullRule, ReconstructConfig, Reconstruction, cloud_from_matches, reconstruct as reconstruct_one,
 };
@@ -25,7 +24,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 
 impl From<Reconstruction> for PointCloud {
     fn from(made: Reconstruction) -> Self {
-        let report = Reported::of("CloudReport", &report_json::cloud(&made));
+        let report = Reported::of("CloudReport", &made.report());
         Self { cloud: made.cloud, report }
     }
 }

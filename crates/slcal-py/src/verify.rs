@@ -1,7 +1,6 @@
 //! Rig + photograph → how square the projection is, and whether the rig has moved.
 
 use pyo3::prelude::*;
-use slcal_core::format::report_json;
 use slcal_core::{Rig, VerifyPhotoConfig, verify_photo};
 
 use crate::convert::image::Photo;
@@ -41,5 +40,5 @@ pub(crate) fn verify<'py>(
     let view = pixels.view(py)?;
     let found = py.detach(|| verify_photo(rig, view, &pattern.0, &config)).raise(py, Looking::ForSheet)?;
     let corners = found.detection.pattern_corners;
-    record(py, "Verification", &report_json::verification(&found.verification, None, known.as_drawn, corners))
+    record(py, "Verification", &found.verification.to_json(None, known.as_drawn, corners))
 }

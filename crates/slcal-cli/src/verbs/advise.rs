@@ -1,7 +1,6 @@
 //! `slcal advise`: which photograph to take next.
 
 use slcal_core::advise::{CameraPlan, advise_first, advise_next};
-use slcal_core::format::report_json;
 use slcal_core::geometry::Camera;
 use slcal_core::{CalibrateConfig, Error, PrincipalPointRule};
 
@@ -24,11 +23,7 @@ pub(super) fn run(args: &AdviseArgs) -> Outcome {
         }
         None => advise_first(&plan(args)?)?,
     };
-    if args.json {
-        print_json(&report_json::advice(&advice))
-    } else {
-        print_result(&summary::advice(&advice))
-    }
+    if args.json { print_json(&advice.to_json()) } else { print_result(&summary::advice(&advice)) }
 }
 
 fn plan(args: &AdviseArgs) -> Outcome<CameraPlan> {

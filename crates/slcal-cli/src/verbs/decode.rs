@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
 use slcal_core::decode::{DecodeConfig, DecodeInput, Decoding, decode_frames};
-use slcal_core::format::{report_json, write_matches};
+use slcal_core::format::write_matches;
 use slcal_core::photo::PhotoView;
 
 use crate::args::{self, DecodeArgs};
@@ -43,7 +43,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     drop(busy);
 
     if args.json {
-        return print_json(&report_json::decoding(&decoding.report));
+        return print_json(&decoding.report.to_json());
     }
     let text = summary::decoding(&decoding.report);
     if output == Destination::Stdout {

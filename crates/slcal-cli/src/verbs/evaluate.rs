@@ -2,7 +2,7 @@
 
 use slcal_core::PointCloud;
 use slcal_core::evaluate::{FitConfig, PlaneFit, SphereFit, fit_plane, fit_sphere};
-use slcal_core::format::{read_ply, report_json};
+use slcal_core::format::read_ply;
 
 use crate::args::{EvaluateArgs, ShapeArg};
 use crate::exit::{InFile as _, Outcome};
@@ -26,7 +26,7 @@ pub(super) fn run(args: &EvaluateArgs, printer: Printer) -> Outcome {
             }
             drop(busy);
             if args.json {
-                return print_json(&report_json::plane_evaluation(&fit, &config));
+                return print_json(&fit.to_json(&config));
             }
             print_result(&summary::plane_fit(&fit))
         }
@@ -37,7 +37,7 @@ pub(super) fn run(args: &EvaluateArgs, printer: Printer) -> Outcome {
             }
             drop(busy);
             if args.json {
-                return print_json(&report_json::sphere_evaluation(&fit, &config));
+                return print_json(&fit.to_json(&config));
             }
             print_result(&summary::sphere_fit(&fit))
         }

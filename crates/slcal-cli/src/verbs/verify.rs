@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use image::DynamicImage;
 use slcal_core::detect::Detection;
-use slcal_core::format::report_json;
 use slcal_core::photo::PhotoView;
 use slcal_core::verify::Verification;
 use slcal_core::{PhotoVerifier, Rig, VerifiedPhoto, VerifyPhotoConfig};
@@ -53,7 +52,7 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     }
     if args.json {
         let name = input_name(&args.photo);
-        print_json(&report_json::verification(&result, Some(&name), args.as_drawn, found.pattern_corners))?;
+        print_json(&result.to_json(Some(&name), args.as_drawn, found.pattern_corners))?;
     } else {
         print_result(&summary::verification(&result, args.as_drawn))?;
     }

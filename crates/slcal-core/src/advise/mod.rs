@@ -3,6 +3,7 @@
 pub(crate) mod advice;
 pub(crate) mod outlook;
 pub(crate) mod predict;
+mod report_json;
 pub(crate) mod shared;
 
 use nalgebra::{DMatrix, Point2, Point3, Rotation3, Unit, Vector3};

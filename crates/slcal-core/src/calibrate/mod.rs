@@ -12,6 +12,7 @@ mod diagnostics;
 mod hypotheses;
 mod initial_guess;
 mod maximum_likelihood;
+mod report_json;
 mod two_vp;
 mod validate;
 mod variance_components;

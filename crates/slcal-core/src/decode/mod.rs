@@ -16,6 +16,7 @@ mod decoder;
 mod labeling;
 mod noise;
 mod peaks;
+mod report_json;
 mod rgb;
 mod scanlines;
 mod sequence_alignment;

@@ -7,6 +7,7 @@
 mod plane;
 mod ransac;
 mod report;
+mod report_json;
 mod sphere;
 
 pub use plane::{PlaneFit, fit_plane};

@@ -12,7 +12,6 @@ mod pattern_json;
 mod pcd;
 mod pfm;
 mod ply;
-pub mod report_json;
 mod rig_json;
 mod tree;
 mod xyz;
@@ -37,7 +36,7 @@ pub use xyz::write_xyz;
 
 /// Four points and two triangles for the tests of the cloud formats.
 #[cfg(test)]
-fn test_cloud() -> crate::cloud::PointCloud {
+pub(crate) fn test_cloud() -> crate::cloud::PointCloud {
     let point = |i: u16| crate::cloud::CloudPoint {
         position: nalgebra::Point3::new(f64::from(i), -0.5, 1000.25),
         pixel: nalgebra::Point2::new(f64::NAN, f64::NAN),

@@ -8,6 +8,7 @@ mod length_uncertainty;
 mod light_plane;
 mod local_slant;
 mod point_covariance;
+mod report_json;
 mod synthetic_match;
 mod triangle_metrics;
 mod triangulate;
@@ -17,6 +18,7 @@ mod triangulate_tests;
 pub use cull::{CullReport, CullRule, Culler, cull};
 pub use expected_uncertainty::{ExpectedSigma, SigmaForecast};
 pub use length_uncertainty::{LengthSigma, length_sigma};
+pub use report_json::CloudReport;
 pub use triangulate::{TriangulateConfig, TriangulateReport, Triangulator, triangulate};
 
 use nalgebra::Point3;

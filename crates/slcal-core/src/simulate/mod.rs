@@ -13,6 +13,7 @@ mod csv;
 mod cube;
 mod draws;
 mod experiment;
+mod experiment_json;
 mod photograph;
 mod poses;
 mod rig_config;
@@ -28,8 +29,8 @@ pub use experiment::{
     TrueValues,
 };
 pub use photograph::{
-    PatternKind, Photographer, Placing, RenderConfig, SceneSetup, SceneStage, Seen, Shape, Shown,
-    SimulatedScene, Subject, Surface, SurfaceKind, TriangleMesh, Truth, WallKind,
+    PatternKind, Photographer, Placing, RenderConfig, SceneReport, SceneSetup, SceneStage, Seen, Shape,
+    Shown, SimulatedScene, Subject, Surface, SurfaceKind, TriangleMesh, Truth, WallKind,
 };
 pub use poses::{PoseConfig, SpreadConfig, spread_poses};
 pub use rig_config::RigConfig;

@@ -8,6 +8,7 @@ mod change_test;
 mod chi_squared_sf;
 mod keystone;
 mod posterior_fit;
+mod report_json;
 #[cfg(test)]
 mod tests;
 

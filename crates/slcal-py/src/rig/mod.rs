@@ -8,7 +8,7 @@ mod view;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use slcal_core::format::{read_rig, report_json, write_rig};
+use slcal_core::format::{read_rig, write_rig};
 use slcal_core::{CalibrationReport, Projector, StereoPose};
 
 pub(crate) use view::{Covariance, View};
@@ -173,10 +173,7 @@ impl Rig {
     /// How the calibration went; None for a rig that was not calibrated in this program.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        self.report
-            .as_ref()
-            .map(|r| record(py, "CalibrationReport", &report_json::calibration(r)))
-            .transpose()
+        self.report.as_ref().map(|r| record(py, "CalibrationReport", &r.to_json())).transpose()
     }
 
     /// Distance between the optical centres, mm; None without a projector.

@@ -10,7 +10,6 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use slcal_core::ExternalObservations;
-use slcal_core::format::report_json;
 use slcal_core::simulate::{
     Draws, NoiseConfig, NoiseExperiment, NoiseModel, PoseConfig, PrincipalPoints, SceneSetup, SpreadConfig,
     spread_poses,
@@ -70,8 +69,7 @@ fn simulate_scene(options: &Bound<'_, PyDict>) -> PyResult<Scene> {
     options.set("albedo", &mut setup.albedo, |v| channels(v, "albedo"))?;
     options.number("wall_albedo", &mut setup.wall_albedo)?;
     let scene = py.detach(|| setup.photograph()).raise(py, Looking::ForSheet)?;
-    let report =
-        Reported::of("SceneReport", &report_json::simulated_scene(&scene.photographer, &scene.matches));
+    let report = Reported::of("SceneReport", &scene.photographer.report(&scene.matches));
     Ok(Scene { scene, report })
 }
 
@@ -135,7 +133,7 @@ fn simulate_noise<'py>(options: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAn
         })
     };
     match py.detach(run).raise(py, Looking::ForSheet)? {
-        Some(report) => record(py, "NoiseReport", &report_json::noise_experiment(&config, &report)),
+        Some(report) => record(py, "NoiseReport", &report.to_json(&config)),
         None => Err(interrupted.unwrap_or_else(|| PyRuntimeError::new_err("the experiment was stopped"))),
     }
 }

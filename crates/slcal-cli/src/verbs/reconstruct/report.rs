@@ -1,8 +1,7 @@
 //! What is said of each frame, as JSON and in words.
 
 use serde::Serialize;
-use slcal_core::format::report_json;
-use slcal_core::reconstruct::Reconstruction;
+use slcal_core::reconstruct::{self, Reconstruction};
 
 use crate::exit::{Failure, Outcome};
 use crate::output::print_json;
@@ -57,7 +56,7 @@ impl ErrorReport {
 #[derive(Debug, Serialize)]
 pub(super) struct CloudReport {
     #[serde(flatten)]
-    numbers: report_json::CloudReport,
+    numbers: reconstruct::CloudReport,
     /// The whole story, for one frame.
     #[serde(skip)]
     pub(super) text: String,
@@ -69,6 +68,6 @@ pub(super) struct CloudReport {
 impl CloudReport {
     pub(super) fn of(result: &Reconstruction) -> Self {
         let text = summary::reconstruction(result);
-        Self { numbers: report_json::cloud(result), text, line: summary::cloud_in_a_line(result) }
+        Self { numbers: result.report(), text, line: summary::cloud_in_a_line(result) }
     }
 }

@@ -6,7 +6,7 @@ mod scene;
 use std::ops::ControlFlow;
 
 use slcal_core::ExternalObservations;
-use slcal_core::format::{report_json, write_observations};
+use slcal_core::format::write_observations;
 use slcal_core::simulate::{
     Draws, NoiseConfig, NoiseExperiment, NoiseModel, PoseConfig, PrincipalPoints, RigConfig, Scene,
     SpreadConfig, spread_poses,
@@ -75,7 +75,7 @@ fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
         write_all(&[(place, report.csv().into_bytes())])?;
     }
     if args.json {
-        return print_json(&report_json::noise_experiment(&config, &report));
+        return print_json(&report.to_json(&config));
     }
     let text = summary::noise_experiment(&config, &report);
     if csv_to_stdout {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use image::{DynamicImage, GrayImage};
 use serde::Serialize;
-use slcal_core::format::report_json::{self, SceneReport};
 use slcal_core::format::{CloudFormat, write_matches, write_pfm};
+use slcal_core::simulate::SceneReport;
 use slcal_core::simulate::SimulatedScene;
 
 use super::super::calibrate::rig_bytes;
@@ -68,7 +68,7 @@ pub(super) struct SceneOutputs {
 
 impl SceneOutputs {
     pub(super) fn of(scene: &SimulatedScene) -> Self {
-        Self { scene: report_json::simulated_scene(&scene.photographer, &scene.matches), files: NAMES }
+        Self { scene: scene.photographer.report(&scene.matches), files: NAMES }
     }
 
     pub(super) fn in_words(&self, folder: &Path) -> String {

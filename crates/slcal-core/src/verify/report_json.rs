@@ -2,26 +2,28 @@
 
 use serde_json::{Value, json};
 
-use crate::verify::{Change, Keystone, Measured, RigCheck, SheetCheck, Verification};
+use super::{Change, Keystone, Measured, RigCheck, SheetCheck, Verification};
 
-/// What one photograph says of a rig. `photo` is its name, if it has one; `as_drawn` whether the pattern was projected as
-/// it was drawn, not rectified; `pattern_corners` how many corners the whole pattern has.
-#[must_use]
-pub fn verification(v: &Verification, photo: Option<&str>, as_drawn: bool, pattern_corners: usize) -> Value {
-    json!({
-        "schema": "slcal-verify/1",
-        "photo": photo,
-        "pattern": if as_drawn { "as-drawn" } else { "rectified" },
-        "significance": v.significance,
-        "with_covariance": v.with_covariance,
-        "keystone": keystone(&v.keystone),
-        "rig": rig(&v.rig),
-        "sheet": v.sheet.as_ref().map(sheet),
-        "corners": v.corners,
-        "pattern_corners": pattern_corners,
-        "left_out": v.left_out,
-        "noise_factor": { "sheet": v.widened[0], "pattern": v.widened[1] },
-    })
+impl Verification {
+    /// The record of this verification. `photo` is the name of the photograph, if it has one; `as_drawn` says that the pattern
+    /// was projected as it was drawn, not rectified; `pattern_corners` is the number of corners of the whole pattern.
+    #[must_use]
+    pub fn to_json(&self, photo: Option<&str>, as_drawn: bool, pattern_corners: usize) -> Value {
+        json!({
+            "schema": "slcal-verify/1",
+            "photo": photo,
+            "pattern": if as_drawn { "as-drawn" } else { "rectified" },
+            "significance": self.significance,
+            "with_covariance": self.with_covariance,
+            "keystone": keystone(&self.keystone),
+            "rig": rig(&self.rig),
+            "sheet": self.sheet.as_ref().map(sheet),
+            "corners": self.corners,
+            "pattern_corners": pattern_corners,
+            "left_out": self.left_out,
+            "noise_factor": { "sheet": self.widened[0], "pattern": self.widened[1] },
+        })
+    }
 }
 
 fn angle(m: Measured) -> Value {

@@ -4,24 +4,26 @@ use serde_json::{Value, json};
 
 use crate::advise::{Advice, NextView, Predicted};
 
-/// What [`advise_next`](crate::advise::advise_next) or [`advise_first`](crate::advise::advise_first) found.
-#[must_use]
-pub fn advice(advice: &Advice) -> Value {
-    json!({
-        "schema": "slcal-advice/1",
-        "size_mm": [advice.size.width_mm, advice.size.height_mm],
-        "distance_mm": advice.distance_mm,
-        "noise_px": { "sheet": advice.noise_px[0], "pattern": advice.noise_px[1] },
-        "sigma_now": advice.now.map(figures),
-        "table": advice.table.iter().map(|t| json!({
-            "tilt_about_horizontal_deg": t.tilt_x_rad.to_degrees(),
-            "tilt_about_vertical_deg": t.tilt_y_rad.to_degrees(),
-            "one": t.one.map(figures),
-            "pair": t.pair.map(figures),
-        })).collect::<Vec<_>>(),
-        "next": advice.next.as_ref().map(|n| pose(n, advice)),
-        "worth_it": advice.worth_it,
-    })
+impl Advice {
+    /// The record as JSON. Angles are in degrees, lengths in mm; numbers that are not finite become null.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        json!({
+            "schema": "slcal-advice/1",
+            "size_mm": [self.size.width_mm, self.size.height_mm],
+            "distance_mm": self.distance_mm,
+            "noise_px": { "sheet": self.noise_px[0], "pattern": self.noise_px[1] },
+            "sigma_now": self.now.map(figures),
+            "table": self.table.iter().map(|t| json!({
+                "tilt_about_horizontal_deg": t.tilt_x_rad.to_degrees(),
+                "tilt_about_vertical_deg": t.tilt_y_rad.to_degrees(),
+                "one": t.one.map(figures),
+                "pair": t.pair.map(figures),
+            })).collect::<Vec<_>>(),
+            "next": self.next.as_ref().map(|n| pose(n, self)),
+            "worth_it": self.worth_it,
+        })
+    }
 }
 
 fn figures(p: Predicted) -> Value {
