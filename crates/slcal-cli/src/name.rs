@@ -11,3 +11,16 @@ pub(crate) fn is_dash(path: &Path) -> bool {
 pub(crate) fn input_name(path: &Path) -> String {
     if is_dash(path) { "stdin".to_owned() } else { path.display().to_string() }
 }
+
+/// The name of a file without its folders, which would fill the headline.
+pub(crate) fn short(name: &str) -> &str {
+    let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    if last.is_empty() { name } else { last }
+}
+
+/// The name under which a photograph stands among others: with its folders where it takes them to tell.
+pub(crate) fn name_among<'a>(names: &[&'a str], i: usize) -> &'a str {
+    let Some(&name) = names.get(i) else { return "photograph" };
+    let unique = names.iter().enumerate().all(|(j, other)| j == i || short(other) != short(name));
+    if unique { short(name) } else { name }
+}

@@ -7,7 +7,7 @@ use slcal_core::{CornerPair, SheetObservation, ViewObservation};
 use super::drawing::color::{ORANGE, PINK, SKY, WHITE, YELLOW};
 use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Anchor, Drawing, Pen};
-use super::short;
+use crate::name::short;
 
 /// Radius of a corner's mark, units; no more than this share of the distance between corners.
 const RING: f64 = 4.0;

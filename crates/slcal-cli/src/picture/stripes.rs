@@ -10,7 +10,7 @@ use slcal_core::reconstruct::Reconstruction;
 use super::drawing::color::{Color, WHITE, ramp, slit_color};
 use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Anchor, Drawing, Pen};
-use super::short;
+use crate::name::short;
 
 /// Points of one slit are joined over this many lines of the photograph at most, so that small gaps close and others show.
 const JOINED_LINES: i64 = 3;

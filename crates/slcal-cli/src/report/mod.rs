@@ -27,7 +27,7 @@ use self::figure::Figures;
 use self::page::Section;
 pub(crate) use self::photographs::Photo;
 pub(crate) use self::points::Surface;
-use crate::picture::name_among;
+use crate::name::name_among;
 
 /// What a report is about. Names are those that the reader knows: as they were typed.
 pub(crate) struct Subject<'a> {

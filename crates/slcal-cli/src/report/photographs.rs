@@ -13,7 +13,7 @@ use super::page::Section;
 use super::residuals::odd_words;
 use super::{Subject, photo_name};
 use crate::exit::{Exit, Failure, Outcome};
-use crate::picture::fit::{self, Fit};
+use crate::picture::residual_drawing::{self, MeasuredView};
 use crate::picture::{Drawing, sheet};
 
 /// Longer side of a photograph that stands alone, and of one among others, px: sharp on a large screen, and small enough to
@@ -63,7 +63,7 @@ pub(super) fn section(subject: &Subject) -> Option<Section> {
     let missing = rig.views.len() - shown.min(rig.views.len());
     let fits = fits(subject);
     let like = drawing(rig, "");
-    let factor = fit::magnification(fits.iter().flatten().copied(), like.unit());
+    let factor = residual_drawing::magnification(fits.iter().flatten().copied(), like.unit());
     let content = html! {
         @if shown > 0 {
             (legend(rig, &fits, factor))
@@ -86,11 +86,11 @@ pub(super) fn section(subject: &Subject) -> Option<Section> {
 }
 
 /// What is known of each view.
-fn fits<'a>(subject: &'a Subject) -> Vec<Option<Fit<'a>>> {
+fn fits<'a>(subject: &'a Subject) -> Vec<Option<MeasuredView<'a>>> {
     let misses = subject.residuals.as_ref().ok();
     let fit = |(i, view): (usize, &'a View)| {
         let observed = subject.observations?.views.get(i)?;
-        Some(Fit { observed, residuals: misses?.get(i)?, view })
+        Some(MeasuredView { observed, residuals: misses?.get(i)?, view })
     };
     subject.rig.views.iter().enumerate().map(fit).collect()
 }
@@ -101,11 +101,18 @@ fn drawing(rig: &Rig, title: &str) -> Drawing {
     Drawing::new([rig.camera.model.width, rig.camera.model.height], title).coarser(coarser)
 }
 
-fn shot(rig: &Rig, i: usize, view: &View, photo: &Photo, fit: Option<Fit<'_>>, factor: f64) -> Markup {
+fn shot(
+    rig: &Rig,
+    i: usize,
+    view: &View,
+    photo: &Photo,
+    fit: Option<MeasuredView<'_>>,
+    factor: f64,
+) -> Markup {
     let name = photo_name(rig, i);
     let mut drawing = drawing(rig, &format!("{name}: the sheet and what was measured on it"));
     match fit {
-        Some(fit) => fit::draw(&mut drawing, fit, factor),
+        Some(fit) => residual_drawing::draw(&mut drawing, fit, factor),
         None => sheet::draw_outline(&mut drawing, &view.corners_px),
     }
     let odd = fit.is_some_and(|f| f.residuals.is_odd());
@@ -126,8 +133,8 @@ fn shot(rig: &Rig, i: usize, view: &View, photo: &Photo, fit: Option<Fit<'_>>, f
 }
 
 /// What the marks mean, in the colours of the drawings.
-fn legend(rig: &Rig, fits: &[Option<Fit<'_>>], factor: f64) -> Markup {
-    let any = |of: fn(&Fit<'_>) -> bool| fits.iter().flatten().any(of);
+fn legend(rig: &Rig, fits: &[Option<MeasuredView<'_>>], factor: f64) -> Markup {
+    let any = |of: fn(&MeasuredView<'_>) -> bool| fits.iter().flatten().any(of);
     let fitted = fits.iter().any(Option::is_some);
     let outliers =
         any(|f| f.residuals.sheet.iter().chain(f.residuals.pairs.iter().map(|p| &p.camera)).any(|p| !p.kept));

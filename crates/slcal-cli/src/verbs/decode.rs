@@ -14,7 +14,7 @@ use crate::io::{
     png_bytes, write_all,
 };
 use crate::output::{Printer, print_json, print_result};
-use crate::picture::{as_seen, stripes};
+use crate::picture::{for_display, stripes};
 use crate::summary;
 
 pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
@@ -36,7 +36,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     if let Some(place) = overlay {
         files.push((
             place,
-            draw(&as_seen(photo, frames.config.encoding), &input_name(&args.image), &decoding)?,
+            draw(&for_display(photo, frames.config.encoding), &input_name(&args.image), &decoding)?,
         ));
     }
     write_all(&files)?;

@@ -20,7 +20,7 @@ use crate::args::DemoArgs;
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{Destination, cloud_bytes, decode_photo, png_bytes, write_all};
 use crate::output::{BOLD, Printer, Table, TextLayout, print_result, sanitized, styled, unbroken};
-use crate::picture::fit::{self, Fit};
+use crate::picture::residual_drawing::{self, MeasuredView};
 use crate::picture::sheet;
 use crate::report::{Photo, ShownCloud, Subject, html};
 use crate::summary;
@@ -127,8 +127,8 @@ fn draw_sheet(
     let size = [photo.width(), photo.height()];
     let drawing = match (rig.views.first(), misses.first()) {
         (Some(view), Some(residuals)) => {
-            let fit = Fit { observed: &found.observation, residuals, view };
-            fit::calibrated(size, "sheet.jpg", &format!("sheet.jpg: {}", fit.in_words()), fit)
+            let fit = MeasuredView { observed: &found.observation, residuals, view };
+            residual_drawing::drawing(size, "sheet.jpg", &format!("sheet.jpg: {}", fit.in_words()), fit)
         }
         _ => sheet::found(size, "sheet.jpg", found),
     };

@@ -8,7 +8,7 @@ use crate::args::{EvaluateArgs, ShapeArg};
 use crate::exit::{InFile as _, Outcome};
 use crate::io::{Destination, check_spares, input_name, png_bytes, read_bytes, write_all};
 use crate::output::{Printer, print_json, print_result};
-use crate::picture::surface::{Surface, picture};
+use crate::picture::deviation_map::{DeviationMap, picture};
 use crate::summary;
 
 pub(super) fn run(args: &EvaluateArgs, printer: Printer) -> Outcome {
@@ -48,25 +48,25 @@ fn draw_plane(args: &EvaluateArgs, cloud: &PointCloud, fit: &PlaneFit) -> Outcom
     // The normal points to the camera: what is nearer counts up.
     let distances: Vec<f64> =
         cloud.points.iter().map(|p| fit.plane.signed_distance_mm(&p.position)).collect();
-    let surface = Surface {
+    let map = DeviationMap {
         name: &input_name(&args.cloud),
         what: "plane",
         sides: ["behind it", "before it"],
         report: &fit.report,
         distances_mm: &distances,
     };
-    png_bytes(&picture(cloud, &surface)?)
+    png_bytes(&picture(cloud, &map)?)
 }
 
 fn draw_sphere(args: &EvaluateArgs, cloud: &PointCloud, fit: &SphereFit) -> Outcome<Vec<u8>> {
     let distance = |p: &nalgebra::Point3<f64>| (p - fit.centre).norm() - fit.radius_mm;
     let distances: Vec<f64> = cloud.points.iter().map(|p| distance(&p.position)).collect();
-    let surface = Surface {
+    let map = DeviationMap {
         name: &input_name(&args.cloud),
         what: "sphere",
         sides: ["inside", "outside"],
         report: &fit.report,
         distances_mm: &distances,
     };
-    png_bytes(&picture(cloud, &surface)?)
+    png_bytes(&picture(cloud, &map)?)
 }

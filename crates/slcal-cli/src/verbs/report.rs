@@ -15,7 +15,7 @@ use crate::io::{
     load_rig, read_bytes, write_all,
 };
 use crate::output::Printer;
-use crate::picture::as_seen;
+use crate::picture::for_display;
 use crate::report::{CommandLine, Photo as Shown, ShownCloud, Subject, html};
 
 pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> Outcome {
@@ -45,7 +45,7 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
     let gamma = args.gamma.gamma;
     // The photograph itself, which may be large, is not needed any more.
     let shown =
-        |photo: Option<Photo>| photo.map(|p| Shown::new(&as_seen(p.picture, gamma), count)).transpose();
+        |photo: Option<Photo>| photo.map(|p| Shown::new(&for_display(p.picture, gamma), count)).transpose();
     let subject = Subject {
         rig: &rig,
         rig_name: input_name(&args.rig),

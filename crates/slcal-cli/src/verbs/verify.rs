@@ -15,7 +15,7 @@ use crate::io::{
     write_all,
 };
 use crate::output::{Printer, print_json, print_result, without_style};
-use crate::picture::{as_seen, expected};
+use crate::picture::{for_display, verification};
 use crate::summary;
 
 pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
@@ -46,7 +46,7 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
         printer.note(format!("{}: {note}", input_name(&args.photo)));
     }
     if let Some(place) = overlay {
-        let seen = as_seen(photo, config.encoding);
+        let seen = for_display(photo, config.encoding);
         let picture = draw(&seen, &input_name(&args.photo), &found, &rig, &result)?;
         write_all(&[(place, png_bytes(&picture)?)])?;
     }
@@ -104,5 +104,5 @@ fn draw(
     result: &Verification,
 ) -> Outcome<DynamicImage> {
     let verdict = without_style(&format!("the rig {}", summary::rig_in_words(result)));
-    expected::compared([photo.width(), photo.height()], name, &verdict, found, rig, result).over(photo)
+    verification::drawing([photo.width(), photo.height()], name, &verdict, found, rig, result).over(photo)
 }

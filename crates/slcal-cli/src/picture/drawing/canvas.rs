@@ -5,7 +5,7 @@ use nalgebra::{Point2, Vector2};
 use super::clip::Rect;
 use super::color::Color;
 use super::legend::Legend;
-use super::shape::{Anchor, Item, Pen, Shape};
+use super::primitive::{Anchor, Item, Pen, Primitive};
 
 /// Line widths in the longer side of a photograph: a picture that is fitted to a screen looks the same at any resolution.
 const UNITS_PER_SIDE: f64 = 900.0;
@@ -85,7 +85,7 @@ impl Drawing {
     pub(crate) fn lines<'a>(&mut self, lines: impl IntoIterator<Item = &'a [Point2<f64>]>, pen: Pen) {
         let reach = self.reach();
         let parts: Vec<_> = lines.into_iter().flat_map(|line| reach.polyline(line)).collect();
-        self.push(Shape::Lines(parts), pen);
+        self.push(Primitive::Lines(parts), pen);
     }
 
     /// A line through points.
@@ -109,13 +109,13 @@ impl Drawing {
     /// Filled circles of a radius in units.
     pub(crate) fn dots(&mut self, centres: impl IntoIterator<Item = Point2<f64>>, radius: f64, pen: Pen) {
         let centres = self.within_reach(centres);
-        self.push(Shape::Dots(centres, radius * self.unit()), pen);
+        self.push(Primitive::Dots(centres, radius * self.unit()), pen);
     }
 
     /// Circles of a radius in units.
     pub(crate) fn rings(&mut self, centres: impl IntoIterator<Item = Point2<f64>>, radius: f64, pen: Pen) {
         let centres = self.within_reach(centres);
-        self.push(Shape::Rings(centres, radius * self.unit()), pen);
+        self.push(Primitive::Rings(centres, radius * self.unit()), pen);
     }
 
     /// Lines with a head at their end; what is shorter than a line is wide is left out.
@@ -139,8 +139,8 @@ impl Drawing {
                 heads.push(vec![to, to - back + side, to - back - side]);
             }
         }
-        self.push(Shape::Lines(shafts), pen);
-        self.push(Shape::Areas(heads), Pen { dashed: false, ..pen });
+        self.push(Primitive::Lines(shafts), pen);
+        self.push(Primitive::Areas(heads), Pen { dashed: false, ..pen });
     }
 
     /// A word at a point, of the usual size times `scale`; nothing when the point is outside the frame.
@@ -160,7 +160,7 @@ impl Drawing {
 
     /// A text of a size in pixels at a point that is finite.
     pub(crate) fn words(&mut self, at: Point2<f64>, text: String, size: f64, anchor: Anchor, pen: Pen) {
-        self.push(Shape::Text { at, text, size, anchor }, pen);
+        self.push(Primitive::Text { at, text, size, anchor }, pen);
     }
 
     fn within_reach(&self, points: impl IntoIterator<Item = Point2<f64>>) -> Vec<Point2<f64>> {
@@ -168,14 +168,14 @@ impl Drawing {
         points.into_iter().filter(|p| reach.holds(*p)).collect()
     }
 
-    fn push(&mut self, shape: Shape, pen: Pen) {
-        let empty = match &shape {
-            Shape::Lines(parts) | Shape::Areas(parts) => parts.is_empty(),
-            Shape::Dots(centres, _) | Shape::Rings(centres, _) => centres.is_empty(),
-            Shape::Text { .. } => false,
+    fn push(&mut self, primitive: Primitive, pen: Pen) {
+        let empty = match &primitive {
+            Primitive::Lines(parts) | Primitive::Areas(parts) => parts.is_empty(),
+            Primitive::Dots(centres, _) | Primitive::Rings(centres, _) => centres.is_empty(),
+            Primitive::Text { .. } => false,
         };
         if !empty {
-            self.items.push(Item { shape, pen });
+            self.items.push(Item { primitive, pen });
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The legend: what the marks of a picture mean.
 
 use super::color::Color;
-use super::shape::Pen;
+use super::primitive::Pen;
 
 /// What stands before an entry.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,11 +7,11 @@ use tiny_skia::{
     FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, PixmapMut, Stroke, StrokeDash, Transform,
 };
 
+use super::appearance;
 use super::canvas::Drawing;
 use super::color::{BLACK, Color, luma};
 use super::font::{CAPITALS, Font};
-use super::shape::{Anchor, Item, Pen, Shape};
-use super::style;
+use super::primitive::{Anchor, Item, Pen, Primitive};
 use crate::exit::{Exit, Failure, Outcome};
 
 impl Drawing {
@@ -69,8 +69,8 @@ fn background(drawing: &Drawing, photo: &DynamicImage) -> image::RgbaImage {
 fn dim([r, g, b, _]: &mut [u8; 4]) {
     let grey = luma([*r, *g, *b].map(f64::from));
     for c in [r, g, b] {
-        let color = style::COLOR_KEPT * f64::from(*c) + (1.0 - style::COLOR_KEPT) * grey;
-        *c = (style::LIGHT_KEPT * color).round() as u8;
+        let color = appearance::COLOR_KEPT * f64::from(*c) + (1.0 - appearance::COLOR_KEPT) * grey;
+        *c = (appearance::LIGHT_KEPT * color).round() as u8;
     }
 }
 
@@ -94,21 +94,23 @@ struct Painter<'a, 'b> {
 impl Painter<'_, '_> {
     fn item(&mut self, item: &Item) {
         let pen = &item.pen;
-        match &item.shape {
-            Shape::Text { at, text, size, anchor } => self.text((*at, text.as_str(), *size, *anchor), pen),
-            Shape::Lines(_) | Shape::Rings(..) => {
-                let Some(path) = path(&item.shape) else { return };
+        match &item.primitive {
+            Primitive::Text { at, text, size, anchor } => {
+                self.text((*at, text.as_str(), *size, *anchor), pen)
+            }
+            Primitive::Lines(_) | Primitive::Rings(..) => {
+                let Some(path) = path(&item.primitive) else { return };
                 if pen.halo {
-                    let opacity = style::HALO_OPACITY * pen.opacity;
-                    self.stroke(&path, BLACK, style::halo_width(pen, self.unit), opacity, pen.dashed);
+                    let opacity = appearance::HALO_OPACITY * pen.opacity;
+                    self.stroke(&path, BLACK, appearance::halo_width(pen, self.unit), opacity, pen.dashed);
                 }
                 self.stroke(&path, pen.color, pen.width * self.unit, pen.opacity, pen.dashed);
             }
-            Shape::Areas(_) | Shape::Dots(..) => {
-                let Some(path) = path(&item.shape) else { return };
+            Primitive::Areas(_) | Primitive::Dots(..) => {
+                let Some(path) = path(&item.primitive) else { return };
                 if pen.halo {
-                    let opacity = style::HALO_OPACITY * pen.opacity;
-                    self.stroke(&path, BLACK, style::HALO * self.unit, opacity, false);
+                    let opacity = appearance::HALO_OPACITY * pen.opacity;
+                    self.stroke(&path, BLACK, appearance::HALO * self.unit, opacity, false);
                 }
                 self.fill(&path, pen.color, pen.opacity);
             }
@@ -126,7 +128,7 @@ impl Painter<'_, '_> {
         self.font.draw(text, start, size, &mut outline);
         let Some(path) = outline.0.finish() else { return };
         if pen.halo {
-            self.stroke(&path, BLACK, style::TEXT_HALO * size, style::TEXT_HALO_OPACITY, false);
+            self.stroke(&path, BLACK, appearance::TEXT_HALO * size, appearance::TEXT_HALO_OPACITY, false);
         }
         self.fill(&path, pen.color, pen.opacity);
     }
@@ -136,7 +138,7 @@ impl Painter<'_, '_> {
     }
 
     fn stroke(&mut self, path: &Path, color: Color, width: f64, opacity: f64, dashed: bool) {
-        let dash = style::DASHES.map(|d| (d * self.unit) as f32).to_vec();
+        let dash = appearance::DASHES.map(|d| (d * self.unit) as f32).to_vec();
         let stroke = Stroke {
             width: width as f32,
             line_cap: LineCap::Round,
@@ -154,26 +156,26 @@ fn paint([r, g, b]: Color, opacity: f64) -> Paint<'static> {
     paint
 }
 
-fn path(shape: &Shape) -> Option<Path> {
+fn path(primitive: &Primitive) -> Option<Path> {
     let mut builder = PathBuilder::new();
-    match shape {
-        Shape::Lines(parts) | Shape::Areas(parts) => {
+    match primitive {
+        Primitive::Lines(parts) | Primitive::Areas(parts) => {
             for part in parts {
                 for (i, p) in part.iter().enumerate() {
                     let (x, y) = (p.x as f32, p.y as f32);
                     if i == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
                 }
-                if matches!(shape, Shape::Areas(_)) {
+                if matches!(primitive, Primitive::Areas(_)) {
                     builder.close();
                 }
             }
         }
-        Shape::Dots(centres, radius) | Shape::Rings(centres, radius) => {
+        Primitive::Dots(centres, radius) | Primitive::Rings(centres, radius) => {
             for c in centres {
                 builder.push_circle(c.x as f32, c.y as f32, *radius as f32);
             }
         }
-        Shape::Text { .. } => {}
+        Primitive::Text { .. } => {}
     }
     builder.finish()
 }

@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 
 use nalgebra::Point2;
 
+use super::appearance;
 use super::canvas::Drawing;
 use super::color::Color;
 use super::font::{CAPITALS, Font};
-use super::shape::{Anchor, Item, Pen, Shape};
-use super::style;
+use super::primitive::{Anchor, Item, Pen, Primitive};
 
 /// Verdana is as wide as DejaVu Sans, where that is missing.
 const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
@@ -30,7 +30,11 @@ fn write(drawing: &Drawing, background: Option<&str>) -> String {
     );
     if let Some(address) = background {
         let dim = if drawing.dimmed {
-            format!(" style=\"filter:saturate({}) brightness({})\"", style::COLOR_KEPT, style::LIGHT_KEPT)
+            format!(
+                " style=\"filter:saturate({}) brightness({})\"",
+                appearance::COLOR_KEPT,
+                appearance::LIGHT_KEPT
+            )
         } else {
             String::new()
         };
@@ -63,12 +67,12 @@ fn write_item(text: &mut String, item: &Item, unit: f64, font: &Font) {
     let opacity = |share: f64| {
         if share < 1.0 { format!(" opacity=\"{}\"", Number(share)) } else { String::new() }
     };
-    match &item.shape {
-        Shape::Text { at, text: words, size, anchor } => {
+    match &item.primitive {
+        Primitive::Text { at, text: words, size, anchor } => {
             write_text(text, (*at, words.as_str(), *size, *anchor), pen, font);
         }
-        Shape::Lines(_) | Shape::Rings(..) => {
-            let path = path(&item.shape);
+        Primitive::Lines(_) | Primitive::Rings(..) => {
+            let path = path(&item.primitive);
             let dash = if pen.dashed { dashes(unit) } else { String::new() };
             let mut stroke = |color: &str, width: f64, share: f64| {
                 put(
@@ -81,19 +85,19 @@ fn write_item(text: &mut String, item: &Item, unit: f64, font: &Font) {
                 );
             };
             if pen.halo {
-                stroke("#000", style::halo_width(pen, unit), style::HALO_OPACITY * pen.opacity);
+                stroke("#000", appearance::halo_width(pen, unit), appearance::HALO_OPACITY * pen.opacity);
             }
             stroke(&color, pen.width * unit, pen.opacity);
         }
-        Shape::Areas(_) | Shape::Dots(..) => {
-            let path = path(&item.shape);
+        Primitive::Areas(_) | Primitive::Dots(..) => {
+            let path = path(&item.primitive);
             if pen.halo {
                 put(
                     text,
                     format_args!(
                         "<path stroke=\"#000\" stroke-width=\"{}\"{} d=\"{path}\"/>",
-                        Number(style::HALO * unit),
-                        opacity(style::HALO_OPACITY * pen.opacity)
+                        Number(appearance::HALO * unit),
+                        opacity(appearance::HALO_OPACITY * pen.opacity)
                     ),
                 );
             }
@@ -116,8 +120,8 @@ fn write_text(
     let halo = if pen.halo {
         format!(
             " stroke=\"#000\" stroke-opacity=\"{}\" stroke-width=\"{}\" paint-order=\"stroke\"",
-            Number(style::TEXT_HALO_OPACITY),
-            Number(style::TEXT_HALO * size)
+            Number(appearance::TEXT_HALO_OPACITY),
+            Number(appearance::TEXT_HALO * size)
         )
     } else {
         String::new()
@@ -141,7 +145,7 @@ fn write_text(
     );
 }
 
-fn path(shape: &Shape) -> String {
+fn path(primitive: &Primitive) -> String {
     let mut d = String::new();
     let mut parts = |parts: &[Vec<Point2<f64>>], end: &str| {
         for part in parts {
@@ -152,10 +156,10 @@ fn path(shape: &Shape) -> String {
             d.push_str(end);
         }
     };
-    match shape {
-        Shape::Lines(lines) => parts(lines, ""),
-        Shape::Areas(areas) => parts(areas, "z"),
-        Shape::Dots(centres, radius) | Shape::Rings(centres, radius) => {
+    match primitive {
+        Primitive::Lines(lines) => parts(lines, ""),
+        Primitive::Areas(areas) => parts(areas, "z"),
+        Primitive::Dots(centres, radius) | Primitive::Rings(centres, radius) => {
             let r = Number(*radius);
             for c in centres {
                 let (left, wide) = (Number(c.x - radius), Number(2.0 * radius));
@@ -165,13 +169,13 @@ fn path(shape: &Shape) -> String {
                 );
             }
         }
-        Shape::Text { .. } => {}
+        Primitive::Text { .. } => {}
     }
     d
 }
 
 fn dashes(unit: f64) -> String {
-    let [on, off] = style::DASHES.map(|d| Number(d * unit));
+    let [on, off] = appearance::DASHES.map(|d| Number(d * unit));
     format!(" stroke-dasharray=\"{on} {off}\"")
 }
 

@@ -9,11 +9,11 @@ use slcal_core::{Observations, Rig, Verdict, ViewResiduals};
 
 use crate::exit::{Failure, Outcome};
 use crate::io::{Destination, input_name, png_bytes, write_all};
-use crate::picture::fit::{self, Fit};
-use crate::picture::name_among;
+use crate::name::{name_among, short};
+use crate::picture::Drawing;
+use crate::picture::contact_sheet::{self, Tile};
+use crate::picture::residual_drawing::{self, MeasuredView};
 use crate::picture::sheet::{self, Partly};
-use crate::picture::tiles::{self, Tile};
-use crate::picture::{Drawing, short};
 
 /// The photographs as they will be drawn upon.
 pub(super) struct Gallery {
@@ -61,7 +61,7 @@ impl Gallery {
             Ok(found) => Seen::All(Box::new(found.clone())),
             Err(why) => Seen::Not { why: why.to_string(), partly },
         };
-        let ([w, h], _) = tiles::tile_size(size, self.expected);
+        let ([w, h], _) = contact_sheet::tile_size(size, self.expected);
         // A single photograph keeps all of its pixels; memory holds small copies of many.
         let photo = if self.expected > 1 && [w, h] != size {
             photo.resize_exact(w, h, FilterType::Triangle)
@@ -95,23 +95,23 @@ impl Gallery {
 }
 
 /// Views, their observations and their residuals; none when they do not belong together.
-fn fits<'a>(c: Calibrated<'a>, misses: &'a [ViewResiduals]) -> Vec<Fit<'a>> {
+fn fits<'a>(c: Calibrated<'a>, misses: &'a [ViewResiduals]) -> Vec<MeasuredView<'a>> {
     let views = c.rig.views.iter().zip(&c.observations.views).zip(misses);
-    views.map(|((view, observed), residuals)| Fit { observed, residuals, view }).collect()
+    views.map(|((view, observed), residuals)| MeasuredView { observed, residuals, view }).collect()
 }
 
 impl Shot {
     /// The only photograph, with a legend.
     fn drawing(
         &self,
-        fit: Option<Fit<'_>>,
+        fit: Option<MeasuredView<'_>>,
         calibrated: Option<Calibrated<'_>>,
         failed: Option<&Failure>,
     ) -> Drawing {
         let mut drawing = match (&self.seen, fit.zip(calibrated)) {
             (Seen::All(_), Some((fit, c))) => {
                 let title = format!("{}: {}; {}", short(&self.name), verdict(c.rig), fit.in_words());
-                fit::calibrated(self.size, &self.name, title.trim_end_matches([';', ' ']), fit)
+                residual_drawing::drawing(self.size, &self.name, title.trim_end_matches([';', ' ']), fit)
             }
             (Seen::All(found), None) => sheet::found(self.size, &self.name, found),
             (Seen::Not { why, partly }, _) => sheet::not_found(self.size, &self.name, why, partly),
@@ -130,13 +130,13 @@ impl Shot {
     }
 
     /// Without a legend, for a sheet of many.
-    fn tile(&self, name: &str, fit: Option<Fit<'_>>, factor: f64, coarseness: f64) -> Outcome<Tile> {
+    fn tile(&self, name: &str, fit: Option<MeasuredView<'_>>, factor: f64, coarseness: f64) -> Outcome<Tile> {
         let mut drawing = Drawing::new(self.size, &*self.name).coarser(coarseness);
         let mut odd = None;
         let mut caption = vec![name.to_owned()];
         match (&self.seen, fit) {
             (Seen::All(_), Some(fit)) => {
-                fit::draw(&mut drawing, fit, factor);
+                residual_drawing::draw(&mut drawing, fit, factor);
                 caption.extend(Some(fit.in_words()).filter(|t| !t.is_empty()));
                 if fit.outliers() > 0 {
                     caption.push(format!("{} of {} points left out", fit.outliers(), fit.count()));
@@ -171,13 +171,13 @@ fn verdict(rig: &Rig) -> &'static str {
 fn sheet_of(
     shots: &[Shot],
     expected: usize,
-    fits: &[Fit<'_>],
+    fits: &[MeasuredView<'_>],
     calibrated: Option<Calibrated<'_>>,
     failed: Option<&Failure>,
 ) -> Outcome<DynamicImage> {
-    let (_, coarseness) = tiles::tile_size(shots[0].size, expected);
+    let (_, coarseness) = contact_sheet::tile_size(shots[0].size, expected);
     let like = Drawing::new(shots[0].size, "").coarser(coarseness);
-    let factor = fit::magnification(fits.iter().copied(), like.unit());
+    let factor = residual_drawing::magnification(fits.iter().copied(), like.unit());
     let names: Vec<&str> = shots.iter().map(|s| &*s.name).collect();
     let tiles = shots
         .iter()
@@ -188,8 +188,12 @@ fn sheet_of(
     let mut legend = match calibrated {
         Some(c) if !fits.is_empty() => {
             let title = format!("{} photographs: {}", shots.len(), verdict(c.rig));
-            let legend =
-                fit::legend(&like, title.trim_end_matches([';', ' ', ':']), fits.iter().copied(), factor);
+            let legend = residual_drawing::legend(
+                &like,
+                title.trim_end_matches([';', ' ', ':']),
+                fits.iter().copied(),
+                factor,
+            );
             legend.with_bars(shown_as)
         }
         _ => {
@@ -211,5 +215,5 @@ fn sheet_of(
     if let Some(why) = why.or_else(|| failed.map(|f| format!("not calibrated: {f}"))) {
         legend = legend.note(why);
     }
-    tiles::sheet(&tiles, "the photographs of a calibration", &legend)
+    contact_sheet::sheet(&tiles, "the photographs of a calibration", &legend)
 }

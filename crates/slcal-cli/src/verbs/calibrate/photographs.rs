@@ -15,7 +15,7 @@ use crate::args::CalibrateArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{focal_35mm, input_name, load_checker, load_photo, load_photo_and_file};
 use crate::output::Printer;
-use crate::picture::as_seen;
+use crate::picture::for_display;
 use crate::picture::sheet::Partly;
 
 /// What the photographs show and say.
@@ -69,7 +69,7 @@ pub(super) fn observe_all(
         let found = detect_one(path, &photo, screen.as_ref(), args, pattern, &detect);
         if let Some(gallery) = gallery.as_deref_mut() {
             let partly = if found.is_err() { partly(i, path, &photo, args) } else { Partly::default() };
-            gallery.add(path, as_seen(photo, args.gamma.gamma), found.as_ref(), partly);
+            gallery.add(path, for_display(photo, args.gamma.gamma), found.as_ref(), partly);
         }
         let found = found?;
         for note in &found.notes {

@@ -27,7 +27,7 @@ use crate::io::{
     cloud_format_of, input_name, is_dash, load_rig, load_stripes, png_bytes, read_photo, write_all,
 };
 use crate::output::{Printer, Remarks};
-use crate::picture::{as_seen, stripes};
+use crate::picture::{for_display, stripes};
 use crate::report::{CloudSubject, CommandLine, Photo, Surface, cloud_html};
 
 pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer) -> Outcome {
@@ -204,7 +204,7 @@ impl Job<'_> {
         let result = scanner.reconstruct_frames(&input).in_file(&name)?;
         let mut files = vec![(output.clone(), cloud_bytes(self.format, &result.cloud)?)];
         let pictured = self.overlay.is_some() || self.report.is_some();
-        let photo = photo.filter(|_| pictured).map(|p| as_seen(p, self.scene.config().encoding));
+        let photo = photo.filter(|_| pictured).map(|p| for_display(p, self.scene.config().encoding));
         if let Some((place, photo)) = self.overlay.as_ref().zip(photo.as_ref()) {
             files.push((place.clone(), draw(photo, &frame.name(), result)?));
         }

@@ -6,7 +6,7 @@ use super::clip::Rect;
 use super::color::{BLACK, Color, WHITE, ramp};
 use super::font::Font;
 use super::legend::{Entry, Legend, Swatch};
-use super::shape::{Anchor, Item, Pen, Shape};
+use super::primitive::{Anchor, Item, Pen, Primitive};
 
 /// Sizes in units of the drawing.
 const TEXT: f64 = 14.0;
@@ -30,12 +30,12 @@ pub(crate) struct Placed {
 }
 
 /// A legend at the origin.
-pub(super) struct Layout {
+pub(super) struct LegendLayout {
     pub(super) size: Vector2<f64>,
     items: Vec<Item>,
 }
 
-impl Layout {
+impl LegendLayout {
     /// The headline and the notes run over the whole width, the other entries stand in columns.
     pub(super) fn new(legend: &Legend, unit: f64, widest: f64, columns: usize) -> Self {
         let (notes, marks): (Vec<_>, Vec<_>) = legend.entries.iter().partition(|e| e.swatch == Swatch::Note);
@@ -73,8 +73,8 @@ impl Layout {
     pub(super) fn at(self, corner: Point2<f64>) -> Placed {
         let shift = corner.coords;
         let panel = Rect { low: corner, high: corner + self.size };
-        let back = Shape::Areas(vec![corners(&panel)]);
-        let mut items = vec![Item { shape: back, pen: Pen::new(BLACK).opacity(PANEL_OPACITY).plain() }];
+        let back = Primitive::Areas(vec![corners(&panel)]);
+        let mut items = vec![Item { primitive: back, pen: Pen::new(BLACK).opacity(PANEL_OPACITY).plain() }];
         items.extend(self.items.into_iter().map(|item| shifted(item, shift)));
         Placed { panel, items }
     }
@@ -97,8 +97,8 @@ impl Writer {
         for line in font.wrap(text, size, end - self.at.x) {
             let at = Point2::from(self.at) + Vector2::new(0.0, 0.5 * LEADING * size);
             self.right = self.right.max(self.at.x + font.width(&line, size));
-            let shape = Shape::Text { at, text: line, size, anchor: Anchor::Start };
-            self.items.push(Item { shape, pen: Pen::new(WHITE).plain() });
+            let primitive = Primitive::Text { at, text: line, size, anchor: Anchor::Start };
+            self.items.push(Item { primitive, pen: Pen::new(WHITE).plain() });
             self.at.y += LEADING * size;
         }
     }
@@ -126,10 +126,14 @@ fn corners(rect: &Rect) -> Vec<Point2<f64>> {
 }
 
 fn shifted(mut item: Item, by: Vector2<f64>) -> Item {
-    match &mut item.shape {
-        Shape::Lines(parts) | Shape::Areas(parts) => parts.iter_mut().flatten().for_each(|p| *p += by),
-        Shape::Dots(centres, _) | Shape::Rings(centres, _) => centres.iter_mut().for_each(|p| *p += by),
-        Shape::Text { at, .. } => *at += by,
+    match &mut item.primitive {
+        Primitive::Lines(parts) | Primitive::Areas(parts) => {
+            parts.iter_mut().flatten().for_each(|p| *p += by)
+        }
+        Primitive::Dots(centres, _) | Primitive::Rings(centres, _) => {
+            centres.iter_mut().for_each(|p| *p += by)
+        }
+        Primitive::Text { at, .. } => *at += by,
     }
     item
 }
@@ -137,34 +141,37 @@ fn shifted(mut item: Item, by: Vector2<f64>) -> Item {
 /// The picture before an entry, its left end's middle at a point.
 fn swatch(swatch: &Swatch, left: Point2<f64>, unit: f64) -> Vec<Item> {
     let along = |units: f64| left + Vector2::new(units * unit, 0.0);
-    let item = |shape: Shape, pen: Pen| Item { shape, pen };
+    let item = |primitive: Primitive, pen: Pen| Item { primitive, pen };
     let middle = || vec![along(0.5 * SWATCH)];
     let block = |from: f64, to: f64, color: Color| {
         let half = Vector2::new(0.0, 4.5 * unit);
         let area = vec![along(from) - half, along(to) - half, along(to) + half, along(from) + half];
-        item(Shape::Areas(vec![area]), Pen::new(color).plain())
+        item(Primitive::Areas(vec![area]), Pen::new(color).plain())
     };
     match swatch {
         Swatch::Note => Vec::new(),
-        Swatch::Line(pen) => vec![item(Shape::Lines(vec![vec![left, along(SWATCH)]]), *pen)],
-        Swatch::Dot(pen) => vec![item(Shape::Dots(middle(), 3.0 * unit), *pen)],
-        Swatch::Ring(pen) => vec![item(Shape::Rings(middle(), 5.0 * unit), *pen)],
+        Swatch::Line(pen) => vec![item(Primitive::Lines(vec![vec![left, along(SWATCH)]]), *pen)],
+        Swatch::Dot(pen) => vec![item(Primitive::Dots(middle(), 3.0 * unit), *pen)],
+        Swatch::Ring(pen) => vec![item(Primitive::Rings(middle(), 5.0 * unit), *pen)],
         Swatch::Arrow(pen) => {
             let (tip, back, half) = (along(SWATCH), along(SWATCH - 6.0), Vector2::new(0.0, 2.7 * unit));
             vec![
-                item(Shape::Lines(vec![vec![left, back]]), *pen),
-                item(Shape::Areas(vec![vec![tip, back + half, back - half]]), Pen { dashed: false, ..*pen }),
+                item(Primitive::Lines(vec![vec![left, back]]), *pen),
+                item(
+                    Primitive::Areas(vec![vec![tip, back + half, back - half]]),
+                    Pen { dashed: false, ..*pen },
+                ),
             ]
         }
         Swatch::Cross(pen) => {
             let centre = along(0.5 * SWATCH);
             let arms = [Vector2::new(4.5, 4.5), Vector2::new(4.5, -4.5)].map(|d| d * unit);
-            vec![item(Shape::Lines(arms.iter().map(|d| vec![centre - d, centre + d]).collect()), *pen)]
+            vec![item(Primitive::Lines(arms.iter().map(|d| vec![centre - d, centre + d]).collect()), *pen)]
         }
         Swatch::Bar(pen, length) => {
             let (end, tick) = (left + Vector2::new(*length, 0.0), Vector2::new(0.0, 3.5 * unit));
             let lines = vec![vec![left, end], vec![left - tick, left + tick], vec![end - tick, end + tick]];
-            vec![item(Shape::Lines(lines), *pen)]
+            vec![item(Primitive::Lines(lines), *pen)]
         }
         Swatch::Colors(colors) => {
             let wide = SWATCH / colors.len().max(1) as f64;

@@ -8,10 +8,11 @@ use slcal_core::verify::{Verification, expected_corner};
 use super::drawing::color::GREEN;
 use super::drawing::legend::Swatch;
 use super::drawing::{Drawing, Pen};
-use super::{magnify, sheet, short};
+use super::{sheet, vector_scale};
+use crate::name::short;
 
 /// The verdict on a photograph called `name`: what was seen, arrows to where the rig expects it, and `verdict` in words.
-pub(crate) fn compared(
+pub(crate) fn drawing(
     size: [u32; 2],
     name: &str,
     verdict: &str,
@@ -28,15 +29,22 @@ pub(crate) fn compared(
         .iter()
         .filter_map(|p| Some((p.camera, expected_corner(rig, pose, p.projector)?)))
         .collect();
-    let factor = magnify::factor(pairs.iter().map(|(seen, there)| (there - seen).norm()), drawing.unit());
+    let factor =
+        vector_scale::factor(pairs.iter().map(|(seen, there)| (there - seen).norm()), drawing.unit());
     let pen = Pen::new(GREEN).width(1.3);
-    drawing.arrows(pairs.iter().map(|(seen, there)| (*seen, magnify::end(*seen, there - seen, factor))), pen);
+    drawing.arrows(
+        pairs.iter().map(|(seen, there)| (*seen, vector_scale::end(*seen, there - seen, factor))),
+        pen,
+    );
     sheet::draw_marks(&mut drawing, view);
     let mut legend = sheet::legend(format!("{name}: {verdict}"), [view]);
     if !pairs.is_empty() {
-        let lengthened =
-            if factor > 1.0 { format!(", lengthened ×{}", magnify::plain(factor)) } else { String::new() };
-        let (bar, length) = magnify::scale(&drawing, factor, pen);
+        let lengthened = if factor > 1.0 {
+            format!(", lengthened ×{}", vector_scale::plain(factor))
+        } else {
+            String::new()
+        };
+        let (bar, length) = vector_scale::scale(&drawing, factor, pen);
         legend = legend
             .entry(Swatch::Arrow(pen), format!("to where the rig expects each corner{lengthened}"))
             .entry(bar, format!("{length} in the photograph"));

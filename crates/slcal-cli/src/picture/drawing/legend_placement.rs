@@ -5,9 +5,9 @@ use nalgebra::{Point2, Vector2};
 use super::canvas::Drawing;
 use super::clip::Rect;
 use super::font::Font;
-use super::layout::{Layout, Placed};
 use super::legend::Legend;
-use super::shape::{Item, Shape};
+use super::legend_layout::{LegendLayout, Placed};
+use super::primitive::{Item, Primitive};
 
 /// From the panel to the frame, units.
 const MARGIN: f64 = 8.0;
@@ -64,7 +64,7 @@ fn place(drawing: &Drawing, legend: &Legend) -> Placed {
     let mut best: Option<(f64, Placed)> = None;
     for (size, dislike) in SIZES {
         for columns in 1..=COLUMNS {
-            let layout = Layout::new(legend, size * unit, most.x, columns);
+            let layout = LegendLayout::new(legend, size * unit, most.x, columns);
             let fits = layout.size.x <= most.x && layout.size.y <= most.y;
             // The smallest in one column is made to fit, should nothing else.
             if !fits && (best.is_some() || size > SIZES[SIZES.len() - 1].0 || columns < COLUMNS) {
@@ -78,20 +78,23 @@ fn place(drawing: &Drawing, legend: &Legend) -> Placed {
             }
         }
     }
-    best.map_or_else(|| Layout::new(legend, unit, most.x, 1).at(drawing.frame().low), |(_, placed)| placed)
+    best.map_or_else(
+        || LegendLayout::new(legend, unit, most.x, 1).at(drawing.frame().low),
+        |(_, placed)| placed,
+    )
 }
 
 /// Lays the legend out at a corner of one's own choice, no wider than `widest`, as low as it can be.
 pub(crate) fn at(legend: &Legend, unit: f64, widest: f64, corner: Point2<f64>) -> Placed {
-    let layouts = (1..=COLUMNS).map(|columns| Layout::new(legend, unit, widest, columns));
+    let layouts = (1..=COLUMNS).map(|columns| LegendLayout::new(legend, unit, widest, columns));
     let fitting = layouts.filter(|l| l.size.x <= widest);
     let lowest = fitting.min_by(|a, b| a.size.y.total_cmp(&b.size.y));
     lowest.unwrap_or_else(|| squeezed(legend, unit, Vector2::new(widest, f64::INFINITY))).at(corner)
 }
 
 /// In one column, with letters as small as they must be.
-fn squeezed(legend: &Legend, mut unit: f64, most: Vector2<f64>) -> Layout {
-    let mut layout = Layout::new(legend, unit, most.x, 1);
+fn squeezed(legend: &Legend, mut unit: f64, most: Vector2<f64>) -> LegendLayout {
+    let mut layout = LegendLayout::new(legend, unit, most.x, 1);
     // Smaller letters are wrapped anew: a few rounds come to rest.
     for _ in 0..8 {
         let shrink = (most.x / layout.size.x).min(most.y / layout.size.y);
@@ -99,7 +102,7 @@ fn squeezed(legend: &Legend, mut unit: f64, most: Vector2<f64>) -> Layout {
             break;
         }
         unit *= shrink.max(0.25);
-        layout = Layout::new(legend, unit, most.x, 1);
+        layout = LegendLayout::new(legend, unit, most.x, 1);
     }
     layout
 }
@@ -145,8 +148,8 @@ fn marks(drawing: &Drawing) -> Vec<(Point2<f64>, f64)> {
     let step = 6.0 * drawing.unit();
     let mut marks = kept_clear(drawing);
     for item in &drawing.items {
-        match &item.shape {
-            Shape::Lines(parts) | Shape::Areas(parts) => {
+        match &item.primitive {
+            Primitive::Lines(parts) | Primitive::Areas(parts) => {
                 for pair in parts.iter().flat_map(|p| p.windows(2)) {
                     let along = pair[1] - pair[0];
                     // The frame holds all parts, so that this is a small number.
@@ -156,9 +159,9 @@ fn marks(drawing: &Drawing) -> Vec<(Point2<f64>, f64)> {
                     marks.extend((0..steps).map(|i| (point(i), weight)));
                 }
             }
-            Shape::Dots(centres, _) => marks.extend(centres.iter().map(|p| (*p, 1.0))),
-            Shape::Rings(centres, _) => marks.extend(centres.iter().map(|p| (*p, RING_WEIGHT))),
-            Shape::Text { at, text, size, .. } => {
+            Primitive::Dots(centres, _) => marks.extend(centres.iter().map(|p| (*p, 1.0))),
+            Primitive::Rings(centres, _) => marks.extend(centres.iter().map(|p| (*p, RING_WEIGHT))),
+            Primitive::Text { at, text, size, .. } => {
                 // Their anchors matter little: they are short.
                 let half = 0.5 * Vector2::new(Font::embedded().width(text, *size), *size);
                 let corners = [[-1.0, -1.0], [1.0, -1.0], [0.0, 0.0], [-1.0, 1.0], [1.0, 1.0]];
@@ -175,7 +178,7 @@ mod tests {
     use super::*;
     use crate::picture::drawing::color::WHITE;
     use crate::picture::drawing::legend::Swatch;
-    use crate::picture::drawing::shape::Pen;
+    use crate::picture::drawing::primitive::Pen;
 
     fn legend() -> Legend {
         let pen = Pen::new(WHITE);
@@ -192,13 +195,13 @@ mod tests {
         let font = Font::embedded();
         let mut points = Vec::new();
         for item in items {
-            match &item.shape {
-                Shape::Lines(parts) | Shape::Areas(parts) => points.extend(parts.iter().flatten()),
-                Shape::Dots(centres, r) | Shape::Rings(centres, r) => {
+            match &item.primitive {
+                Primitive::Lines(parts) | Primitive::Areas(parts) => points.extend(parts.iter().flatten()),
+                Primitive::Dots(centres, r) | Primitive::Rings(centres, r) => {
                     let d = Vector2::new(*r, *r);
                     points.extend(centres.iter().flat_map(|c| [c - d, c + d]));
                 }
-                Shape::Text { at, text, size, .. } => {
+                Primitive::Text { at, text, size, .. } => {
                     let wide = Vector2::new(font.width(text, *size), 0.0);
                     let high = Vector2::new(0.0, 0.5 * size);
                     points.extend([at - high, at + wide + high]);

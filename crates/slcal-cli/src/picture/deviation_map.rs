@@ -8,10 +8,10 @@ use slcal_core::evaluate::FitReport;
 use super::drawing::color::{Color, mix};
 use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Drawing, Pen};
-use super::magnify::{plain, round_up};
-use super::short;
 use super::stripes::thousands;
+use super::vector_scale::{plain, round_up};
 use crate::exit::Outcome;
+use crate::name::short;
 
 /// The longer side of the picture, px, and around the points as a share of it.
 const SIDE_PX: f64 = 1600.0;
@@ -32,7 +32,7 @@ const DOT_UNITS: [f64; 2] = [0.5, 4.0];
 const SPAN_RMS: f64 = 2.0;
 
 /// A fit in words and numbers.
-pub(crate) struct Surface<'a> {
+pub(crate) struct DeviationMap<'a> {
     /// Of the cloud's file.
     pub(crate) name: &'a str,
     /// What was fitted: `plane`.
@@ -45,18 +45,18 @@ pub(crate) struct Surface<'a> {
 }
 
 /// The points as the camera sees them, coloured by their distance from the surface, those left out in grey.
-pub(crate) fn picture(cloud: &PointCloud, fit: &Surface<'_>) -> Outcome<DynamicImage> {
-    let limit = fit.report.inlier_limit_mm;
-    let inlier = |i: usize| fit.distances_mm.get(i).is_some_and(|d| d.abs() <= limit);
+pub(crate) fn picture(cloud: &PointCloud, map: &DeviationMap<'_>) -> Outcome<DynamicImage> {
+    let limit = map.report.inlier_limit_mm;
+    let inlier = |i: usize| map.distances_mm.get(i).is_some_and(|d| d.abs() <= limit);
     let seen = seen(cloud, inlier);
     let (size, place) = fitted(seen.iter().enumerate().filter(|(i, _)| inlier(*i)).filter_map(|(_, p)| *p));
-    let rms = fit.report.rms_mm;
+    let rms = map.report.rms_mm;
     let title = format!(
         "{}: {} points lie {} mm (rms) from a {}",
-        short(fit.name),
-        thousands(fit.report.inliers),
+        short(map.name),
+        thousands(map.report.inliers),
         digits(rms),
-        fit.what
+        map.what
     );
     let mut drawing = Drawing::new(size, title.clone());
     let span = round_up(SPAN_RMS * rms);
@@ -65,13 +65,13 @@ pub(crate) fn picture(cloud: &PointCloud, fit: &Surface<'_>) -> Outcome<DynamicI
     for (i, p) in seen.iter().enumerate() {
         let Some(p) = p else { continue };
         // The last are the outliers, drawn first.
-        let at = if inlier(i) { (shade(fit.distances_mm[i]) + SHADES) as usize } else { by_shade.len() - 1 };
+        let at = if inlier(i) { (shade(map.distances_mm[i]) + SHADES) as usize } else { by_shade.len() - 1 };
         by_shade[at].push(place(*p));
     }
-    let area = f64::from(size[0]) * f64::from(size[1]) / fit.report.inliers.max(1) as f64;
+    let area = f64::from(size[0]) * f64::from(size[1]) / map.report.inliers.max(1) as f64;
     let radius = (DOT_SHARE * area.sqrt() / drawing.unit()).clamp(DOT_UNITS[0], DOT_UNITS[1]);
     let outliers = by_shade.pop().unwrap_or_default();
-    let left_out = fit.report.points.saturating_sub(fit.report.inliers);
+    let left_out = map.report.points.saturating_sub(map.report.inliers);
     drawing.dots(outliers, 0.7 * radius, Pen::new(OUTLIER).plain());
     // The farther ones on top, on either side alike.
     let mut shades: Vec<_> = (-SHADES..=SHADES).zip(by_shade).collect();
@@ -79,7 +79,7 @@ pub(crate) fn picture(cloud: &PointCloud, fit: &Surface<'_>) -> Outcome<DynamicI
     for (shade, points) in shades {
         drawing.dots(points, radius, Pen::new(color(shade)).plain());
     }
-    let [below, above] = fit.sides;
+    let [below, above] = map.sides;
     let colors = (-SHADES..=SHADES).step_by(3).map(color).collect();
     let mut legend = Legend::new(title)
         .entry(Swatch::Colors(colors), format!("{} mm {below} … {} mm {above}", plain(span), plain(span)));
@@ -185,14 +185,14 @@ mod tests {
         // Towards the camera counts up.
         let distances: Vec<f64> =
             cloud.points.iter().map(|p| fit.plane.signed_distance_mm(&p.position)).collect();
-        let surface = Surface {
+        let map = DeviationMap {
             name: "a/board.ply",
             what: "plane",
             sides: ["behind it", "before it"],
             report: &fit.report,
             distances_mm: &distances,
         };
-        let picture = picture(&cloud, &surface).unwrap().to_rgb8();
+        let picture = picture(&cloud, &map).unwrap().to_rgb8();
         assert_eq!(picture.width(), 1600);
         assert!((950..1300).contains(&picture.height()), "{}", picture.height());
         let count = |middle: bool, test: fn([u8; 3]) -> bool| {
@@ -213,10 +213,10 @@ mod tests {
             rms_mm: f64::NAN,
             ..fit_plane(&board_without_strays(), &FitConfig::default()).unwrap().report
         };
-        let surface =
-            Surface { name: "", what: "plane", sides: ["", ""], report: &report, distances_mm: &[] };
-        assert!(picture(&PointCloud::default(), &surface).is_ok());
-        assert!(picture(&board(), &surface).is_ok());
+        let map =
+            DeviationMap { name: "", what: "plane", sides: ["", ""], report: &report, distances_mm: &[] };
+        assert!(picture(&PointCloud::default(), &map).is_ok());
+        assert!(picture(&board(), &map).is_ok());
     }
 
     fn board_without_strays() -> PointCloud {

@@ -6,7 +6,7 @@ use nalgebra::{Point2, Vector2};
 use super::drawing::color::{Color, VERMILLION, WHITE};
 use super::drawing::font::Font;
 use super::drawing::legend::Legend;
-use super::drawing::placing;
+use super::drawing::legend_placement;
 use super::drawing::{Anchor, Drawing, Pen};
 use crate::exit::{Exit, Failure, Outcome};
 
@@ -61,7 +61,7 @@ pub(crate) fn sheet(tiles: &[Tile], title: &str, legend: &Legend) -> Outcome<Dyn
     // Its unit follows the width alone, which is known already.
     let unit = Drawing::new([width, 1], "").unit();
     let corner = Point2::new(f64::from(gap), f64::from(above_legend));
-    let placed = placing::at(legend, unit, f64::from(width - 2 * gap), corner);
+    let placed = legend_placement::at(legend, unit, f64::from(width - 2 * gap), corner);
     let height = (placed.panel.high.y + f64::from(gap)).ceil() as u32;
 
     let mut canvas = RgbImage::from_pixel(width, height, Rgb(GREY));

@@ -44,7 +44,7 @@ pub(crate) enum Anchor {
 
 /// Coordinates and lengths in pixels of the photograph, pixel centres at integers.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Shape {
+pub(crate) enum Primitive {
     /// Lines through points.
     Lines(Vec<Vec<Point2<f64>>>),
     /// Filled polygons.
@@ -61,9 +61,9 @@ pub(crate) enum Shape {
     },
 }
 
-/// A shape and how it is drawn.
+/// A primitive and how it is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Item {
-    pub(crate) shape: Shape,
+    pub(crate) primitive: Primitive,
     pub(crate) pen: Pen,
 }

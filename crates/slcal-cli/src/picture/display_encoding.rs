@@ -4,7 +4,7 @@ use image::{DynamicImage, RgbImage};
 use slcal_core::photo::Encoding;
 
 /// The photograph as a screen shows it: one in linear light would be almost black.
-pub(crate) fn as_seen(photo: DynamicImage, encoding: Encoding) -> DynamicImage {
+pub(crate) fn for_display(photo: DynamicImage, encoding: Encoding) -> DynamicImage {
     if encoding == Encoding::Srgb {
         return photo;
     }
@@ -43,13 +43,13 @@ mod tests {
     fn linear_light_is_shown_as_bright_as_it_is() {
         // A fifth of the light is 124 of 255 in sRGB, by its definition.
         let photo = DynamicImage::ImageLuma16(image::ImageBuffer::from_pixel(3, 2, image::Luma([13107])));
-        let seen = as_seen(photo.clone(), Encoding::Linear).to_rgb8();
+        let seen = for_display(photo.clone(), Encoding::Linear).to_rgb8();
         assert_eq!(seen.get_pixel(2, 1).0, [124; 3]);
-        assert_eq!(as_seen(photo, Encoding::Srgb).to_rgb8().get_pixel(0, 0).0, [51; 3]);
+        assert_eq!(for_display(photo, Encoding::Srgb).to_rgb8().get_pixel(0, 0).0, [51; 3]);
         let eight = DynamicImage::ImageRgb8(RgbImage::from_pixel(2, 2, image::Rgb([51, 0, 255])));
-        assert_eq!(as_seen(eight.clone(), Encoding::Linear).to_rgb8().get_pixel(1, 1).0, [124, 0, 255]);
+        assert_eq!(for_display(eight.clone(), Encoding::Linear).to_rgb8().get_pixel(1, 1).0, [124, 0, 255]);
         // Almost what sRGB is.
-        let near = as_seen(eight, Encoding::Gamma(2.2)).to_rgb8().get_pixel(0, 0).0;
+        let near = for_display(eight, Encoding::Gamma(2.2)).to_rgb8().get_pixel(0, 0).0;
         assert!(near[0].abs_diff(51) <= 4 && near[1..] == [0, 255], "{near:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! What both ways of writing a drawing have in common. Widths are in units of the drawing.
 
-use super::shape::Pen;
+use super::primitive::Pen;
 
 /// How much wider a halo is than its line, and its black.
 pub(super) const HALO: f64 = 1.6;

@@ -7,7 +7,8 @@ use slcal_core::{PointResidual, View, ViewObservation, ViewResiduals};
 use super::drawing::color::{GREEN, PINK, VERMILLION};
 use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Anchor, Drawing, Pen};
-use super::{magnify, sheet, short};
+use super::{sheet, vector_scale};
+use crate::name::short;
 
 /// Half the size of an outlier's cross, units.
 const CROSS: f64 = 4.5;
@@ -17,7 +18,7 @@ const NEAR: f64 = 1.0;
 
 /// A view and what a rig makes of it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Fit<'a> {
+pub(crate) struct MeasuredView<'a> {
     pub(crate) observed: &'a ViewObservation,
     pub(crate) residuals: &'a ViewResiduals,
     pub(crate) view: &'a View,
@@ -33,7 +34,7 @@ fn pencil_pen() -> Pen {
     Pen::new(PINK).width(0.9).dashed()
 }
 
-impl Fit<'_> {
+impl MeasuredView<'_> {
     fn points(&self) -> impl Iterator<Item = &PointResidual> {
         self.residuals.sheet.iter().chain(self.residuals.pairs.iter().map(|p| &p.camera))
     }
@@ -73,16 +74,16 @@ fn pixels(x: f64) -> String {
 }
 
 /// By how much residuals are lengthened in the pictures of some views, so that they can be compared.
-pub(crate) fn magnification<'a>(fits: impl IntoIterator<Item = Fit<'a>>, unit: f64) -> f64 {
+pub(crate) fn magnification<'a>(fits: impl IntoIterator<Item = MeasuredView<'a>>, unit: f64) -> f64 {
     let mut lengths = Vec::new();
     for fit in fits {
         lengths.extend(fit.points().filter(|p| p.kept).map(|p| p.vector_px().norm()));
     }
-    magnify::factor(lengths, unit)
+    vector_scale::factor(lengths, unit)
 }
 
 /// A photograph called `name` with the residuals of the calibration, and a legend whose first line is `title`.
-pub(crate) fn calibrated(size: [u32; 2], name: &str, title: &str, fit: Fit<'_>) -> Drawing {
+pub(crate) fn drawing(size: [u32; 2], name: &str, title: &str, fit: MeasuredView<'_>) -> Drawing {
     let mut drawing = Drawing::new(size, format!("{}: residuals of the calibration", short(name)));
     let factor = magnification([fit], drawing.unit());
     draw(&mut drawing, fit, factor);
@@ -92,11 +93,11 @@ pub(crate) fn calibrated(size: [u32; 2], name: &str, title: &str, fit: Fit<'_>) 
 
 /// What was found, arrows to where the rig expects it, `factor` times as long as they are, outliers, and vanishing points
 /// that are near.
-pub(crate) fn draw(drawing: &mut Drawing, fit: Fit<'_>, factor: f64) {
+pub(crate) fn draw(drawing: &mut Drawing, fit: MeasuredView<'_>, factor: f64) {
     draw_vanishing_points(drawing, fit.view);
     sheet::draw_sheet(drawing, fit.observed);
     let kept = fit.points().filter(|p| p.kept);
-    let arrows: Vec<_> = kept.map(|p| (p.seen, magnify::end(p.seen, p.vector_px(), factor))).collect();
+    let arrows: Vec<_> = kept.map(|p| (p.seen, vector_scale::end(p.seen, p.vector_px(), factor))).collect();
     drawing.arrows(arrows, arrow_pen());
     sheet::draw_marks(drawing, fit.observed);
     let arm = CROSS * drawing.unit();
@@ -112,18 +113,18 @@ pub(crate) fn draw(drawing: &mut Drawing, fit: Fit<'_>, factor: f64) {
 pub(crate) fn legend<'a>(
     drawing: &Drawing,
     title: &str,
-    fits: impl IntoIterator<Item = Fit<'a>>,
+    fits: impl IntoIterator<Item = MeasuredView<'a>>,
     factor: f64,
 ) -> Legend {
     let fits: Vec<_> = fits.into_iter().collect();
     let mut legend = sheet::legend(title.to_owned(), fits.iter().map(|f| f.observed));
     let lengthened =
-        if factor > 1.0 { format!(", lengthened ×{}", magnify::plain(factor)) } else { String::new() };
-    let (bar, length) = magnify::scale(drawing, factor, arrow_pen());
+        if factor > 1.0 { format!(", lengthened ×{}", vector_scale::plain(factor)) } else { String::new() };
+    let (bar, length) = vector_scale::scale(drawing, factor, arrow_pen());
     legend = legend
         .entry(Swatch::Arrow(arrow_pen()), format!("to where the rig expects it{lengthened}"))
         .entry(bar, format!("{length} in the photograph"));
-    let outliers: usize = fits.iter().map(Fit::outliers).sum();
+    let outliers: usize = fits.iter().map(MeasuredView::outliers).sum();
     if outliers > 0 {
         let plural = if outliers == 1 { "" } else { "s" };
         let text = format!("{outliers} point{plural} left out, too far off");
@@ -195,7 +196,7 @@ mod tests {
     use slcal_core::{CornerPair, PairResidual, SheetObservation, ViewRms};
 
     use super::*;
-    use crate::picture::drawing::shape::Shape;
+    use crate::picture::drawing::primitive::Primitive;
 
     const CORNERS: [[f64; 2]; 4] = [[200.0, 100.0], [700.0, 150.0], [650.0, 500.0], [250.0, 450.0]];
 
@@ -253,13 +254,13 @@ mod tests {
     #[test]
     fn residuals_are_drawn_magnified_and_outliers_crossed() {
         let (observed, residuals, view) = (observed(), residuals(), view(FAR));
-        let fit = Fit { observed: &observed, residuals: &residuals, view: &view };
-        let drawing = calibrated([900, 600], "a/b.jpg", "b.jpg", fit);
+        let fit = MeasuredView { observed: &observed, residuals: &residuals, view: &view };
+        let drawing = drawing([900, 600], "a/b.jpg", "b.jpg", fit);
         // 0.1 px becomes 20 of the 24 units that the longer ones are to have.
         assert_eq!(magnification([fit], 1.0), 200.0);
         let tip = |p: &Point2<f64>| (p - Point2::new(420.0, 300.0)).norm() < 1e-9;
-        let heads = drawing.items.iter().filter_map(|i| match &i.shape {
-            Shape::Areas(areas) => Some(areas),
+        let heads = drawing.items.iter().filter_map(|i| match &i.primitive {
+            Primitive::Areas(areas) => Some(areas),
             _ => None,
         });
         assert_eq!(heads.flatten().filter(|a| tip(&a[0])).count(), 1);
@@ -277,13 +278,13 @@ mod tests {
         let (observed, residuals) = (observed(), residuals());
         // One to the right of the frame, one in it; then one that is too far, and one at infinity.
         let near = view([Vector3::new(1500.0, 320.0, 1.0), Vector3::new(-800.0, -40.0, -2.0)]);
-        let fit = Fit { observed: &observed, residuals: &residuals, view: &near };
-        let drawing = calibrated([900, 600], "b.jpg", "", fit);
+        let fit = MeasuredView { observed: &observed, residuals: &residuals, view: &near };
+        let drawing = drawing([900, 600], "b.jpg", "", fit);
         let labels: Vec<_> = drawing
             .items
             .iter()
-            .filter_map(|i| match &i.shape {
-                Shape::Text { at, text, .. } if text.contains("vanishing") => Some((*at, text.as_str())),
+            .filter_map(|i| match &i.primitive {
+                Primitive::Text { at, text, .. } if text.contains("vanishing") => Some((*at, text.as_str())),
                 _ => None,
             })
             .collect();
@@ -296,12 +297,12 @@ mod tests {
         let rings = drawing
             .items
             .iter()
-            .any(|i| matches!(&i.shape, Shape::Rings(c, _) if c == &[Point2::new(400.0, 20.0)]));
+            .any(|i| matches!(&i.primitive, Primitive::Rings(c, _) if c == &[Point2::new(400.0, 20.0)]));
         assert!(rings);
         let dashed = drawing.items.iter().filter(|i| i.pen.dashed).count();
         assert_eq!(dashed, 2);
         let far = view([Vector3::new(9000.0, 320.0, 1.0), FAR[0]]);
-        let fit = Fit { observed: &observed, residuals: &residuals, view: &far };
-        assert!(calibrated([900, 600], "", "", fit).items.iter().all(|i| !i.pen.dashed));
+        let fit = MeasuredView { observed: &observed, residuals: &residuals, view: &far };
+        assert!(super::drawing([900, 600], "", "", fit).items.iter().all(|i| !i.pen.dashed));
     }
 }
