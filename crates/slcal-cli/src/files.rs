@@ -9,7 +9,7 @@ use slcal_core::{Observations, PointCloud, Rig, ViewResiduals};
 pub use crate::io::exchange::{ExportPlaces, export_places, import_paths, storage_of};
 
 use crate::io;
-use crate::report::{Photo, ShownCloud, Subject, html};
+use crate::report::{Photo, ShownCloud, Subject, rig_html};
 
 /// The photograph in the bytes of a file (PNG, JPEG or TIFF), turned upright by its EXIF orientation.
 ///
@@ -56,7 +56,7 @@ pub fn rig_report(
         cloud: cloud.map(|cloud| ShownCloud { name: "the cloud".to_owned(), cloud }),
         made_by: Vec::new(),
     };
-    Ok(html(&subject))
+    Ok(rig_html(&subject))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use slcal_core::{Device, Rig, StereoPose, View};
 
 use super::number::{decimals_of, derived, field, fixed, significant};
 use super::page::Section;
-use super::{Subject, photo_name};
+use super::subject::{Subject, photo_name};
 
 const COEFFICIENTS: [&str; 5] = ["k1", "k2", "p1", "p2", "k3"];
 

@@ -1,58 +1,19 @@
 //! The photographs with what was measured in them, and where the rig expects it.
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-use image::codecs::jpeg::JpegEncoder;
-use image::imageops::FilterType;
-use image::{DynamicImage, ImageError};
 use maud::{Markup, PreEscaped, html};
 use slcal_core::{Rig, View};
 
 use super::number::significant;
 use super::page::Section;
+use super::photo::Photo;
 use super::residuals::odd_words;
-use super::{Subject, photo_name};
-use crate::exit::{Exit, Failure, Outcome};
+use super::subject::{Subject, photo_name};
 use crate::picture::residual_drawing::{self, MeasuredView};
 use crate::picture::{Drawing, sheet};
 
-/// Longer side of a photograph that stands alone, and of one among others, px: sharp on a large screen, and small enough to
-/// send.
-const ALONE_PX: u32 = 1600;
-const AMONG_OTHERS_PX: u32 = 1000;
 /// How much coarser lines and words are than in a picture of its own: pages are narrower than screens, and two columns more so.
 const COARSER_ALONE: f64 = 1.3;
 const COARSER_AMONG_OTHERS: f64 = 2.0;
-/// Quality of the JPEG: what is drawn on it is not part of it.
-const QUALITY: u8 = 80;
-
-/// A photograph as the page carries it.
-pub(crate) struct Photo {
-    uri: String,
-}
-
-impl Photo {
-    /// One of `count` photographs.
-    pub(crate) fn new(picture: &DynamicImage, count: usize) -> Outcome<Self> {
-        let longest = if count > 1 { AMONG_OTHERS_PX } else { ALONE_PX };
-        let smaller = (picture.width().max(picture.height()) > longest)
-            .then(|| picture.resize(longest, longest, FilterType::Triangle).to_rgb8());
-        let pixels = smaller.unwrap_or_else(|| picture.to_rgb8());
-        let mut bytes = Vec::new();
-        JpegEncoder::new_with_quality(&mut bytes, QUALITY).encode_image(&pixels).map_err(
-            |e: ImageError| {
-                Failure::new(Exit::Other, format!("cannot write a photograph into the report: {e}"))
-            },
-        )?;
-        Ok(Self { uri: format!("data:image/jpeg;base64,{}", STANDARD.encode(bytes)) })
-    }
-
-    /// With a drawing upon it.
-    pub(super) fn under(&self, drawing: &Drawing) -> Markup {
-        // The writer of the drawing escapes its texts.
-        PreEscaped(drawing.svg(Some(&self.uri)))
-    }
-}
 
 pub(super) fn section(subject: &Subject) -> Option<Section> {
     let rig = subject.rig;

@@ -7,7 +7,7 @@ use slcal_core::{PointResidual, Rig, ViewResiduals};
 use super::figure::{Figures, flat_layout};
 use super::number::{field, significant};
 use super::page::Section;
-use super::{Subject, photo_name};
+use super::subject::{Subject, photo_name};
 
 /// More arrows than this hide each other.
 const MAX_ARROWS: usize = 1500;

@@ -4,12 +4,12 @@ use maud::{Markup, html};
 use slcal_core::pattern::Axis;
 use slcal_core::{Quality, Rig, Verdict};
 
-use super::Subject;
 use super::number::{derived, field, fixed, significant};
-use super::working::{Working, lengths, stripes};
+use super::subject::Subject;
+use super::working_volume::{WorkingVolume, lengths, stripes};
 
 /// How a verdict looks: never by its colour alone.
-struct Look {
+struct VerdictStyle {
     class: &'static str,
     symbol: &'static str,
     word: &'static str,
@@ -17,7 +17,7 @@ struct Look {
     lead: String,
 }
 
-fn look(rig: &Rig) -> Look {
+fn verdict_style(rig: &Rig) -> VerdictStyle {
     let (class, symbol, word) = match rig.quality.as_ref().map(|q| q.verdict) {
         Some(Verdict::Good) => ("good", "✓", "Good"),
         Some(Verdict::Fair) => ("fair", "≈", "Fair"),
@@ -25,7 +25,7 @@ fn look(rig: &Rig) -> Look {
         Some(Verdict::Degenerate) => ("degenerate", "✕", "Degenerate"),
         None => ("none", "?", "No verdict"),
     };
-    Look { class, symbol, word, lead: lead(rig) }
+    VerdictStyle { class, symbol, word, lead: lead(rig) }
 }
 
 /// What the verdict allows.
@@ -77,21 +77,21 @@ fn of_sigma(quality: &Quality) -> Verdict {
 
 /// The title of the page.
 pub(super) fn title(subject: &Subject) -> String {
-    let word = look(subject.rig).word.to_lowercase();
+    let word = verdict_style(subject.rig).word.to_lowercase();
     format!("{}: {word} – slcal", subject.name())
 }
 
 /// The head of the page; `working` is where one works with the rig.
-pub(super) fn head(subject: &Subject, working: Option<&Working>) -> Markup {
+pub(super) fn head(subject: &Subject, working: Option<&WorkingVolume>) -> Markup {
     let rig = subject.rig;
-    let look = look(rig);
+    let style = verdict_style(rig);
     html! {
-        div class={ "verdict " (look.class) } {
+        div class={ "verdict " (style.class) } {
             h1 {
                 span.what { @if rig.projector.is_some() { "Camera and projector" } @else { "Camera" } " · " (subject.name()) }
-                span.word { span.symbol aria-hidden="true" { (look.symbol) } " " (look.word) }
+                span.word { span.symbol aria-hidden="true" { (style.symbol) } " " (style.word) }
             }
-            p.lead { (look.lead) }
+            p.lead { (style.lead) }
             (tiles(rig, working))
             (reasons(rig, working))
         }
@@ -99,7 +99,7 @@ pub(super) fn head(subject: &Subject, working: Option<&Working>) -> Markup {
 }
 
 /// The few numbers that the verdict rests on.
-fn tiles(rig: &Rig, working: Option<&Working>) -> Markup {
+fn tiles(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
     let Some(quality) = &rig.quality else { return html! {} };
     // What was given is not measured: no ± of zero.
     let measured = |path: &str, value: f64, unit: &str| {
@@ -138,7 +138,7 @@ fn tiles(rig: &Rig, working: Option<&Working>) -> Markup {
 }
 
 /// Why, what it means, what to do.
-fn reasons(rig: &Rig, working: Option<&Working>) -> Markup {
+fn reasons(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
     let Some(quality) = &rig.quality else {
         return html! {
             dl.reasons {
@@ -159,7 +159,7 @@ fn reasons(rig: &Rig, working: Option<&Working>) -> Markup {
 }
 
 /// What the numbers mean for somebody who measures with the rig.
-fn meaning(rig: &Rig, working: Option<&Working>) -> Markup {
+fn meaning(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
     html! {
         @if rig.projector.is_none() {
             "Directions in the photograph are known; there is no projector in this rig, so no points can be measured. "
@@ -188,7 +188,7 @@ fn is_good(rig: &Rig) -> bool {
 }
 
 /// How sure a point is at the sheet, and what that is made of.
-fn of_a_point(rig: &Rig, working: &Working) -> Markup {
+fn of_a_point(rig: &Rig, working: &WorkingVolume) -> Markup {
     let told = rig.quality.as_ref().and_then(|q| q.expected_point_sigma_mm).filter(|s| *s > 0.0);
     // The rig's own number is that of vertical stripes, over all sheets.
     let (sigma, distance) = match (told, working.axis) {
@@ -214,11 +214,11 @@ fn of_a_point(rig: &Rig, working: &Working) -> Markup {
 
 /// The rig behind a cloud.
 pub(super) fn in_a_line(rig: &Rig, name: &str) -> Markup {
-    let look = look(rig);
+    let style = verdict_style(rig);
     html! {
-        span class=(look.class) { strong.mark { (look.symbol) " " (look.word) } }
+        span class=(style.class) { strong.mark { (style.symbol) " " (style.word) } }
         @if !name.is_empty() { " (" span.file { (name) } ")" }
-        ": " (look.lead)
+        ": " (style.lead)
         @if let Some(quality) = rig.quality.as_ref().filter(|q| !q.cause.is_empty()) { " " (sentence(&quality.cause)) }
     }
 }

@@ -22,7 +22,7 @@ use crate::io::{Destination, cloud_bytes, decode_photo, png_bytes, write_all};
 use crate::output::{BOLD, Printer, Table, TextLayout, print_result, sanitized, styled, unbroken};
 use crate::picture::residual_drawing::{self, MeasuredView};
 use crate::picture::sheet;
-use crate::report::{Photo, ShownCloud, Subject, html};
+use crate::report::{Photo, ShownCloud, Subject, rig_html};
 use crate::summary;
 
 /// The photographs; `demo/README.md` says where they come from.
@@ -153,7 +153,7 @@ fn report(
         cloud: Some(ShownCloud { name: "cloud.ply".to_owned(), cloud: &head.cloud }),
         made_by: BY_HAND.map(str::to_owned).to_vec(),
     };
-    Ok(html(&subject))
+    Ok(rig_html(&subject))
 }
 
 fn cloud(rig: &Rig, stripes: &StripePattern, photo: &DynamicImage) -> Outcome<Reconstruction> {

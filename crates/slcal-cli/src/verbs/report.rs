@@ -16,7 +16,7 @@ use crate::io::{
 };
 use crate::output::Printer;
 use crate::picture::for_display;
-use crate::report::{CommandLine, Photo as Shown, ShownCloud, Subject, html};
+use crate::report::{CommandLine, Photo as Shown, ShownCloud, Subject, rig_html};
 
 pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> Outcome {
     let place = Destination::prepare(&args.output, args.force)?;
@@ -56,7 +56,7 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
         cloud: cloud.as_ref().map(|(path, cloud)| ShownCloud { name: input_name(path), cloud }),
         made_by: vec![typed.typed()],
     };
-    write_all(&[(place, html(&subject))])
+    write_all(&[(place, rig_html(&subject))])
 }
 
 /// A photograph and where it came from.

@@ -20,7 +20,7 @@ use crate::io::{
     Destination, check_distinct, check_spares, input_name, is_dash, load_camera, load_observations, write_all,
 };
 use crate::output::{Printer, print_json, print_result};
-use crate::report::{CommandLine, Photo, Subject, html};
+use crate::report::{CommandLine, Photo, Subject, rig_html};
 use crate::summary;
 
 pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -> Outcome {
@@ -75,7 +75,7 @@ fn report(
         cloud: None,
         made_by: vec![typed.typed()],
     };
-    Ok(html(&subject))
+    Ok(rig_html(&subject))
 }
 
 /// The calibration and what it was computed from.

@@ -28,7 +28,7 @@ use crate::io::{
 };
 use crate::output::{Printer, Remarks};
 use crate::picture::{for_display, stripes};
-use crate::report::{CloudSubject, CommandLine, Photo, Surface, cloud_html};
+use crate::report::{CloudSubject, CommandLine, FittedSurface, Photo, cloud_html};
 
 pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer) -> Outcome {
     check_usage(args)?;
@@ -241,11 +241,11 @@ impl Job<'_> {
 }
 
 /// The surface that was asked for, or why none fits.
-fn fit(shape: ShapeArg, cloud: &PointCloud) -> Result<Surface, String> {
+fn fit(shape: ShapeArg, cloud: &PointCloud) -> Result<FittedSurface, String> {
     let config = FitConfig::default();
     let fitted = match shape {
-        ShapeArg::Plane => fit_plane(cloud, &config).map(Surface::Plane),
-        ShapeArg::Sphere => fit_sphere(cloud, &config).map(Surface::Sphere),
+        ShapeArg::Plane => fit_plane(cloud, &config).map(FittedSurface::Plane),
+        ShapeArg::Sphere => fit_sphere(cloud, &config).map(FittedSurface::Sphere),
     };
     fitted.map_err(|e| e.to_string())
 }

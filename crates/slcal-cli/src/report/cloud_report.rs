@@ -5,12 +5,13 @@ use slcal_core::Rig;
 use slcal_core::reconstruct::Reconstruction;
 
 use super::figure::Figures;
-use super::next::{PIPED, file_word};
+use super::next_steps::{PIPED, file_word};
 use super::number::{derived, fixed, significant};
 use super::page::{self, Section};
-use super::photographs::Photo;
-use super::points::{self, Surface};
-use super::{ShownCloud, decoding, next, space, verdict};
+use super::photo::Photo;
+use super::point_statistics::{self, FittedSurface};
+use super::subject::ShownCloud;
+use super::{decoding, next_steps, verdict, view_3d};
 use crate::picture::stripes::{self, thousands};
 use crate::summary;
 
@@ -25,7 +26,7 @@ pub(crate) struct CloudSubject<'a> {
     pub(crate) photo: Option<Photo>,
     pub(crate) result: &'a Reconstruction,
     /// The surface that was asked for, or why there is none.
-    pub(crate) surface: Option<Result<Surface, String>>,
+    pub(crate) surface: Option<Result<FittedSurface, String>>,
     pub(crate) made_by: Vec<String>,
 }
 
@@ -35,15 +36,15 @@ pub(crate) fn cloud_html(subject: &CloudSubject) -> Vec<u8> {
     let result = subject.result;
     let shown = ShownCloud { name: subject.cloud_name.clone(), cloud: &result.cloud };
     let fit = |figures: &mut Figures| {
-        subject.surface.as_ref().map(|surface| points::fit(surface, &result.cloud, figures))
+        subject.surface.as_ref().map(|surface| point_statistics::fit(surface, &result.cloud, figures))
     };
     let sections = [
         subject.photo.as_ref().map(|photo| photograph(subject, photo)),
-        Some(space::section(subject.rig, Some(&shown), &mut figures)),
+        Some(view_3d::section(subject.rig, Some(&shown), &mut figures)),
         fit(&mut figures),
-        Some(points::section(result, &mut figures)),
+        Some(point_statistics::section(result, &mut figures)),
         result.decode.as_ref().map(decoding::section),
-        Some(next::listings(&subject.made_by, &following(subject))),
+        Some(next_steps::listings(&subject.made_by, &following(subject))),
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
     page::html(&format!("{}: cloud – slcal", subject.image_name), &head(subject), &sections, &figures)

@@ -6,11 +6,11 @@ use serde_json::{Value, json};
 use slcal_core::reconstruct::ExpectedSigma;
 use slcal_core::{Match, Rig};
 
-use super::Subject;
 use super::figure::{Choice, Figures, flat_layout};
 use super::number::significant;
 use super::page::Section;
-use super::working::{Working, slopes, stripes};
+use super::subject::Subject;
+use super::working_volume::{WorkingVolume, slopes, stripes};
 
 /// The slice reaches from and to these shares of the sheet's distance.
 const NEAREST: f64 = 0.4;
@@ -24,7 +24,7 @@ const DEPTHS: usize = 91;
 /// The section on what is foretold there.
 pub(super) fn section(
     subject: &Subject,
-    working: slcal_core::Result<Option<Working>>,
+    working: slcal_core::Result<Option<WorkingVolume>>,
     figures: &mut Figures,
 ) -> Option<Section> {
     let rig = subject.rig;
@@ -59,7 +59,7 @@ pub(super) fn section(
 }
 
 /// How it is drawn.
-impl Working {
+impl WorkingVolume {
     /// σ seen from above.
     fn slice(&mut self, rig: &Rig, figures: &mut Figures) -> Markup {
         let model = &rig.camera.model;

@@ -15,7 +15,7 @@ use crate::picture::stripes::thousands;
 const BARS: usize = 60;
 
 /// A surface that was fitted to the cloud.
-pub(crate) enum Surface {
+pub(crate) enum FittedSurface {
     Plane(PlaneFit),
     Sphere(SphereFit),
 }
@@ -56,10 +56,14 @@ pub(super) fn section(result: &Reconstruction, figures: &mut Figures) -> Section
 }
 
 /// How well the surface fits that was asked for.
-pub(super) fn fit(surface: &Result<Surface, String>, cloud: &PointCloud, figures: &mut Figures) -> Section {
+pub(super) fn fit(
+    surface: &Result<FittedSurface, String>,
+    cloud: &PointCloud,
+    figures: &mut Figures,
+) -> Section {
     let content = match surface {
         Err(why) => html! { p.note { "No surface was fitted: " (why) } },
-        Ok(Surface::Plane(found)) => {
+        Ok(FittedSurface::Plane(found)) => {
             let n = found.plane.normal;
             let from = cloud.points.iter().map(|p| found.plane.signed_distance_mm(&p.position)).collect();
             fitted(
@@ -72,7 +76,7 @@ pub(super) fn fit(surface: &Result<Surface, String>, cloud: &PointCloud, figures
                 figures,
             )
         }
-        Ok(Surface::Sphere(found)) => {
+        Ok(FittedSurface::Sphere(found)) => {
             let c = found.centre;
             let from = cloud.points.iter().map(|p| (p.position - c).norm() - found.radius_mm).collect();
             fitted(

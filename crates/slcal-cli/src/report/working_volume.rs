@@ -20,7 +20,7 @@ enum Place {
 }
 
 /// Where one works with a rig, and what σ is foretold there.
-pub(super) struct Working {
+pub(super) struct WorkingVolume {
     /// The slits that tell depths better there.
     pub(super) axis: Axis,
     forecast: SigmaForecast,
@@ -38,7 +38,7 @@ pub(super) struct Working {
 
 /// The middle of the first sheet, or of the image some baselines away, or else any place lit there; under the slits that tell
 /// its depth better. `None` where nothing is lit there.
-pub(super) fn working(rig: &Rig) -> slcal_core::Result<Option<Working>> {
+pub(super) fn working(rig: &Rig) -> slcal_core::Result<Option<WorkingVolume>> {
     let model = &rig.camera.model;
     let middle = rig.views.first().map(|v| {
         v.camera_from_sheet.transform(&Point3::new(v.size.width_mm / 2.0, v.size.height_mm / 2.0, 0.0))
@@ -67,7 +67,7 @@ pub(super) fn working(rig: &Rig) -> slcal_core::Result<Option<Working>> {
         if let Some((i, sigma)) = best {
             let (axis, forecast) = forecasts.swap_remove(i);
             let (of_sheet, knows_rig) = (middle.is_some(), rig.covariance.is_some());
-            return Ok(Some(Working {
+            return Ok(Some(WorkingVolume {
                 axis,
                 forecast,
                 pixel,
@@ -101,7 +101,7 @@ fn grid(model: &Camera) -> impl Iterator<Item = Point2<f64>> {
     (0..SIDE * SIDE).map(move |i| Point2::new(at(i % SIDE, w), at(i / SIDE, h)))
 }
 
-impl Working {
+impl WorkingVolume {
     /// The share of σ that is common to all points, mm.
     pub(super) fn rig_mm(&self) -> f64 {
         (self.sigma.sigma_mm.powi(2) - self.sigma.noise_mm.powi(2)).max(0.0).sqrt()

@@ -5,16 +5,16 @@ use std::fmt::Write as _;
 
 use nalgebra::Point3;
 use serde_json::{Value, json};
+use slcal_core::geometry::Pose;
 use slcal_core::{PointCloud, Rig};
 
 use super::super::figure::{Choice, packed, packed_colours, packed_indices};
-use super::{camera_from_cloud, plotted};
 
 /// More points than this are thinned: enough for a shape, and a report that opens at once and stays small.
 const MAX_SHOWN: usize = 20_000;
 
 /// Points as they are shown.
-pub(super) struct Shown {
+pub(super) struct ShownPoints {
     positions: Vec<Point3<f64>>,
     colours: Vec<[u8; 3]>,
     sigma_mm: Vec<f64>,
@@ -24,7 +24,7 @@ pub(super) struct Shown {
     total_triangles: usize,
 }
 
-impl Shown {
+impl ShownPoints {
     /// The points that are shown: one per cell of the camera's image, so that every part of the surface keeps its share.
     pub(super) fn new(rig: &Rig, cloud: &PointCloud) -> Self {
         let camera_from_cloud = camera_from_cloud(rig, cloud.frame);
@@ -170,6 +170,19 @@ impl Shown {
     }
 }
 
+/// The axes of the plot: right, forward, up; a camera's are right, down, forward.
+pub(super) fn plotted(p: &Point3<f64>) -> [f64; 3] {
+    [p.x, p.z, -p.y]
+}
+
+/// Where the cloud's points are in the camera's frame.
+fn camera_from_cloud(rig: &Rig, frame: slcal_core::Frame) -> Pose {
+    match (frame, rig.views.first()) {
+        (slcal_core::Frame::Plane, Some(view)) => view.camera_from_sheet,
+        _ => Pose::identity(),
+    }
+}
+
 /// All points that are somewhere.
 fn every(positions: &[Point3<f64>]) -> (Vec<usize>, Vec<Option<u32>>) {
     let (mut kept, mut place) = (Vec::new(), vec![None; positions.len()]);
@@ -241,7 +254,7 @@ mod tests {
     #[test]
     fn points_begin_as_the_choice_that_is_pressed() {
         let at = |z: f64| Point3::new(0.0, 0.0, z);
-        let one_colour = Shown {
+        let one_colour = ShownPoints {
             positions: vec![at(900.0), at(1100.0)],
             colours: vec![[7; 3]; 2],
             sigma_mm: vec![f64::NAN; 2],

@@ -2,9 +2,10 @@
 
 use maud::{Markup, html};
 
+use super::command_line::quoted;
 use super::page::Section;
+use super::subject::Subject;
 use super::verdict::sentence;
-use super::{Subject, quoted};
 
 /// The warnings with their advice.
 pub(super) fn warnings(subject: &Subject) -> Option<Section> {

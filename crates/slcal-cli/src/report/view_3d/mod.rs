@@ -1,6 +1,6 @@
 //! The devices, the sheets and the cloud in space, as a plot that turns.
 
-mod cloud;
+mod point_cloud;
 
 use maud::html;
 use nalgebra::{Point2, Point3};
@@ -8,9 +8,10 @@ use serde_json::{Value, json};
 use slcal_core::geometry::{Camera, Pose};
 use slcal_core::{Projector, Rig, View};
 
-use super::ShownCloud;
+use self::point_cloud::plotted;
 use super::figure::{Figures, packed};
 use super::page::Section;
+use super::subject::ShownCloud;
 use super::verdict::sheet_distance_mm;
 
 /// Length of the drawn pyramids as a share of the distance of what they look at.
@@ -19,7 +20,7 @@ const PYRAMID: f64 = 0.22;
 const NOTHING_SEEN_MM: f64 = 1000.0;
 
 pub(super) fn section(rig: &Rig, beside: Option<&ShownCloud>, figures: &mut Figures) -> Section {
-    let shown = beside.map(|c| cloud::Shown::new(rig, c.cloud));
+    let shown = beside.map(|c| point_cloud::ShownPoints::new(rig, c.cloud));
     let distance = match (rig.views.is_empty(), &shown) {
         (false, _) => sheet_distance_mm(rig),
         (true, Some(cloud)) => cloud.median_depth_mm().unwrap_or(NOTHING_SEEN_MM),
@@ -76,11 +77,6 @@ fn alt(rig: &Rig, beside: Option<&ShownCloud>) -> String {
     let last = parts.pop().unwrap_or_default();
     let text = if parts.is_empty() { last } else { format!("{} and {last}", parts.join(", ")) };
     super::verdict::sentence(&text)
-}
-
-/// The axes of the plot: right, forward, up; a camera's are right, down, forward.
-fn plotted(p: &Point3<f64>) -> [f64; 3] {
-    [p.x, p.z, -p.y]
 }
 
 /// Lines, one after the other, as one trace.
@@ -174,12 +170,4 @@ fn layout(away: f64) -> Value {
             "dragmode": "orbit",
         },
     })
-}
-
-/// Where the cloud's points are in the camera's frame.
-fn camera_from_cloud(rig: &Rig, frame: slcal_core::Frame) -> Pose {
-    match (frame, rig.views.first()) {
-        (slcal_core::Frame::Plane, Some(view)) => view.camera_from_sheet,
-        _ => Pose::identity(),
-    }
 }

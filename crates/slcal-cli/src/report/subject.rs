@@ -1,0 +1,43 @@
+//! What a report is about.
+
+use slcal_core::{Observations, PointCloud, Rig, ViewResiduals};
+
+use super::photo::Photo;
+use crate::name::name_among;
+
+/// What a report is about. Names are those that the reader knows: as they were typed.
+pub(crate) struct Subject<'a> {
+    pub(crate) rig: &'a Rig,
+    /// The rig's file; empty when it has none.
+    pub(crate) rig_name: String,
+    /// One entry per view, where it is at hand.
+    pub(crate) photos: Vec<Option<Photo>>,
+    /// What was measured in them.
+    pub(crate) observations: Option<&'a Observations>,
+    /// How far the measurements lie from the rig, or why that is not known.
+    pub(crate) residuals: Result<Vec<ViewResiduals>, String>,
+    /// The checkerboard's file, for the commands to run next.
+    pub(crate) checker_name: Option<String>,
+    pub(crate) cloud: Option<ShownCloud<'a>>,
+    /// The commands that led here, the last one last.
+    pub(crate) made_by: Vec<String>,
+}
+
+impl Subject<'_> {
+    /// What the page calls the rig.
+    pub(super) fn name(&self) -> &str {
+        if self.rig_name.is_empty() { "calibration" } else { &self.rig_name }
+    }
+}
+
+/// What the page calls the photograph of view `i`.
+pub(super) fn photo_name(rig: &Rig, i: usize) -> &str {
+    let names: Vec<&str> = rig.views.iter().map(|v| v.photo.as_deref().unwrap_or("photograph")).collect();
+    name_among(&names, i)
+}
+
+/// A cloud beside the rig.
+pub(crate) struct ShownCloud<'a> {
+    pub(crate) name: String,
+    pub(crate) cloud: &'a PointCloud,
+}
