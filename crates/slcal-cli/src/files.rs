@@ -9,7 +9,7 @@ use slcal_core::{Observations, PointCloud, Rig, ViewResiduals};
 pub use crate::io::exchange::{ExportPlaces, export_places, import_paths, storage_of};
 
 use crate::io;
-use crate::report::{Photo, ShownCloud, Subject, rig_html};
+use crate::report::{Photo, RigPage, ShownCloud, rig_html};
 
 /// The photograph in the bytes of a file (PNG, JPEG or TIFF), turned upright by its EXIF orientation.
 ///
@@ -46,7 +46,7 @@ pub fn rig_report(
         Some((observations, residuals)) => (Some(observations), Ok(residuals)),
         None => (None, Err("what was measured was not given".to_owned())),
     };
-    let subject = Subject {
+    let page = RigPage {
         rig,
         rig_name: String::new(),
         checker_name: None,
@@ -56,7 +56,7 @@ pub fn rig_report(
         cloud: cloud.map(|cloud| ShownCloud { name: "the cloud".to_owned(), cloud }),
         made_by: Vec::new(),
     };
-    Ok(rig_html(&subject))
+    Ok(rig_html(&page))
 }
 
 #[cfg(test)]

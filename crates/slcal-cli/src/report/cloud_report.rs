@@ -10,13 +10,13 @@ use super::number::{derived, fixed, significant};
 use super::page::{self, Section};
 use super::photo::Photo;
 use super::point_statistics::{self, FittedSurface};
-use super::subject::ShownCloud;
+use super::rig_page::ShownCloud;
 use super::{decoding, next_steps, verdict, view_3d};
 use crate::picture::stripes::{self, thousands};
 use crate::summary;
 
 /// What the report on a cloud shows.
-pub(crate) struct CloudSubject<'a> {
+pub(crate) struct CloudPage<'a> {
     pub(crate) rig: &'a Rig,
     pub(crate) rig_name: String,
     /// The photograph's name.
@@ -31,34 +31,34 @@ pub(crate) struct CloudSubject<'a> {
 }
 
 /// The report, complete.
-pub(crate) fn cloud_html(subject: &CloudSubject) -> Vec<u8> {
+pub(crate) fn cloud_html(page: &CloudPage) -> Vec<u8> {
     let mut figures = Figures::default();
-    let result = subject.result;
-    let shown = ShownCloud { name: subject.cloud_name.clone(), cloud: &result.cloud };
+    let result = page.result;
+    let shown = ShownCloud { name: page.cloud_name.clone(), cloud: &result.cloud };
     let fit = |figures: &mut Figures| {
-        subject.surface.as_ref().map(|surface| point_statistics::fit(surface, &result.cloud, figures))
+        page.surface.as_ref().map(|surface| point_statistics::fit(surface, &result.cloud, figures))
     };
     let sections = [
-        subject.photo.as_ref().map(|photo| photograph(subject, photo)),
-        Some(view_3d::section(subject.rig, Some(&shown), &mut figures)),
+        page.photo.as_ref().map(|photo| photograph(page, photo)),
+        Some(view_3d::section(page.rig, Some(&shown), &mut figures)),
         fit(&mut figures),
         Some(point_statistics::section(result, &mut figures)),
         result.decode.as_ref().map(decoding::section),
-        Some(next_steps::listings(&subject.made_by, &following(subject))),
+        Some(next_steps::listings(&page.made_by, &following(page))),
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
-    page::html(&format!("{}: cloud – slcal", subject.image_name), &head(subject), &sections, &figures)
+    page::html(&format!("{}: cloud – slcal", page.image_name), &head(page), &sections, &figures)
 }
 
-fn head(subject: &CloudSubject) -> Markup {
-    let (result, rig) = (subject.result, subject.rig);
+fn head(page: &CloudPage) -> Markup {
+    let (result, rig) = (page.result, page.rig);
     let (cloud, t) = (&result.cloud, &result.triangulate);
     let remarks = result.decode.as_ref().map(summary::remarks).unwrap_or_default();
     let millimetres = |name: &str, x: f64| derived(name, x, &significant(x, 2));
     html! {
         div class={ "verdict " (if remarks.iter().any(|(label, _)| *label == "warning") { "fair" } else { "none" }) } {
             h1 {
-                span.what { "Cloud of " (subject.image_name) }
+                span.what { "Cloud of " (page.image_name) }
                 span.word { (thousands(cloud.points.len())) " points" }
             }
             ul.tiles {
@@ -98,7 +98,7 @@ fn head(subject: &CloudSubject) -> Markup {
                     } @else { "The rig does not state its covariance, so how far the whole cloud may be off is not known." }
                 }
                 dt { "The rig" }
-                dd { (verdict::in_a_line(rig, &subject.rig_name)) }
+                dd { (verdict::in_a_line(rig, &page.rig_name)) }
                 @if !remarks.is_empty() {
                     dt { "What was noticed" }
                     @for (_, remark) in &remarks { dd { (verdict::sentence(remark)) } }
@@ -108,13 +108,12 @@ fn head(subject: &CloudSubject) -> Markup {
     }
 }
 
-fn photograph(subject: &CloudSubject, photo: &Photo) -> Section {
-    let model = &subject.rig.camera.model;
-    let mut drawing =
-        stripes::reconstructed([model.width, model.height], &subject.image_name, subject.result);
+fn photograph(page: &CloudPage, photo: &Photo) -> Section {
+    let model = &page.rig.camera.model;
+    let mut drawing = stripes::reconstructed([model.width, model.height], &page.image_name, page.result);
     // The page says it in words that are as large as its own.
     drawing.legend = None;
-    let cloud = &subject.result.cloud;
+    let cloud = &page.result.cloud;
     let content = html! {
         div.photos { figure {
             (photo.under(&drawing))
@@ -132,13 +131,13 @@ fn photograph(subject: &CloudSubject, photo: &Photo) -> Section {
     Section { id: "photographs", title: "What was seen", content }
 }
 
-fn following(subject: &CloudSubject) -> Vec<(&'static str, String)> {
+fn following(page: &CloudPage) -> Vec<(&'static str, String)> {
     let mut next = Vec::new();
-    if subject.cloud_name.to_lowercase().ends_with(".ply") {
-        let cloud = file_word(&subject.cloud_name);
+    if page.cloud_name.to_lowercase().ends_with(".ply") {
+        let cloud = file_word(&page.cloud_name);
         next.push(("How flat, how round?", format!("slcal evaluate plane {cloud}")));
-        if subject.rig_name != PIPED {
-            let rig = file_word(&subject.rig_name);
+        if page.rig_name != PIPED {
+            let rig = file_word(&page.rig_name);
             next.push((
                 "Beside the calibration",
                 format!("slcal report --rig {rig} --cloud {cloud} -o report.html"),

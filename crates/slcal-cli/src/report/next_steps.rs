@@ -4,12 +4,12 @@ use maud::{Markup, html};
 
 use super::command_line::quoted;
 use super::page::Section;
-use super::subject::Subject;
+use super::rig_page::RigPage;
 use super::verdict::sentence;
 
 /// The warnings with their advice.
-pub(super) fn warnings(subject: &Subject) -> Option<Section> {
-    let warnings = &subject.rig.quality.as_ref()?.warnings;
+pub(super) fn warnings(page: &RigPage) -> Option<Section> {
+    let warnings = &page.rig.quality.as_ref()?.warnings;
     let content = html! {
         @if warnings.is_empty() { p { "Nothing: no warnings." } }
         @else {
@@ -25,9 +25,9 @@ pub(super) fn warnings(subject: &Subject) -> Option<Section> {
 }
 
 /// The commands that led here, and those that lead on.
-pub(super) fn commands(subject: &Subject) -> Option<Section> {
-    let next = following(subject);
-    (!subject.made_by.is_empty() || !next.is_empty()).then(|| listings(&subject.made_by, &next))
+pub(super) fn commands(page: &RigPage) -> Option<Section> {
+    let next = following(page);
+    (!page.made_by.is_empty() || !next.is_empty()).then(|| listings(&page.made_by, &next))
 }
 
 /// Commands to look at and to copy.
@@ -58,17 +58,17 @@ fn listing(text: &str) -> Markup {
 pub(super) const PIPED: &str = "stdin";
 
 /// What one does with such a rig, with the names of its files: only what this rig is enough for.
-fn following(subject: &Subject) -> Vec<(&'static str, String)> {
+fn following(page: &RigPage) -> Vec<(&'static str, String)> {
     let mut next = Vec::new();
-    if subject.rig_name.is_empty() || subject.rig_name == PIPED {
+    if page.rig_name.is_empty() || page.rig_name == PIPED {
         return next;
     }
-    let rig = file_word(&subject.rig_name);
-    let pattern = subject.checker_name.as_deref().filter(|name| *name != PIPED).map(file_word);
+    let rig = file_word(&page.rig_name);
+    let pattern = page.checker_name.as_deref().filter(|name| *name != PIPED).map(file_word);
     let checker = pattern.as_deref().unwrap_or("checker.json");
-    let sheet_known = !subject.rig.views.is_empty();
-    let can_advise = sheet_known && subject.rig.covariance.is_some();
-    if subject.rig.projector.is_none() {
+    let sheet_known = !page.rig.views.is_empty();
+    let can_advise = sheet_known && page.rig.covariance.is_some();
+    if page.rig.projector.is_none() {
         if can_advise {
             next.push(("Which photograph to take next", format!("slcal advise --rig {rig}")));
         }

@@ -5,12 +5,12 @@ use slcal_core::{Device, Rig, StereoPose, View};
 
 use super::number::{decimals_of, derived, field, fixed, significant};
 use super::page::Section;
-use super::subject::{Subject, photo_name};
+use super::rig_page::{RigPage, photo_name};
 
 const COEFFICIENTS: [&str; 5] = ["k1", "k2", "p1", "p2", "k3"];
 
-pub(super) fn section(subject: &Subject) -> Section {
-    let rig = subject.rig;
+pub(super) fn section(page: &RigPage) -> Section {
+    let rig = page.rig;
     let content = html! {
         div.scroll { table.parameters {
             thead { tr { th scope="col" { "Parameter" } th scope="col" { "Value" } th scope="col" { "Unit" } } }

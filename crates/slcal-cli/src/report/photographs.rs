@@ -7,7 +7,7 @@ use super::number::significant;
 use super::page::Section;
 use super::photo::Photo;
 use super::residuals::odd_words;
-use super::subject::{Subject, photo_name};
+use super::rig_page::{RigPage, photo_name};
 use crate::picture::residual_drawing::{self, MeasuredView};
 use crate::picture::{Drawing, sheet};
 
@@ -15,14 +15,14 @@ use crate::picture::{Drawing, sheet};
 const COARSER_ALONE: f64 = 1.3;
 const COARSER_AMONG_OTHERS: f64 = 2.0;
 
-pub(super) fn section(subject: &Subject) -> Option<Section> {
-    let rig = subject.rig;
+pub(super) fn section(page: &RigPage) -> Option<Section> {
+    let rig = page.rig;
     if rig.views.is_empty() {
         return None;
     }
-    let shown = subject.photos.iter().flatten().count();
+    let shown = page.photos.iter().flatten().count();
     let missing = rig.views.len() - shown.min(rig.views.len());
-    let fits = fits(subject);
+    let fits = fits(page);
     let like = drawing(rig, "");
     let factor = residual_drawing::magnification(fits.iter().flatten().copied(), like.unit());
     let content = html! {
@@ -30,7 +30,7 @@ pub(super) fn section(subject: &Subject) -> Option<Section> {
             (legend(rig, &fits, factor))
             div.photos {
                 @for (i, view) in rig.views.iter().enumerate() {
-                    @if let Some(Some(photo)) = subject.photos.get(i) {
+                    @if let Some(Some(photo)) = page.photos.get(i) {
                         (shot(rig, i, view, photo, fits.get(i).copied().flatten(), factor))
                     }
                 }
@@ -47,13 +47,13 @@ pub(super) fn section(subject: &Subject) -> Option<Section> {
 }
 
 /// What is known of each view.
-fn fits<'a>(subject: &'a Subject) -> Vec<Option<MeasuredView<'a>>> {
-    let misses = subject.residuals.as_ref().ok();
+fn fits<'a>(page: &'a RigPage) -> Vec<Option<MeasuredView<'a>>> {
+    let misses = page.residuals.as_ref().ok();
     let fit = |(i, view): (usize, &'a View)| {
-        let observed = subject.observations?.views.get(i)?;
+        let observed = page.observations?.views.get(i)?;
         Some(MeasuredView { observed, residuals: misses?.get(i)?, view })
     };
-    subject.rig.views.iter().enumerate().map(fit).collect()
+    page.rig.views.iter().enumerate().map(fit).collect()
 }
 
 /// Pages show photographs smaller than screens do, the smaller the more there are.

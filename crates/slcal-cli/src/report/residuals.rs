@@ -7,7 +7,7 @@ use slcal_core::{PointResidual, Rig, ViewResiduals};
 use super::figure::{Figures, flat_layout};
 use super::number::{field, significant};
 use super::page::Section;
-use super::subject::{Subject, photo_name};
+use super::rig_page::{RigPage, photo_name};
 
 /// More arrows than this hide each other.
 const MAX_ARROWS: usize = 1500;
@@ -17,8 +17,8 @@ const ARROW_SHARE: f64 = 0.05;
 const BAR: f64 = 0.25;
 const REACH: f64 = 5.0;
 
-pub(super) fn section(subject: &Subject, figures: &mut Figures) -> Option<Section> {
-    let rig = subject.rig;
+pub(super) fn section(page: &RigPage, figures: &mut Figures) -> Option<Section> {
+    let rig = page.rig;
     if rig.views.is_empty() {
         return None;
     }
@@ -27,11 +27,11 @@ pub(super) fn section(subject: &Subject, figures: &mut Figures) -> Option<Sectio
             "A residual is the distance between where a point was seen and where the rig expects it. Small ones say that the model \
              fits; they do not say how good the calibration is: the ± do."
         }
-        @match &subject.residuals {
+        @match &page.residuals {
             Ok(views) => div.pair { (over_image(rig, views, figures)) (distribution(views, figures)) },
             Err(why) => p.note { "Plots of the residuals are not shown: " (why) "." },
         }
-        (table(rig, subject.residuals.as_ref().ok()))
+        (table(rig, page.residuals.as_ref().ok()))
     };
     Some(Section { id: "residuals", title: "How well it fits", content })
 }

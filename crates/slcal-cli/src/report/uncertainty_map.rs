@@ -9,7 +9,7 @@ use slcal_core::{Match, Rig};
 use super::figure::{Choice, Figures, flat_layout};
 use super::number::significant;
 use super::page::Section;
-use super::subject::Subject;
+use super::rig_page::RigPage;
 use super::working_volume::{WorkingVolume, slopes, stripes};
 
 /// The slice reaches from and to these shares of the sheet's distance.
@@ -23,11 +23,11 @@ const DEPTHS: usize = 91;
 
 /// The section on what is foretold there.
 pub(super) fn section(
-    subject: &Subject,
+    page: &RigPage,
     working: slcal_core::Result<Option<WorkingVolume>>,
     figures: &mut Figures,
 ) -> Option<Section> {
-    let rig = subject.rig;
+    let rig = page.rig;
     rig.projector?;
     let content = match working {
         Ok(Some(mut working)) => html! {

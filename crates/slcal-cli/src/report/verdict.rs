@@ -5,7 +5,7 @@ use slcal_core::pattern::Axis;
 use slcal_core::{Quality, Rig, Verdict};
 
 use super::number::{derived, field, fixed, significant};
-use super::subject::Subject;
+use super::rig_page::RigPage;
 use super::working_volume::{WorkingVolume, lengths, stripes};
 
 /// How a verdict looks: never by its colour alone.
@@ -76,19 +76,19 @@ fn of_sigma(quality: &Quality) -> Verdict {
 }
 
 /// The title of the page.
-pub(super) fn title(subject: &Subject) -> String {
-    let word = verdict_style(subject.rig).word.to_lowercase();
-    format!("{}: {word} – slcal", subject.name())
+pub(super) fn title(page: &RigPage) -> String {
+    let word = verdict_style(page.rig).word.to_lowercase();
+    format!("{}: {word} – slcal", page.name())
 }
 
 /// The head of the page; `working` is where one works with the rig.
-pub(super) fn head(subject: &Subject, working: Option<&WorkingVolume>) -> Markup {
-    let rig = subject.rig;
+pub(super) fn head(page: &RigPage, working: Option<&WorkingVolume>) -> Markup {
+    let rig = page.rig;
     let style = verdict_style(rig);
     html! {
         div class={ "verdict " (style.class) } {
             h1 {
-                span.what { @if rig.projector.is_some() { "Camera and projector" } @else { "Camera" } " · " (subject.name()) }
+                span.what { @if rig.projector.is_some() { "Camera and projector" } @else { "Camera" } " · " (page.name()) }
                 span.word { span.symbol aria-hidden="true" { (style.symbol) } " " (style.word) }
             }
             p.lead { (style.lead) }

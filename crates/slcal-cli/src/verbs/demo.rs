@@ -22,7 +22,7 @@ use crate::io::{Destination, cloud_bytes, decode_photo, png_bytes, write_all};
 use crate::output::{BOLD, Printer, Table, TextLayout, print_result, sanitized, styled, unbroken};
 use crate::picture::residual_drawing::{self, MeasuredView};
 use crate::picture::sheet;
-use crate::report::{Photo, ShownCloud, Subject, rig_html};
+use crate::report::{Photo, RigPage, ShownCloud, rig_html};
 use crate::summary;
 
 /// The photographs; `demo/README.md` says where they come from.
@@ -143,7 +143,7 @@ fn report(
     residuals: Vec<ViewResiduals>,
     head: &Reconstruction,
 ) -> Outcome<Vec<u8>> {
-    let subject = Subject {
+    let page = RigPage {
         rig,
         rig_name: "rig.json".to_owned(),
         checker_name: Some("checker.json".to_owned()),
@@ -153,7 +153,7 @@ fn report(
         cloud: Some(ShownCloud { name: "cloud.ply".to_owned(), cloud: &head.cloud }),
         made_by: BY_HAND.map(str::to_owned).to_vec(),
     };
-    Ok(rig_html(&subject))
+    Ok(rig_html(&page))
 }
 
 fn cloud(rig: &Rig, stripes: &StripePattern, photo: &DynamicImage) -> Outcome<Reconstruction> {

@@ -16,7 +16,7 @@ use crate::io::{
 };
 use crate::output::Printer;
 use crate::picture::for_display;
-use crate::report::{CommandLine, Photo as Shown, ShownCloud, Subject, rig_html};
+use crate::report::{CommandLine, Photo as Shown, RigPage, ShownCloud, rig_html};
 
 pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> Outcome {
     let place = Destination::prepare(&args.output, args.force)?;
@@ -46,7 +46,7 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
     // The photograph itself, which may be large, is not needed any more.
     let shown =
         |photo: Option<Photo>| photo.map(|p| Shown::new(&for_display(p.picture, gamma), count)).transpose();
-    let subject = Subject {
+    let page = RigPage {
         rig: &rig,
         rig_name: input_name(&args.rig),
         photos: photos.into_iter().map(shown).collect::<Outcome<_>>()?,
@@ -56,7 +56,7 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
         cloud: cloud.as_ref().map(|(path, cloud)| ShownCloud { name: input_name(path), cloud }),
         made_by: vec![typed.typed()],
     };
-    write_all(&[(place, rig_html(&subject))])
+    write_all(&[(place, rig_html(&page))])
 }
 
 /// A photograph and where it came from.

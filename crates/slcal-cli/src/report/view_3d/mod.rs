@@ -11,7 +11,7 @@ use slcal_core::{Projector, Rig, View};
 use self::point_cloud::plotted;
 use super::figure::{Figures, packed};
 use super::page::Section;
-use super::subject::ShownCloud;
+use super::rig_page::ShownCloud;
 use super::verdict::sheet_distance_mm;
 
 /// Length of the drawn pyramids as a share of the distance of what they look at.

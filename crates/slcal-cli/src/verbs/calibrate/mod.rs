@@ -20,7 +20,7 @@ use crate::io::{
     Destination, check_distinct, check_spares, input_name, is_dash, load_camera, load_observations, write_all,
 };
 use crate::output::{Printer, print_json, print_result};
-use crate::report::{CommandLine, Photo, Subject, rig_html};
+use crate::report::{CommandLine, Photo, RigPage, rig_html};
 use crate::summary;
 
 pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -> Outcome {
@@ -65,7 +65,7 @@ fn report(
     // Observations come without photographs.
     photos.resize_with(count, || None);
     let file = args.output.as_deref().filter(|p| !is_dash(p));
-    let subject = Subject {
+    let page = RigPage {
         rig,
         rig_name: file.map(input_name).unwrap_or_default(),
         checker_name: args.pattern.as_deref().map(input_name),
@@ -75,7 +75,7 @@ fn report(
         cloud: None,
         made_by: vec![typed.typed()],
     };
-    Ok(rig_html(&subject))
+    Ok(rig_html(&page))
 }
 
 /// The calibration and what it was computed from.

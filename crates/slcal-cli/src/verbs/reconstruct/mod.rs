@@ -28,7 +28,7 @@ use crate::io::{
 };
 use crate::output::{Printer, Remarks};
 use crate::picture::{for_display, stripes};
-use crate::report::{CloudSubject, CommandLine, FittedSurface, Photo, cloud_html};
+use crate::report::{CloudPage, CommandLine, FittedSurface, Photo, cloud_html};
 
 pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer) -> Outcome {
     check_usage(args)?;
@@ -226,7 +226,7 @@ impl Job<'_> {
     ) -> Outcome<Vec<u8>> {
         // As it was typed; a destination knows its links resolved.
         let typed = self.args.output.as_deref().filter(|p| !is_dash(p)).map(input_name);
-        let subject = CloudSubject {
+        let page = CloudPage {
             rig: self.rig,
             rig_name: input_name(&self.args.rig),
             image_name: input_name(image),
@@ -236,7 +236,7 @@ impl Job<'_> {
             surface: self.args.fit.map(|shape| fit(shape, &result.cloud)),
             made_by: vec![self.typed.typed()],
         };
-        Ok(cloud_html(&subject))
+        Ok(cloud_html(&page))
     }
 }
 

@@ -6,7 +6,7 @@ use super::photo::Photo;
 use crate::name::name_among;
 
 /// What a report is about. Names are those that the reader knows: as they were typed.
-pub(crate) struct Subject<'a> {
+pub(crate) struct RigPage<'a> {
     pub(crate) rig: &'a Rig,
     /// The rig's file; empty when it has none.
     pub(crate) rig_name: String,
@@ -23,7 +23,7 @@ pub(crate) struct Subject<'a> {
     pub(crate) made_by: Vec<String>,
 }
 
-impl Subject<'_> {
+impl RigPage<'_> {
     /// What the page calls the rig.
     pub(super) fn name(&self) -> &str {
         if self.rig_name.is_empty() { "calibration" } else { &self.rig_name }
