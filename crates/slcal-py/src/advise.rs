@@ -2,13 +2,14 @@
 
 use pyo3::prelude::*;
 use slcal_core::advise::{Advice, CameraPlan, advise_first, advise_next};
-use slcal_core::{CalibrateConfig, PrincipalPointRule, Rig};
+use slcal_core::{CalibrateConfig, PrincipalPointRule, Rig as CoreRig};
 
 use crate::convert::option;
 use crate::convert::report::record;
 use crate::errors::{Looking, Raise as _};
 use crate::geometry::Camera;
 use crate::pattern::CheckerPattern;
+use crate::rig::Rig;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(advise, module)?)
@@ -19,9 +20,9 @@ fn recorded<'py>(py: Python<'py>, advice: slcal_core::Result<Advice>) -> PyResul
 }
 
 /// See `Rig.advise`.
-pub(crate) fn next<'py>(
+fn next<'py>(
     py: Python<'py>,
-    rig: &Rig,
+    rig: &CoreRig,
     pattern: Option<&CheckerPattern>,
 ) -> PyResult<Bound<'py, PyAny>> {
     recorded(py, py.detach(|| advise_next(rig, pattern.map(|p| &p.0))))
@@ -100,4 +101,28 @@ fn advise<'py>(
         config,
     };
     recorded(py, py.detach(|| advise_first(&plan)))
+}
+
+#[pymethods]
+impl Rig {
+    /// What one more photograph would bring, and which to take.
+    ///
+    /// Parameters
+    /// ----------
+    /// pattern : CheckerPattern, optional
+    ///     What will be projected; the default checkerboard for the rig's panel unless given.
+    ///
+    /// Returns
+    /// -------
+    /// Advice
+    ///     σ now and after a photograph with each of several tilts, and the `next` photograph in numbers and in words.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     For a rig without views or covariance (see `slcal.advise` for these), or a pattern for another panel.
+    #[pyo3(signature = (pattern=None))]
+    fn advise<'py>(&self, py: Python<'py>, pattern: Option<&CheckerPattern>) -> PyResult<Bound<'py, PyAny>> {
+        next(py, &self.rig, pattern)
+    }
 }

@@ -6,7 +6,8 @@ use slcal_core::{CalibrateConfig, ExternalObservations, FocalPrior, PrincipalPoi
 use crate::convert::option;
 use crate::errors::{self, Looking, Raise as _};
 use crate::geometry::Camera;
-use crate::observations::{Request, observations_of, observe_all};
+use crate::observations::observations_of;
+use crate::observe::{Request, observe_all};
 use crate::pattern::CheckerPattern;
 use crate::rig::Rig;
 

@@ -66,13 +66,46 @@ fn evaluate<'py>(cloud: &Bound<'py, PyAny>, shape: &Bound<'py, PyAny>) -> PyResu
     fit(py, &slcal_core::PointCloud { points, ..slcal_core::PointCloud::default() })
 }
 
+#[pymethods]
+impl PointCloud {
+    /// Fits a plane to the points, which may hold other things as well.
+    ///
+    /// Returns
+    /// -------
+    /// PlaneFit
+    ///     The plane, and how far its inliers lie from it.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When there are fewer than three points, or no plane has points on it.
+    fn fit_plane<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        plane(py, &self.cloud)
+    }
+
+    /// Fits a sphere to the points, which may hold a wall as well.
+    ///
+    /// Returns
+    /// -------
+    /// SphereFit
+    ///     The sphere, and how far its inliers lie from it.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When there are fewer than four points, or no sphere that the camera could see has points on it.
+    fn fit_sphere<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        sphere(py, &self.cloud)
+    }
+}
+
 /// The plane of a cloud.
-pub(crate) fn plane<'py>(py: Python<'py>, cloud: &slcal_core::PointCloud) -> PyResult<Bound<'py, PyAny>> {
+fn plane<'py>(py: Python<'py>, cloud: &slcal_core::PointCloud) -> PyResult<Bound<'py, PyAny>> {
     fitted(py, "PlaneFit", "plane", |config| fit_plane(cloud, config).map(|fit| json!(fit.to_json(config))))
 }
 
 /// The sphere of a cloud.
-pub(crate) fn sphere<'py>(py: Python<'py>, cloud: &slcal_core::PointCloud) -> PyResult<Bound<'py, PyAny>> {
+fn sphere<'py>(py: Python<'py>, cloud: &slcal_core::PointCloud) -> PyResult<Bound<'py, PyAny>> {
     fitted(py, "SphereFit", "sphere", |config| {
         fit_sphere(cloud, config).map(|fit| json!(fit.to_json(config)))
     })

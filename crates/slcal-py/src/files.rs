@@ -96,35 +96,6 @@ pub(crate) fn os_error(error: &io::Error, path: &Path) -> PyErr {
     }
 }
 
-/// Reads a photograph: PNG, JPEG or TIFF, 8 or 16 bit, turned upright as its EXIF orientation asks.
-///
-/// Parameters
-/// ----------
-/// file : path or binary file object
-///     The photograph.
-///
-/// Returns
-/// -------
-/// ndarray
-///     (H, W, 3) in RGB order, or (H, W) for a grey one; uint8 or uint16. An alpha channel is left out.
-///
-/// Raises
-/// ------
-/// OSError
-///     When the file cannot be read.
-/// FormatError
-///     When it is no such picture, or not a whole one; the message says how to convert it.
-#[pyfunction]
-pub(crate) fn read_image<'py>(file: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    let py = file.py();
-    let Contents { bytes, name } = read(file)?;
-    let name = name.unwrap_or_else(|| "image".to_owned());
-    let photo = py
-        .detach(|| slcal_cli::files::decode_photo(&bytes, &name))
-        .map_err(|message| errors::malformed(py, "photograph", &message))?;
-    crate::convert::image::array_of(py, photo)
-}
-
 /// What a writer of JSON wrote, as text.
 pub(crate) fn text_of(bytes: Vec<u8>) -> PyResult<String> {
     String::from_utf8(bytes).map_err(|e| PyOSError::new_err(e.to_string()))

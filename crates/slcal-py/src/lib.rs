@@ -16,12 +16,16 @@ mod files;
 mod geometry;
 mod matches;
 mod observations;
+mod observe;
 mod pattern;
+mod read_image;
 mod reconstruct;
 mod rectify;
+mod report;
 mod rig;
 mod simulate;
 mod verify;
+mod view_observation;
 
 use std::ffi::OsString;
 
@@ -38,10 +42,13 @@ fn run_command(py: Python<'_>, args: Vec<OsString>) -> u8 {
 #[pymodule]
 fn _slcal(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    read_image::register(module)?;
     pattern::register(module)?;
     geometry::register(module)?;
     detect::register(module)?;
+    view_observation::register(module)?;
     observations::register(module)?;
+    observe::register(module)?;
     rig::register(module)?;
     rectify::register(module)?;
     advise::register(module)?;

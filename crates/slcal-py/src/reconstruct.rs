@@ -31,10 +31,10 @@ impl From<Reconstruction> for PointCloud {
 
 /// What clouds are to be, as given from Python.
 #[derive(Clone, Copy)]
-pub(crate) struct Shape<'a, 'py> {
-    pub(crate) frame: Option<&'a Bound<'py, PyAny>>,
-    pub(crate) mesh: bool,
-    pub(crate) cull: Option<&'a Bound<'py, PyAny>>,
+struct Shape<'a, 'py> {
+    frame: Option<&'a Bound<'py, PyAny>>,
+    mesh: bool,
+    cull: Option<&'a Bound<'py, PyAny>>,
 }
 
 impl Shape<'_, '_> {
@@ -50,7 +50,7 @@ impl Shape<'_, '_> {
 }
 
 /// The cloud of one photograph.
-pub(crate) fn reconstruct(
+fn reconstruct(
     py: Python<'_>,
     rig: &CoreRig,
     frames: &Frames<'_>,
@@ -64,7 +64,7 @@ pub(crate) fn reconstruct(
 }
 
 /// The cloud of matches, or of pixels and what lights them.
-pub(crate) fn triangulate(
+fn triangulate(
     rig: &CoreRig,
     pixels: &Bound<'_, PyAny>,
     given: Given<'_, '_>,
@@ -216,5 +216,145 @@ impl Reconstructor {
 
     fn __repr__(&self) -> &str {
         &self.what
+    }
+}
+
+#[pymethods]
+impl Rig {
+    /// The cloud of one photograph of the stripes on whatever stands before the rig. `Reconstructor` is for many.
+    ///
+    /// Parameters
+    /// ----------
+    /// image : ndarray
+    ///     (H, W, 3), uint8 or uint16, RGB order, of the size of the rig's camera: the scene with the stripes projected.
+    /// pattern : StripePattern
+    ///     The stripes, drawn for the rig's projector.
+    /// black, white : ndarray, optional
+    ///     The same scene with a dark projector (the room's light is taken off) and with plain white (the surface's own
+    ///     colours are divided out).
+    /// gamma : {"srgb", "linear"} or float, default "srgb"
+    ///     How the image's values follow the light.
+    /// frame : {"camera", "plane"}, default "camera"
+    ///     Whose coordinates the cloud has: the camera's, or those of the sheet of the rig's first view.
+    /// mesh : bool, default False
+    ///     Whether the cloud keeps the triangles between its points.
+    /// cull : {"auto", "off"} or float, default "auto"
+    ///     Largest area of a triangle that is surface, mm², or how it is chosen; points without such triangles are left
+    ///     out.
+    /// min_confidence : float, default 0.4
+    ///     Matches below it are left out, 0 to 1.
+    ///
+    /// Returns
+    /// -------
+    /// PointCloud
+    ///     Its `report` says what was seen and what became of it.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     When the image is no array of uint8 or uint16.
+    /// Error
+    ///     When its shape or size is another one, the rig has no projector (or, for "plane", no view), the pattern is for
+    ///     another panel, or an option is out of range.
+    /// DecodeError
+    ///     When the stripes are not in it, or cannot be those of this rig. The message says so when they are found as soon
+    ///     as red and blue change places.
+    ///
+    /// Examples
+    /// --------
+    /// >>> from slcal import simulate
+    /// >>> scene = simulate.scene("sphere")
+    /// >>> cloud = scene.rig.reconstruct(scene.photo, scene.pattern)
+    /// >>> cloud.points.shape == (len(cloud), 3)
+    /// True
+    #[pyo3(
+        signature = (
+            image, pattern, *, black=None, white=None, gamma=None, frame=None, mesh=false, cull=None, min_confidence=0.4
+        ),
+        text_signature = "($self, image, pattern, *, black=None, white=None, gamma='srgb', frame='camera', mesh=False, \
+                          cull='auto', min_confidence=0.4)"
+    )]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments")]
+    fn reconstruct(
+        &self,
+        image: &Bound<'_, PyAny>,
+        pattern: &Bound<'_, StripePattern>,
+        black: Option<&Bound<'_, PyAny>>,
+        white: Option<&Bound<'_, PyAny>>,
+        gamma: Option<&Bound<'_, PyAny>>,
+        frame: Option<&Bound<'_, PyAny>>,
+        mesh: bool,
+        cull: Option<&Bound<'_, PyAny>>,
+        min_confidence: f64,
+    ) -> PyResult<PointCloud> {
+        let frames = Frames::of(image, black, white)?;
+        let decode = decode::config(gamma, min_confidence)?;
+        let shape = Shape { frame, mesh, cull };
+        reconstruct(image.py(), &self.rig, &frames, pattern.get(), decode, shape)
+    }
+
+    /// Points from camera pixels and the projector columns (or rows) that light them, of whatever decoder.
+    ///
+    /// Parameters
+    /// ----------
+    /// pixels : Matches or array_like
+    ///     Matches, or (N, 2) camera px.
+    /// columns, rows : array_like, optional
+    ///     (N,), projector px, NaN where one is not known; at least one of the two beside an array of pixels.
+    /// sigma_px : array_like, optional
+    ///     (N,) or one for all: 1σ of the camera position across the stripe, px. Unless given, that of the matches, or 0.1.
+    /// frame : {"camera", "plane"}, default "camera"
+    ///     Whose coordinates the cloud has: the camera's, or those of the sheet of the rig's first view.
+    /// mesh : bool, default False
+    ///     Whether the cloud keeps the triangles between its points.
+    /// cull : {"auto", "off"} or float, default "off"
+    ///     Largest area of a triangle that is surface, mm², or how it is chosen; points without such triangles are left
+    ///     out. With "off" every match that can be a point becomes one, in the order given.
+    ///
+    /// Returns
+    /// -------
+    /// PointCloud
+    ///     Its `report` counts the matches that are no points: without coordinates ("invalid"), behind the devices, lit from
+    ///     outside the panel, and so on.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     When something is no array of numbers.
+    /// Error
+    ///     When the shapes do not fit each other, pixels are not finite, or the rig has no projector (or, for "plane", no
+    ///     view).
+    /// DecodeError
+    ///     When no match is a point.
+    ///
+    /// Examples
+    /// --------
+    /// >>> camera = slcal.Camera.from_fov((1280, 960), 45)
+    /// >>> projector = slcal.Camera([[1600, 0, 511.5], [0, 1600, 383.5], [0, 0, 1]], size=(1024, 768))
+    /// >>> rig = slcal.Rig(camera, projector, slcal.Pose(np.eye(3), [-200, 0, 0]))
+    /// >>> pixel = camera.project([[20, 30, 1000]])
+    /// >>> column = projector.project([[20 - 200, 30, 1000]])[:, 0]
+    /// >>> rig.triangulate(pixel, column).points.round(6)
+    /// array([[  20.,   30., 1000.]])
+    #[pyo3(
+        signature = (
+            pixels, columns=None, rows=None, *, sigma_px=None, frame=None, mesh=false, cull=None
+        ),
+        text_signature = "($self, pixels, columns=None, rows=None, *, sigma_px=None, frame='camera', mesh=False, \
+                          cull='off')"
+    )]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments")]
+    fn triangulate(
+        &self,
+        pixels: &Bound<'_, PyAny>,
+        columns: Option<&Bound<'_, PyAny>>,
+        rows: Option<&Bound<'_, PyAny>>,
+        sigma_px: Option<&Bound<'_, PyAny>>,
+        frame: Option<&Bound<'_, PyAny>>,
+        mesh: bool,
+        cull: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<PointCloud> {
+        let given = Given { columns, rows, sigma_px, ..Given::default() };
+        triangulate(&self.rig, pixels, given, Shape { frame, mesh, cull })
     }
 }

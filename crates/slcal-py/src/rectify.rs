@@ -5,13 +5,16 @@ use nalgebra::{Matrix3, Point2};
 use numpy::{PyUntypedArray, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 use slcal_core::geometry::{Homography, RectangleSize, Warp};
-use slcal_core::{Device, Rig, rectify, rectify_checker, rectify_checker_picture, rectify_picture};
+use slcal_core::{
+    Device, Rig as CoreRig, rectify, rectify_checker, rectify_checker_picture, rectify_picture,
+};
 
 use crate::convert::array::{rows, rows_of, shaped};
 use crate::convert::image::Photo;
 use crate::errors::{self, Looking, Raise as _};
 use crate::geometry::Camera;
 use crate::pattern::CheckerPattern;
+use crate::rig::Rig;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Rectification>()
@@ -72,7 +75,7 @@ fn picture(photo: &Photo<'_>) -> Option<RgbImage> {
     Some(dynamic.into_rgb8())
 }
 
-fn view_index(py: Python<'_>, view: i64, rig: &Rig) -> PyResult<usize> {
+fn view_index(py: Python<'_>, view: i64, rig: &CoreRig) -> PyResult<usize> {
     let n = rig.views.len();
     usize::try_from(view).ok().filter(|i| *i < n).ok_or_else(|| {
         let found = if n == 0 { "a rig without views".to_owned() } else { format!("{view} of {n}") };
@@ -81,7 +84,7 @@ fn view_index(py: Python<'_>, view: i64, rig: &Rig) -> PyResult<usize> {
 }
 
 /// See `Rig.rectify`.
-pub(crate) fn drawn<'py>(rig: &Rig, source: &Bound<'py, PyAny>, view: i64) -> PyResult<Bound<'py, PyAny>> {
+fn drawn<'py>(rig: &CoreRig, source: &Bound<'py, PyAny>, view: i64) -> PyResult<Bound<'py, PyAny>> {
     let py = source.py();
     let (source, view) = (Source::of(source)?, view_index(py, view, rig)?);
     let draw = || match &source {
@@ -94,7 +97,7 @@ pub(crate) fn drawn<'py>(rig: &Rig, source: &Bound<'py, PyAny>, view: i64) -> Py
 }
 
 /// See `Rig.rectification`.
-pub(crate) fn place(rig: &Rig, source: &Bound<'_, PyAny>, view: i64) -> PyResult<Rectification> {
+fn place(rig: &CoreRig, source: &Bound<'_, PyAny>, view: i64) -> PyResult<Rectification> {
     let py = source.py();
     let (source, view) = (Source::of(source)?, view_index(py, view, rig)?);
     let place = || match &source {
@@ -212,5 +215,53 @@ impl Rectification {
             (10.0 * origin.x).round() / 10.0 + 0.0,
             (10.0 * origin.y).round() / 10.0 + 0.0
         )
+    }
+}
+
+#[pymethods]
+impl Rig {
+    /// The picture to project so that a picture appears upright and as large as possible on the sheet.
+    ///
+    /// Parameters
+    /// ----------
+    /// source : CheckerPattern or ndarray
+    ///     A checkerboard, drawn with sharp edges and half a square of its background around it, or any picture: (H, W, 3)
+    ///     RGB or (H, W), uint8 (uint16 is brought to 8 bits).
+    /// view : int, default 0
+    ///     Which of the rig's views tells where the sheet is.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray
+    ///     (H, W, 3) uint8, as large as the projector's panel.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     For a rig without a projector or such a view, and for a pattern for another panel.
+    /// CalibrationError
+    ///     When the projector does not light the sheet.
+    /// TypeError
+    ///     When the source is neither of these.
+    #[pyo3(signature = (source, *, view=0))]
+    fn rectify<'py>(&self, source: &Bound<'py, PyAny>, view: i64) -> PyResult<Bound<'py, PyAny>> {
+        drawn(&self.rig, source, view)
+    }
+
+    /// Where `rectify` draws a picture: on the panel, and on the sheet in millimetres.
+    ///
+    /// Parameters
+    /// ----------
+    /// source : CheckerPattern or ndarray
+    ///     As for `rectify`.
+    /// view : int, default 0
+    ///     As for `rectify`.
+    ///
+    /// Returns
+    /// -------
+    /// Rectification
+    #[pyo3(signature = (source, *, view=0))]
+    fn rectification(&self, source: &Bound<'_, PyAny>, view: i64) -> PyResult<Rectification> {
+        place(&self.rig, source, view)
     }
 }

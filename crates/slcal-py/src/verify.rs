@@ -1,27 +1,28 @@
 //! Rig + photograph → how square the projection is, and whether the rig has moved.
 
 use pyo3::prelude::*;
-use slcal_core::{Rig, VerifyPhotoConfig, verify_photo};
+use slcal_core::{Rig as CoreRig, VerifyPhotoConfig, verify_photo};
 
 use crate::convert::image::Photo;
 use crate::convert::option;
 use crate::convert::report::record;
 use crate::errors::{Looking, Raise as _};
-use crate::observations::four_corners;
 use crate::pattern::CheckerPattern;
+use crate::rig::Rig;
+use crate::view_observation::four_corners;
 
 /// What is known beside the photograph: the keyword arguments of `Rig.verify`.
-pub(crate) struct Known<'a, 'py> {
-    pub(crate) size_mm: Option<&'a Bound<'py, PyAny>>,
-    pub(crate) as_drawn: bool,
-    pub(crate) corners: Option<&'a Bound<'py, PyAny>>,
-    pub(crate) gamma: Option<&'a Bound<'py, PyAny>>,
-    pub(crate) significance: f64,
+struct Known<'a, 'py> {
+    size_mm: Option<&'a Bound<'py, PyAny>>,
+    as_drawn: bool,
+    corners: Option<&'a Bound<'py, PyAny>>,
+    gamma: Option<&'a Bound<'py, PyAny>>,
+    significance: f64,
 }
 
 /// See `Rig.verify`.
-pub(crate) fn verify<'py>(
-    rig: &Rig,
+fn verified<'py>(
+    rig: &CoreRig,
     photo: &Bound<'py, PyAny>,
     pattern: &CheckerPattern,
     known: &Known<'_, 'py>,
@@ -41,4 +42,61 @@ pub(crate) fn verify<'py>(
     let found = py.detach(|| verify_photo(rig, view, &pattern.0, &config)).raise(py, Looking::ForSheet)?;
     let corners = found.detection.pattern_corners;
     record(py, "Verification", &found.verification.to_json(None, known.as_drawn, corners))
+}
+
+#[pymethods]
+impl Rig {
+    /// How square a projected checkerboard is on the sheet now, and whether projector, camera or sheet have moved.
+    ///
+    /// Parameters
+    /// ----------
+    /// photo : ndarray
+    ///     (H, W, 3) RGB or (H, W), uint8 or uint16, by the rig's camera: the sheet with the pattern projected on it.
+    /// pattern : CheckerPattern
+    ///     What is projected, by default as `rectify` draws it for the rig's first view.
+    /// size_mm : (float, float), optional
+    ///     Width and height of the sheet, mm, when it is not that of the rig's first view.
+    /// as_drawn : bool, default False
+    ///     The pattern is projected as it was drawn, not rectified; the sheet may then stand anywhere.
+    /// corners : array_like, optional
+    ///     (4, 2), px: the sheet's corners TL, TR, BR, BL by hand, when it is not found.
+    /// gamma : {"srgb", "linear"} or float, default "srgb"
+    ///     The transfer curve of the photograph.
+    /// significance : float, default 0.001
+    ///     How often a rig that has not moved may be said to have.
+    ///
+    /// Returns
+    /// -------
+    /// Verification
+    ///     `keystone` with its σ, `rig.moved` and what has changed, `sheet.moved`.
+    ///
+    /// Raises
+    /// ------
+    /// DetectionError
+    ///     When sheet or pattern is not found.
+    /// CalibrationError
+    ///     When photograph and rig do not go together at all.
+    /// Error
+    ///     For a photograph of another size, a pattern for another panel, a rig without a projector, a rig without views unless
+    ///     `as_drawn` and `size_mm` are given.
+    /// TypeError
+    ///     When the photograph is no such array.
+    #[pyo3(
+        signature = (photo, pattern, *, size_mm=None, as_drawn=false, corners=None, gamma=None, significance=0.001),
+        text_signature = "($self, photo, pattern, *, size_mm=None, as_drawn=False, corners=None, gamma='srgb', significance=0.001)"
+    )]
+    #[allow(clippy::too_many_arguments, reason = "they are named in Python")]
+    fn verify<'py>(
+        &self,
+        photo: &Bound<'py, PyAny>,
+        pattern: &CheckerPattern,
+        size_mm: Option<&Bound<'py, PyAny>>,
+        as_drawn: bool,
+        corners: Option<&Bound<'py, PyAny>>,
+        gamma: Option<&Bound<'py, PyAny>>,
+        significance: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let known = Known { size_mm, as_drawn, corners, gamma, significance };
+        verified(&self.rig, photo, pattern, &known)
+    }
 }

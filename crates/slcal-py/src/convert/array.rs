@@ -1,5 +1,6 @@
 //! Numbers as arrays, and array-likes as numbers.
 
+use nalgebra::Matrix3;
 use numpy::ndarray::{ArrayD, ArrayViewD};
 use numpy::{AllowTypeChange, Element, IntoPyArray as _, PyArrayLikeDyn};
 use pyo3::prelude::*;
@@ -38,6 +39,11 @@ pub(crate) fn rows<'py, T: Element, const K: usize>(
     shaped(py, values, &[n, K])
 }
 
+/// (3, 3) from a matrix.
+pub(crate) fn matrix<'py>(py: Python<'py>, m: &Matrix3<f64>) -> PyResult<Bound<'py, PyAny>> {
+    rows(py, m.row_iter().map(|r| [r[0], r[1], r[2]]))
+}
+
 /// Anything that NumPy turns into numbers.
 pub(crate) struct Numbers<'py>(PyArrayLikeDyn<'py, f64, AllowTypeChange>);
 
@@ -71,7 +77,8 @@ impl<'py> Numbers<'py> {
     }
 }
 
-fn shape_of(view: &ArrayViewD<'_, f64>) -> String {
+/// The shape of numbers, as Python writes it.
+pub(super) fn shape_of(view: &ArrayViewD<'_, f64>) -> String {
     shape_in_words(view.shape())
 }
 
@@ -83,7 +90,8 @@ pub(crate) fn shape_in_words(shape: &[usize]) -> String {
     }
 }
 
-fn all_finite(py: Python<'_>, view: &ArrayViewD<'_, f64>, what: &str) -> PyResult<()> {
+/// Refuses what is not finite; names the first row of it.
+pub(super) fn all_finite(py: Python<'_>, view: &ArrayViewD<'_, f64>, what: &str) -> PyResult<()> {
     let bad = view.iter().filter(|x| !x.is_finite()).count();
     if bad == 0 {
         return Ok(());
@@ -149,53 +157,4 @@ pub(crate) fn matrix_of(values: &Bound<'_, PyAny>, what: &str) -> PyResult<[[f64
     all_finite(py, &view, what)?;
     let at = |i: usize, j: usize| view[[i, j]];
     Ok([0, 1, 2].map(|i| [at(i, 0), at(i, 1), at(i, 2)]))
-}
-
-/// (N,) numbers, or one for all of `n`; finite where `finite` asks for it.
-pub(crate) fn column_of(values: &Bound<'_, PyAny>, n: usize, what: &str, finite: bool) -> PyResult<Vec<f64>> {
-    let py = values.py();
-    let numbers = Numbers::of(values, what)?;
-    let view = numbers.view();
-    if finite {
-        all_finite(py, &view, what)?;
-    }
-    match *view.shape() {
-        [] => Ok(vec![view.iter().copied().next().unwrap_or_default(); n]),
-        [m] | [m, 1] if m == n => Ok(view.iter().copied().collect()),
-        _ => Err(errors::invalid(py, what, &format!("shape ({n},)"), &format!("shape {}", shape_of(&view)))),
-    }
-}
-
-/// Whole numbers from `low` to `high`, (N,).
-pub(crate) fn integers_of(
-    values: &Bound<'_, PyAny>,
-    what: &str,
-    [low, high]: [i64; 2],
-) -> PyResult<Vec<i64>> {
-    let py = values.py();
-    let numbers = Numbers::of(values, what)?;
-    let view = numbers.view();
-    if view.ndim() != 1 {
-        return Err(errors::invalid(py, what, "shape (N,)", &format!("shape {}", shape_of(&view))));
-    }
-    view.iter()
-        .map(|&x| {
-            let whole = x.fract() == 0.0 && (low as f64..=high as f64).contains(&x);
-            let expected = format!("whole numbers from {low} to {high}");
-            if whole { Ok(x as i64) } else { Err(errors::invalid(py, what, &expected, &x.to_string())) }
-        })
-        .collect()
-}
-
-/// (N, K) colours or other bytes.
-pub(crate) fn bytes_of<const K: usize>(values: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<[u8; K]>> {
-    rows_of::<K>(values, what)?
-        .into_iter()
-        .map(|row| {
-            if row.iter().all(|x| x.fract() == 0.0 && (0.0..=255.0).contains(x)) {
-                return Ok(row.map(|x| x as u8));
-            }
-            Err(errors::invalid(values.py(), what, "whole numbers from 0 to 255", &format!("{row:?}")))
-        })
-        .collect()
 }

@@ -1,6 +1,7 @@
 //! Values between Python and the core.
 
 pub(crate) mod array;
+pub(crate) mod columns;
 pub(crate) mod image;
 pub(crate) mod option;
 pub(crate) mod report;

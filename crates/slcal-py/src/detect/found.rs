@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use slcal_core::{CornerPair, SheetObservation, Unstated, detect};
 
 use crate::convert::array::{column, rows, rows_of};
-use crate::observations::{ViewObservation, edge_sigma, edges, sizeless};
+use crate::view_observation::{ViewObservation, edge_sigma, edges, sizeless};
 
 /// What restores an object from a pickle, and its arguments.
 type Pickled<'py, State> = (Bound<'py, PyAny>, State);

@@ -10,8 +10,8 @@ pub(crate) use found::{CornerDetection, Detection, SheetDetection};
 use crate::convert::image::Photo;
 use crate::convert::option;
 use crate::errors::{Looking, Raise as _};
-use crate::observations::four_corners;
 use crate::pattern::CheckerPattern;
+use crate::view_observation::four_corners;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<SheetDetection>()?;

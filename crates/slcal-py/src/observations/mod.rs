@@ -1,8 +1,6 @@
 //! What photographs show, as calibration takes it: from the detector here or from any other.
 
 mod mapping;
-mod observe;
-mod view;
 
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
@@ -10,18 +8,14 @@ use serde_json::Value;
 use slcal_core::ExternalObservations;
 use slcal_core::format::{read_observations, write_observations};
 
-pub(crate) use observe::{Request, observe_all};
-pub(crate) use view::{ViewObservation, edge_sigma, edges, four_corners, sizeless};
-
 use crate::convert::option::whole_pair;
 use crate::detect::Detection;
 use crate::errors::{self, Looking, Raise as _, raised_from};
 use crate::files;
+use crate::view_observation::{ViewObservation, views_of};
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<ViewObservation>()?;
-    module.add_class::<Observations>()?;
-    module.add_function(wrap_pyfunction!(observe::observe, module)?)
+    module.add_class::<Observations>()
 }
 
 /// Everything that a calibration is computed from.
@@ -104,7 +98,7 @@ impl Observations {
     /// One for each pose of the sheet.
     #[getter]
     fn views(&self) -> Vec<ViewObservation> {
-        view::views_of(self.0.clone())
+        views_of(self.0.clone())
     }
 
     /// Writes the file (schema slcal-observations/1), which ``slcal calibrate --observations`` reads.

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
-use slcal_core::Rig;
+use slcal_core::Rig as CoreRig;
 use slcal_core::format::{ExchangeFormat, ExportConfig, ImportConfig, NamedBytes, export_rig, import_rig};
 
+use super::Rig;
 use crate::convert::option::{one_of, shown, whole_pair};
 use crate::errors::{self, Looking, Raise as _, raised_from};
 use crate::files;
@@ -19,8 +20,8 @@ fn path_of(file: &Bound<'_, PyAny>, what: &str) -> PyResult<PathBuf> {
 }
 
 /// See `Rig.export`.
-pub(super) fn export(
-    rig: &Rig,
+fn export_to(
+    rig: &CoreRig,
     path: &Bound<'_, PyAny>,
     to: &Bound<'_, PyAny>,
     lossy: bool,
@@ -45,12 +46,12 @@ pub(super) fn export(
 }
 
 /// See `Rig.import_from`.
-pub(super) fn import(
+fn import_from(
     paths: &Bound<'_, PyAny>,
     format: Option<&Bound<'_, PyAny>>,
     camera_size: Option<&Bound<'_, PyAny>>,
     projector_size: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Rig> {
+) -> PyResult<CoreRig> {
     let py = paths.py();
     let format = format.map(|f| format_of(f, "format")).transpose()?;
     let config = ImportConfig {
@@ -75,4 +76,79 @@ pub(super) fn import(
     let file = found.first().map(|p| p.display().to_string());
     let imported = import_rig(format, &named, &config);
     imported.map(|i| i.rig).map_err(|e| raised_from(py, &e, Looking::ForSheet, file.as_deref()))
+}
+
+#[pymethods]
+impl Rig {
+    /// Writes files that another program reads.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path
+    ///     Where to; files there are replaced. For "opencv" it ends in .yml, .yaml, .xml or .json; for "ros" it is the camera's .yaml, the
+    ///     projector's goes beside it as NAME_projector.yaml, or a folder; for "colmap" a folder; for "kalibr" a .yaml, for
+    ///     "blender" a .py, for "npz" an .npz.
+    /// to : {"opencv", "ros", "colmap", "kalibr", "blender", "npz"}
+    ///     The format.
+    /// lossy : bool, default False
+    ///     Whether terms of a lens that the format does not have are left out; otherwise they are an error.
+    ///
+    /// Returns
+    /// -------
+    /// list of str
+    ///     What the format has no place for, a line each.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When the format cannot hold a lens (the message says how far pixels would move), or the path is not for it.
+    /// OSError
+    ///     When a file cannot be written.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import tempfile
+    /// >>> rig = slcal.Rig(slcal.Camera.from_fov((1280, 960), 45))
+    /// >>> with tempfile.TemporaryDirectory() as folder:
+    /// ...     left_out = rig.export(f"{folder}/rig.yml", "opencv")
+    /// ...     slcal.Rig.import_from(f"{folder}/rig.yml") == rig
+    /// True
+    #[pyo3(signature = (path, to, *, lossy=false))]
+    fn export(&self, path: &Bound<'_, PyAny>, to: &Bound<'_, PyAny>, lossy: bool) -> PyResult<Vec<String>> {
+        export_to(&self.rig, path, to, lossy)
+    }
+
+    /// Reads files of another program: those that `export` wrote, or calibrations made elsewhere.
+    ///
+    /// Parameters
+    /// ----------
+    /// paths : path or list of paths
+    ///     The file; for "ros" the camera's and the projector's, or their folder; for "colmap" the folder.
+    /// format : {"opencv", "ros", "colmap", "kalibr", "blender", "npz"}, optional
+    ///     Whose files they are; told by their content unless given.
+    /// camera_size, projector_size : (int, int), optional
+    ///     Width and height, px, for files that do not say them.
+    ///
+    /// Returns
+    /// -------
+    /// Rig
+    ///
+    /// Raises
+    /// ------
+    /// FormatError
+    ///     When the files are of another format, or something is missing in them.
+    /// Error
+    ///     When the size of an image is nowhere to be found.
+    /// OSError
+    ///     When a file cannot be read.
+    #[staticmethod]
+    #[pyo3(signature = (paths, format=None, *, camera_size=None, projector_size=None))]
+    fn import_from(
+        paths: &Bound<'_, PyAny>,
+        format: Option<&Bound<'_, PyAny>>,
+        camera_size: Option<&Bound<'_, PyAny>>,
+        projector_size: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        import_from(paths, format, camera_size, projector_size).map(Self::from)
+    }
 }

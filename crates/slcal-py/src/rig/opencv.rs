@@ -4,8 +4,9 @@ use nalgebra::Matrix3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use slcal_core::geometry::{self, Distortion, Intrinsics};
-use slcal_core::{Device, Projector, Rig, StereoPose};
+use slcal_core::{Device, Projector, Rig as CoreRig, StereoPose};
 
+use super::Rig;
 use crate::convert::array::{matrix_of, rows, shaped};
 use crate::convert::option::whole_pair;
 use crate::errors::{self, Looking, Raise as _};
@@ -15,7 +16,7 @@ const NAMES: [&str; 8] =
     ["camera_K", "camera_dist", "camera_size", "projector_K", "projector_dist", "projector_size", "R", "t"];
 
 /// See `Rig.to_opencv`.
-pub(super) fn to_opencv<'py>(py: Python<'py>, rig: &Rig) -> PyResult<Bound<'py, PyDict>> {
+fn to_opencv<'py>(py: Python<'py>, rig: &CoreRig) -> PyResult<Bound<'py, PyDict>> {
     let parameters = PyDict::new(py);
     for (name, Device { model, .. }) in rig.devices() {
         let k = model.intrinsics.matrix();
@@ -34,11 +35,11 @@ pub(super) fn to_opencv<'py>(py: Python<'py>, rig: &Rig) -> PyResult<Bound<'py, 
 }
 
 /// See `Rig.from_opencv`.
-pub(super) fn from_opencv(
+fn from_opencv(
     py: Python<'_>,
     parameters: Option<&Bound<'_, PyAny>>,
     named: Option<&Bound<'_, PyDict>>,
-) -> PyResult<Rig> {
+) -> PyResult<CoreRig> {
     let all = PyDict::new(py);
     if let Some(given) = parameters {
         all.call_method1("update", (given,)).map_err(|_| {
@@ -80,5 +81,61 @@ pub(super) fn from_opencv(
         None
     };
     let method = "opencv".to_owned();
-    Ok(Rig { camera, projector, views: Vec::new(), method, quality: None, covariance: None })
+    Ok(CoreRig { camera, projector, views: Vec::new(), method, quality: None, covariance: None })
+}
+
+#[pymethods]
+impl Rig {
+    /// The rig as OpenCV's functions take it.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     `camera_K` (3, 3), `camera_dist` (5,), `camera_size` (2,), the same of the projector, and `R` (3, 3) and `t` (3, 1) with
+    ///     X_projector = R · X_camera + t, mm: what ``cv2.stereoRectify`` calls R and T. Without a projector its entries are
+    ///     left out.
+    ///
+    /// Examples
+    /// --------
+    /// >>> camera = slcal.Camera.from_fov((1280, 960), 45)
+    /// >>> sorted(slcal.Rig(camera).to_opencv())
+    /// ['camera_K', 'camera_dist', 'camera_size']
+    fn to_opencv<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        to_opencv(py, &self.rig)
+    }
+
+    /// A rig from what OpenCV's functions give.
+    ///
+    /// Parameters
+    /// ----------
+    /// parameters : mapping, optional
+    ///     What `to_opencv` gives; or the same as keyword arguments.
+    /// camera_K, projector_K : array_like
+    ///     (3, 3), px.
+    /// camera_dist, projector_dist : array_like, optional
+    ///     Up to five of k1, k2, p1, p2, k3; none unless given.
+    /// camera_size, projector_size : (int, int)
+    ///     Width and height, px.
+    /// R : array_like
+    ///     (3, 3), or (3,) as of ``cv2.Rodrigues``.
+    /// t : array_like
+    ///     (3,) or (3, 1), mm: X_projector = R · X_camera + t.
+    ///
+    /// Returns
+    /// -------
+    /// Rig
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When something is missing or is not what its name says.
+    #[staticmethod]
+    #[pyo3(signature = (parameters=None, /, **named), text_signature = "(parameters=None, /, *, camera_K=None, camera_dist=None, camera_size=None, projector_K=None, projector_dist=None, projector_size=None, R=None, t=None)")]
+    fn from_opencv(
+        py: Python<'_>,
+        parameters: Option<&Bound<'_, PyAny>>,
+        named: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        from_opencv(py, parameters, named).map(Self::from)
+    }
 }

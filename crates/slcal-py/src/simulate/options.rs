@@ -11,7 +11,8 @@ use slcal_core::simulate::{
 };
 
 use crate::cloud::PointCloud;
-use crate::convert::array::{Numbers, column_of, matrix_of, vector_of};
+use crate::convert::array::{Numbers, matrix_of, vector_of};
+use crate::convert::columns::column_of;
 use crate::convert::option::{self, one_of, whole_pair};
 use crate::errors::{self, Looking, Raise as _, raised_from};
 use crate::files;

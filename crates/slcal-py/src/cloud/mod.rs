@@ -1,53 +1,24 @@
 //! Points in space.
 
+mod file;
+mod shown;
+
 use nalgebra::{Point2, Point3};
 use numpy::PyReadonlyArray2;
 use numpy::ndarray::ArrayView1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyTuple};
-use slcal_core::format::{CloudFormat, read_ply};
-use slcal_core::solve::median;
+use pyo3::types::{PyDict, PyTuple};
 use slcal_core::{CloudPoint, Frame};
 
-use crate::convert::array::{Numbers, column, integers_of, rows, rows_of, shape_in_words, vector_of};
+use crate::convert::array::{Numbers, column, rows, rows_of, shape_in_words, vector_of};
+use crate::convert::columns::{as_many, colors_of, integers_of, within};
 use crate::convert::option;
 use crate::convert::report::Reported;
-use crate::errors::{self, Looking, Raise as _, raised_from};
-use crate::evaluate;
-use crate::files;
-use crate::matches::{as_many, colors_of, within};
+use crate::errors;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PointCloud>()
-}
-
-const FORMATS: [(&str, CloudFormat); 5] = [
-    ("ply", CloudFormat::Ply),
-    ("pcd", CloudFormat::Pcd),
-    ("xyz", CloudFormat::Xyz),
-    ("obj", CloudFormat::Obj),
-    ("glb", CloudFormat::Glb),
-];
-
-fn format_named(name: &Bound<'_, PyAny>) -> PyResult<CloudFormat> {
-    option::one_of(name, "format", &FORMATS)
-}
-
-/// By the extension of a path; PLY for file objects.
-fn format_of(file: &Bound<'_, PyAny>) -> PyResult<CloudFormat> {
-    let Some(path) = files::path_of(file)? else { return Ok(CloudFormat::Ply) };
-    let found = path.extension().and_then(|e| CloudFormat::of_extension(e.to_str()?));
-    found.ok_or_else(|| {
-        let wanted = "a file name that ends in .ply, .pcd, .xyz, .obj or .glb, or format=";
-        errors::invalid(file.py(), "file", wanted, &path.display().to_string())
-    })
-}
-
-fn bytes_as(format: CloudFormat, cloud: &slcal_core::PointCloud) -> slcal_core::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    format.write(cloud, &mut bytes)?;
-    Ok(bytes)
 }
 
 /// Points in space, with what is known of each, and the triangles between them where a mesh was asked for.
@@ -278,109 +249,6 @@ impl PointCloud {
         self.report.get(py)
     }
 
-    /// Writes the cloud.
-    ///
-    /// PLY holds all but pixels, in single precision; OBJ and GLB hold points, colours and triangles (GLB in metres, y up); PCD and
-    /// XYZ have no triangles.
-    ///
-    /// Parameters
-    /// ----------
-    /// file : path or file object
-    ///     A path, where the file appears when it is complete and replaces an older one, or an object with write().
-    /// format : {"ply", "pcd", "xyz", "obj", "glb"}, optional
-    ///     By the extension of the path unless given; "ply" for file objects.
-    ///
-    /// Raises
-    /// ------
-    /// Error
-    ///     When neither the extension nor `format` is one of these.
-    /// OSError
-    ///     When the file cannot be written.
-    #[pyo3(signature = (file, *, format=None))]
-    fn save(&self, file: &Bound<'_, PyAny>, format: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        let py = file.py();
-        let format = format.map_or_else(|| format_of(file), format_named)?;
-        let bytes = py.detach(|| bytes_as(format, &self.cloud)).raise(py, Looking::ForStripes)?;
-        files::write(file, &bytes, format.is_text())
-    }
-
-    /// Reads a cloud from a PLY file, text or binary.
-    ///
-    /// Parameters
-    /// ----------
-    /// file : path or file object
-    ///     Positions are needed; colours, sigma, noise, slit, confidence and faces are taken when they are there.
-    ///
-    /// Returns
-    /// -------
-    /// PointCloud
-    ///
-    /// Raises
-    /// ------
-    /// OSError
-    ///     When the file cannot be read.
-    /// FormatError
-    ///     When it is no PLY, or not a whole one.
-    /// Error
-    ///     When its name is that of another format, which are written only.
-    #[staticmethod]
-    fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let py = file.py();
-        if let Some(path) = files::path_of(file)?
-            && let Ok(format) = format_of(file)
-            && format != CloudFormat::Ply
-        {
-            let wanted = "a PLY file; the other formats are written only";
-            return Err(errors::invalid(py, "file", wanted, &path.display().to_string()));
-        }
-        let contents = files::read(file)?;
-        let name = contents.name.as_deref();
-        let read = py.detach(|| read_ply(contents.bytes.as_slice()));
-        read.map(Self::from).map_err(|e| raised_from(py, &e, Looking::ForStripes, name))
-    }
-
-    /// The content of the file that `save` would write.
-    #[pyo3(signature = (format=None), text_signature = "($self, format='ply')")]
-    fn to_bytes<'py>(
-        &self,
-        py: Python<'py>,
-        format: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyBytes>> {
-        let format = format.map_or(Ok(CloudFormat::Ply), format_named)?;
-        let bytes = py.detach(|| bytes_as(format, &self.cloud)).raise(py, Looking::ForStripes)?;
-        Ok(PyBytes::new(py, &bytes))
-    }
-
-    /// Fits a plane to the points, which may hold other things as well.
-    ///
-    /// Returns
-    /// -------
-    /// PlaneFit
-    ///     The plane, and how far its inliers lie from it.
-    ///
-    /// Raises
-    /// ------
-    /// Error
-    ///     When there are fewer than three points, or no plane has points on it.
-    fn fit_plane<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        evaluate::plane(py, &self.cloud)
-    }
-
-    /// Fits a sphere to the points, which may hold a wall as well.
-    ///
-    /// Returns
-    /// -------
-    /// SphereFit
-    ///     The sphere, and how far its inliers lie from it.
-    ///
-    /// Raises
-    /// ------
-    /// Error
-    ///     When there are fewer than four points, or no sphere that the camera could see has points on it.
-    fn fit_sphere<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        evaluate::sphere(py, &self.cloud)
-    }
-
     fn __len__(&self) -> usize {
         self.cloud.points.len()
     }
@@ -448,58 +316,5 @@ impl PointCloud {
             camera_centre: Point3::from(camera_centre),
         };
         Ok(Self { cloud, report: Reported::restored(py, report) })
-    }
-
-    fn _repr_html_(&self) -> String {
-        let row =
-            |(name, value)| format!("<tr><th style=\"text-align:left\">{name}</th><td>{value}</td></tr>");
-        let rows = self.in_words().into_iter().map(row).collect::<Vec<_>>().concat();
-        format!("<table><caption>PointCloud</caption>{rows}</table>")
-    }
-
-    fn __repr__(&self) -> String {
-        let n = self.cloud.points.len();
-        let points = format!("{n} point{}", if n == 1 { "" } else { "s" });
-        let triangles = match self.cloud.triangles.len() {
-            0 => String::new(),
-            m => format!(", {m} triangle{}", if m == 1 { "" } else { "s" }),
-        };
-        let distances = self
-            .distances()
-            .map_or_else(String::new, |[near, far]| format!(", {near:.1} to {far:.1} mm from the camera"));
-        let sigma = self.median_sigma().map_or_else(String::new, |s| format!(", median σ {s:.3} mm"));
-        format!("PointCloud({points}{triangles}{distances}{sigma})")
-    }
-}
-
-impl PointCloud {
-    /// Least and greatest distance from the camera, mm.
-    fn distances(&self) -> Option<[f64; 2]> {
-        let centre = &self.cloud.camera_centre;
-        let all = || self.cloud.points.iter().map(|p| (p.position - centre).norm()).filter(|d| d.is_finite());
-        Some([all().reduce(f64::min)?, all().reduce(f64::max)?])
-    }
-
-    /// Median of σ, mm; `None` where none is known.
-    fn median_sigma(&self) -> Option<f64> {
-        let known = |p: &CloudPoint| p.sigma_mm.is_finite() && p.sigma_mm > 0.0;
-        let mut sigma: Vec<f64> = self.cloud.points.iter().filter(|p| known(p)).map(|p| p.sigma_mm).collect();
-        median(&mut sigma)
-    }
-
-    /// What a notebook shows.
-    fn in_words(&self) -> Vec<(&'static str, String)> {
-        let mut words = vec![("points", self.cloud.points.len().to_string())];
-        if !self.cloud.triangles.is_empty() {
-            words.push(("triangles", self.cloud.triangles.len().to_string()));
-        }
-        if let Some([near, far]) = self.distances() {
-            words.push(("distance from the camera", format!("{near:.1} to {far:.1} mm")));
-        }
-        if let Some(sigma) = self.median_sigma() {
-            words.push(("median σ along the ray", format!("{sigma:.3} mm")));
-        }
-        words.push(("frame", self.frame().to_owned()));
-        words
     }
 }

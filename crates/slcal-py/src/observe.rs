@@ -6,12 +6,17 @@ use slcal_core::detect::{DetectConfig, observe as observe_one};
 use slcal_core::photo::PhotoView;
 use slcal_core::{ExternalObservations, Unstated};
 
-use super::{Observations, four_corners};
 use crate::convert::array::Numbers;
 use crate::convert::image::{Photo, Pixels, photos_of};
 use crate::convert::option;
 use crate::errors::{self, Looking, raised_from};
+use crate::observations::Observations;
 use crate::pattern::CheckerPattern;
+use crate::view_observation::four_corners;
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(observe, module)?)
+}
 
 /// Finds sheet and pattern in photographs of several poses: what `calibrate` does first.
 ///
@@ -51,7 +56,7 @@ use crate::pattern::CheckerPattern;
     signature = (photos, size_mm, pattern=None, *, screen=None, corners=None, gamma=None, names=None),
     text_signature = "(photos, size_mm, pattern=None, *, screen=None, corners=None, gamma='srgb', names=None)"
 )]
-pub(super) fn observe(
+fn observe(
     photos: &Bound<'_, PyAny>,
     size_mm: &Bound<'_, PyAny>,
     pattern: Option<&CheckerPattern>,

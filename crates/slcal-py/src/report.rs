@@ -3,17 +3,18 @@
 use image::{DynamicImage, RgbImage};
 use pyo3::prelude::*;
 use slcal_core::photo::PhotoView;
-use slcal_core::{Rig, external_residuals};
+use slcal_core::{Rig as CoreRig, external_residuals};
 
 use crate::cloud::PointCloud;
 use crate::convert::image::photos_of;
 use crate::errors::{self, Looking, Raise as _};
 use crate::files;
 use crate::observations::observations_of;
+use crate::rig::Rig;
 
 /// See `Rig.save_report`.
-pub(super) fn save(
-    rig: &Rig,
+fn save(
+    rig: &CoreRig,
     file: &Bound<'_, PyAny>,
     photos: Option<&Bound<'_, PyAny>>,
     observations: Option<&Bound<'_, PyAny>>,
@@ -37,7 +38,7 @@ pub(super) fn save(
 }
 
 /// One photograph per view, of the camera's size.
-fn pictures(rig: &Rig, photos: &Bound<'_, PyAny>) -> PyResult<Vec<DynamicImage>> {
+fn pictures(rig: &CoreRig, photos: &Bound<'_, PyAny>) -> PyResult<Vec<DynamicImage>> {
     let py = photos.py();
     let photos = photos_of(photos, "photos")?;
     let (views, model) = (rig.views.len(), &rig.camera.model);
@@ -64,4 +65,45 @@ fn picture(view: PhotoView<'_>) -> DynamicImage {
     let (width, height) = (view.width() as u32, view.height() as u32);
     let pixel = |x: u32, y: u32| image::Rgb(view.rgb_bytes(x as usize, y as usize));
     DynamicImage::ImageRgb8(RgbImage::from_fn(width, height, pixel))
+}
+
+#[pymethods]
+impl Rig {
+    /// Writes a page that shows the calibration: how good, why, what next. Any browser opens it, without a network.
+    ///
+    /// Parameters
+    /// ----------
+    /// file : path or file object
+    ///     A path, where the file appears when it is complete and replaces an older one, or an object with write().
+    /// photos : sequence of ndarray, or ndarray, optional
+    ///     The photographs that the rig was calibrated from, one for each of its views.
+    /// observations : Observations or mapping, optional
+    ///     What was measured in them (`slcal.observe`): sides, corners and residuals are drawn. A σ that is not stated is taken
+    ///     from the residuals themselves.
+    /// cloud : PointCloud, optional
+    ///     Points to show beside the devices.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     When photographs or observations are not those of the rig: another number of views, other sizes.
+    /// OSError
+    ///     When the file cannot be written.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import tempfile
+    /// >>> rig = slcal.Rig(slcal.Camera.from_fov((1280, 960), 45))
+    /// >>> with tempfile.TemporaryDirectory() as folder:
+    /// ...     rig.save_report(f"{folder}/report.html")
+    #[pyo3(signature = (file, *, photos=None, observations=None, cloud=None))]
+    fn save_report(
+        &self,
+        file: &Bound<'_, PyAny>,
+        photos: Option<&Bound<'_, PyAny>>,
+        observations: Option<&Bound<'_, PyAny>>,
+        cloud: Option<&PointCloud>,
+    ) -> PyResult<()> {
+        save(&self.rig, file, photos, observations, cloud)
+    }
 }

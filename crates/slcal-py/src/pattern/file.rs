@@ -1,0 +1,42 @@
+//! Pattern files, names of colours and axes, and drawn patterns as arrays.
+
+use pyo3::prelude::*;
+use slcal_core::format::{read_pattern, write_pattern};
+use slcal_core::pattern::{Axis, Pattern, SquareColor};
+
+use crate::convert::array::shaped;
+use crate::errors::{Looking, Raise as _, raised_from};
+use crate::files;
+
+pub(super) const COLORS: [(&str, SquareColor); 2] =
+    [("black", SquareColor::Black), ("white", SquareColor::White)];
+pub(super) const AXES: [(&str, Axis); 2] = [("columns", Axis::Columns), ("rows", Axis::Rows)];
+
+pub(super) fn named<T: PartialEq + Copy>(value: T, names: &[(&'static str, T)]) -> &'static str {
+    names.iter().find(|(_, v)| *v == value).map_or("", |(n, _)| n)
+}
+
+/// A drawn pattern as an array of (H, W, 3).
+pub(super) fn picture<'py>(
+    py: Python<'py>,
+    draw: impl Fn() -> slcal_core::Result<image::RgbImage> + Send + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    let drawn = py.detach(draw).raise(py, Looking::ForSheet)?;
+    let shape = [drawn.height() as usize, drawn.width() as usize, 3];
+    shaped(py, drawn.into_raw(), &shape)
+}
+
+pub(super) fn json(py: Python<'_>, pattern: &Pattern) -> PyResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    write_pattern(pattern, &mut bytes).raise(py, Looking::ForSheet)?;
+    Ok(bytes)
+}
+
+pub(super) fn parse(py: Python<'_>, bytes: &[u8], name: Option<&str>) -> PyResult<Pattern> {
+    read_pattern(bytes).map_err(|e| raised_from(py, &e, Looking::ForSheet, name))
+}
+
+pub(super) fn from_file(file: &Bound<'_, PyAny>) -> PyResult<Pattern> {
+    let contents = files::read(file)?;
+    parse(file.py(), &contents.bytes, contents.name.as_deref())
+}
