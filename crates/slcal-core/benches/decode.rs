@@ -9,7 +9,9 @@ use slcal_core::geometry::Plane;
 use slcal_core::pattern::{StripeConfig, StripePattern};
 use slcal_core::photo::PhotoView;
 use slcal_core::reconstruct::{ReconstructConfig, Reconstructor, TriangulateConfig, Triangulator};
-use slcal_core::simulate::{Photographer, PoseConfig, RenderConfig, RigConfig, Scene, Shape, Shown, Surface};
+use slcal_core::simulate::{
+    Photographer, PoseConfig, ProjectedImage, RenderConfig, RigConfig, Scene, Shape, Surface,
+};
 use slcal_core::{PointCloud, Rig};
 
 /// A ball before a wall, with the noise of a good camera: photographs with stripes, black and white.
@@ -25,10 +27,11 @@ fn photographs(camera: [u32; 2]) -> (Rig, StripePattern, [DynamicImage; 3]) {
     let stripes = StripePattern::new(config.projector, &StripeConfig::default()).expect("a pattern");
     let picture = stripes.image().expect("a picture");
     let mut frame = 0;
-    let photos = [Shown::Picture(&picture), Shown::Black, Shown::White].map(|shown| {
-        frame += 1;
-        photographer.photograph(shown, frame).expect("a photograph")
-    });
+    let photos =
+        [ProjectedImage::Picture(&picture), ProjectedImage::Black, ProjectedImage::White].map(|shown| {
+            frame += 1;
+            photographer.photograph(shown, frame).expect("a photograph")
+        });
     (rig, stripes, photos)
 }
 

@@ -148,7 +148,9 @@ mod tests {
     use super::*;
     use crate::pattern::CheckerConfig;
     use crate::rectify::rectify_checker_picture;
-    use crate::simulate::{Photographer, PoseConfig, RenderConfig, RigConfig, Scene, Shape, Shown, Surface};
+    use crate::simulate::{
+        Photographer, PoseConfig, ProjectedImage, RenderConfig, RigConfig, Scene, Shape, Surface,
+    };
 
     fn config() -> RigConfig {
         RigConfig { camera: [800, 600], camera_focal_px: 940.0, ..RigConfig::default() }
@@ -166,7 +168,7 @@ mod tests {
         };
         let surfaces = [Surface::object(sheet)];
         let photographer = Photographer::new(rig, &surfaces, &RenderConfig::default()).unwrap();
-        photographer.photograph(Shown::Picture(shown), 0).unwrap()
+        photographer.photograph(ProjectedImage::Picture(shown), 0).unwrap()
     }
 
     /// As large as falls on the tilted sheet.

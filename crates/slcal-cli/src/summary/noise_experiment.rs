@@ -1,8 +1,8 @@
 //! The synthetic experiment as tables.
 
 use slcal_core::simulate::{
-    ErrorStatistics, Held, LevelReport, MethodName, MethodReport, NoiseConfig, NoiseReport, PrincipalPoints,
-    Statistics,
+    Coverage, ErrorStatistics, LevelReport, MethodName, MethodReport, NoiseConfig, NoiseReport,
+    PrincipalPoints, Statistics,
 };
 
 use super::number::unsigned;
@@ -119,7 +119,7 @@ fn held(report: &NoiseReport) -> Table {
     for level in &report.levels {
         for (i, m) in level.methods.iter().enumerate() {
             let row = [level_cell(level, i), name(m).to_owned()];
-            table.row(row.into_iter().chain(shares(&m.held)));
+            table.row(row.into_iter().chain(shares(&m.coverage)));
         }
     }
     table
@@ -148,7 +148,7 @@ fn error(e: &ErrorStatistics, unit: f64, decimals: usize) -> String {
     }
 }
 
-fn shares(h: &Held) -> [String; 3] {
+fn shares(h: &Coverage) -> [String; 3] {
     let percent = |share: Option<f64>| share.map_or("-".to_owned(), |s| format!("{:.1}", 100.0 * s));
     [h.camera_focal, h.projector_focal, h.baseline].map(percent)
 }

@@ -1,7 +1,7 @@
 //! Whether the photograph shows this pattern: in colour, with its code and no other's.
 
-use super::labeling::Numbers;
-use super::tracks::Curves;
+use super::labeling::Labeling;
+use super::tracks::Tracks;
 use crate::error::{Error, Result};
 use crate::pattern::StripePattern;
 use crate::solve::median_f32;
@@ -18,9 +18,9 @@ const MIN_OVER_DECOY: f32 = 1.5;
 const MIN_FIT: f32 = 0.35;
 
 /// Refuses photographs without colour, such as a grey picture stored as RGB.
-pub(super) fn check_color(curves: &Curves, scratch: &mut Vec<f32>) -> Result<()> {
+pub(super) fn check_color(tracks: &Tracks, scratch: &mut Vec<f32>) -> Result<()> {
     scratch.clear();
-    scratch.extend(curves.paints.iter().map(|p| {
+    scratch.extend(tracks.colors.iter().map(|p| {
         let c = p.unit;
         let (low, high) = c.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &c| (l.min(c), h.max(c)));
         (high - low) / high.max(f32::MIN_POSITIVE)
@@ -30,7 +30,7 @@ pub(super) fn check_color(curves: &Curves, scratch: &mut Vec<f32>) -> Result<()>
             what: "stripes",
             seen: format!(
                 "{} of pixels across what could be stripes, too few to read colours from",
-                match curves.line_count() {
+                match tracks.line_count() {
                     1 => "1 line".to_owned(),
                     n => format!("{n} lines"),
                 }
@@ -44,7 +44,7 @@ pub(super) fn check_color(curves: &Curves, scratch: &mut Vec<f32>) -> Result<()>
             what: "coloured stripes",
             seen: format!(
                 "{} stripe crossings, half of them with a saturation below {:.0} %",
-                curves.crossings.len(),
+                tracks.crossings.len(),
                 100.0 * saturation
             ),
             advice:
@@ -58,13 +58,13 @@ pub(super) fn check_color(curves: &Curves, scratch: &mut Vec<f32>) -> Result<()>
 /// The pattern read forwards and backwards, and decoys of it: the same sequence with its hues exchanged in a circle, as
 /// good a code, but another one.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Candidates {
+pub(super) struct CodeCandidates {
     /// Forwards, backwards, then the decoys.
     codes: Vec<Vec<u8>>,
     scores: Vec<f32>,
 }
 
-impl Candidates {
+impl CodeCandidates {
     /// # Errors
     /// [`Error::Invalid`] for a palette of one colour.
     pub(super) fn new(pattern: &StripePattern) -> Result<Self> {
@@ -94,13 +94,13 @@ impl Candidates {
 
 /// Tries the pattern and its decoys on some lines: whether slits run against the image, and the score per crossing.
 pub(super) fn try_pattern(
-    numbers: &mut Numbers,
-    curves: &Curves,
-    candidates: &mut Candidates,
+    labeling: &mut Labeling,
+    tracks: &Tracks,
+    candidates: &mut CodeCandidates,
     period_per_width: f32,
 ) -> Result<(bool, f64)> {
-    let Candidates { codes, scores } = candidates;
-    let tried = numbers.score(curves, codes, period_per_width, LINES, scores);
+    let CodeCandidates { codes, scores } = candidates;
+    let tried = labeling.score(tracks, codes, period_per_width, LINES, scores);
     let score = |k: usize| scores.get(k).copied().unwrap_or(0.0);
     let (ahead, back) = (score(0), score(1));
     let best = ahead.max(back);

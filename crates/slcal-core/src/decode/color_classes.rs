@@ -25,11 +25,11 @@ const BRIGHTNESS_ROUNDS: usize = 6;
 const SAME_SURFACE_LN: f32 = 0.92;
 
 /// No hue.
-pub(super) const NO_HUE: u8 = u8::MAX;
+pub(super) const NO_CLASS: u8 = u8::MAX;
 
 /// The colour of a crossing, as far as hues are concerned.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Sample {
+pub(super) struct ColorSample {
     /// Direction in linear RGB; zero where there is none.
     pub(super) unit: Rgb,
     /// 1σ of the direction by noise, rad.
@@ -42,7 +42,7 @@ pub(super) struct Sample {
 /// Directions in linear RGB of the hues as this camera sees them: projector and camera primaries, crosstalk and white
 /// balance in one.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Hues {
+pub(super) struct ColorClasses {
     pub(super) directions: Vec<Rgb>,
     pub(super) spread_rad: f32,
     /// Light of each hue on the same surface, as a share of the average.
@@ -64,11 +64,11 @@ fn squared_angle(a: Rgb, b: Rgb) -> f32 {
     dot(d, d)
 }
 
-impl Hues {
+impl ColorClasses {
     /// The palette's own directions; when `balanced`, with the camera's colour balance matched to that of the samples: over
     /// all of them, the channels must have the shares that they have over the pattern. That goes wrong where a part of the
     /// pattern is seen in which one hue prevails.
-    pub(super) fn seed(&mut self, palette: &[Rgb], sequence: &[u8], samples: &[Sample], balanced: bool) {
+    pub(super) fn seed(&mut self, palette: &[Rgb], sequence: &[u8], samples: &[ColorSample], balanced: bool) {
         let grey = [1.0 / 3.0_f32.sqrt(); 3];
         self.directions.clear();
         self.directions.extend(palette.iter().map(|&c| unit(c).unwrap_or(grey)));
@@ -97,8 +97,8 @@ impl Hues {
     }
 
     /// Moves the directions to the means of the samples nearest to them, or of those that `labels` (one per sample,
-    /// [`NO_HUE`] for none) gives to them.
-    pub(super) fn learn(&mut self, samples: &[Sample], labels: Option<&[u8]>) {
+    /// [`NO_CLASS`] for none) gives to them.
+    pub(super) fn learn(&mut self, samples: &[ColorSample], labels: Option<&[u8]>) {
         for _ in 0..if labels.is_some() { 2 } else { ROUNDS } {
             self.sums.clear();
             self.sums.resize(self.directions.len(), Sums::default());
@@ -113,7 +113,7 @@ impl Hues {
                 }
                 // Redescending: what lies beyond three spreads does not move the mean.
                 let near = distance < 9.0 * (self.spread_rad * self.spread_rad + s.sigma * s.sigma);
-                self.assigned.push(if near { hue } else { NO_HUE });
+                self.assigned.push(if near { hue } else { NO_CLASS });
                 if near {
                     let sums = &mut self.sums[usize::from(hue)];
                     sums.weight += 1.0;
@@ -127,7 +127,7 @@ impl Hues {
 
     /// Compares neighbours: hues are spread unevenly over surfaces that are near and far, so that no average over the
     /// photograph would do.
-    fn learn_brightness(&mut self, samples: &[Sample]) {
+    fn learn_brightness(&mut self, samples: &[ColorSample]) {
         for b in &mut self.brightness {
             *b = b.ln();
         }
@@ -176,7 +176,7 @@ impl Hues {
 
     /// The hue nearest to a colour.
     pub(super) fn nearest(&self, unit: Rgb) -> u8 {
-        let mut best = (f32::INFINITY, NO_HUE);
+        let mut best = (f32::INFINITY, NO_CLASS);
         for (h, d) in self.directions.iter().enumerate() {
             let distance = squared_angle(unit, *d);
             if distance < best.0 {
@@ -188,10 +188,10 @@ impl Hues {
 
     /// Log-odds of each hue against chance, into `out` (one entry per hue): at most ln(hues), at least ln 0.03. Returns the
     /// nearest hue.
-    pub(super) fn log_odds(&self, s: &Sample, out: &mut [f32]) -> u8 {
+    pub(super) fn log_odds(&self, s: &ColorSample, out: &mut [f32]) -> u8 {
         let n = self.directions.len() as f32;
         let scale = -0.5 / (self.spread_rad * self.spread_rad + s.sigma * s.sigma);
-        let (mut sum, mut nearest) = (1e-9, (f32::INFINITY, NO_HUE));
+        let (mut sum, mut nearest) = (1e-9, (f32::INFINITY, NO_CLASS));
         for (h, (o, d)) in out.iter_mut().zip(&self.directions).enumerate() {
             let distance = squared_angle(s.unit, *d);
             if distance < nearest.0 {

@@ -1,8 +1,8 @@
 //! Whether the numbers of neighbouring stripes bear each other out: a wrong pattern may share windows with the right one.
 
-use super::labeling::{Numbers, Vote};
-use super::sequence_alignment::{BRIGHTER, NONE, Node, differ, relit};
-use super::tracks::Curves;
+use super::labeling::{Labeling, VotedLabel};
+use super::sequence_alignment::{BRIGHTER, CrossingFeatures, NONE, differ_by_factor, differ_in_light};
+use super::tracks::Tracks;
 use crate::error::{Error, Result};
 use crate::solve::median_f32;
 
@@ -31,14 +31,14 @@ const MIN_LINKS: usize = 50;
 /// this one are found all over, but they do not continue. Half the numbered crossings of the right one stand in runs as
 /// long as the code's window and [`BEYOND_WINDOW`] together.
 pub(super) fn check_runs(
-    curves: &Curves,
-    votes: &[Vote],
+    tracks: &Tracks,
+    votes: &[VotedLabel],
     window: usize,
     scratch: &mut Vec<f32>,
 ) -> Result<()> {
     scratch.clear();
-    for y in 0..curves.line_count() {
-        let line = &votes[curves.of(y)];
+    for y in 0..tracks.line_count() {
+        let line = &votes[tracks.of(y)];
         for run in line.chunk_by(|a, b| a.label != NONE && a.label + 1 == b.label) {
             if run[0].label != NONE {
                 scratch.extend(run.iter().map(|_| run.len() as f32));
@@ -51,7 +51,7 @@ pub(super) fn check_runs(
             what: "the pattern's code",
             seen: format!(
                 "{} stripe crossings; those that fit the code follow each other for {usual} slits, where {window} fit by chance",
-                curves.crossings.len()
+                tracks.crossings.len()
             ),
             advice: "check that the pattern file is the one that was projected".into(),
         });
@@ -104,10 +104,10 @@ impl Evidence {
 }
 
 /// Whether crossing `i` goes on with the regular run that starts at `from`.
-fn goes_on(nodes: &[Node], from: usize, i: usize) -> bool {
-    let (a, b) = (&nodes[i - 1], &nodes[i]);
-    let even = i < from + 2 || !differ(b.u - a.u, a.u - nodes[i - 2].u, EVEN);
-    even && !differ(a.width, b.width, ALIKE) && !relit(a, b, BRIGHTER)
+fn continues(features: &[CrossingFeatures], from: usize, i: usize) -> bool {
+    let (a, b) = (&features[i - 1], &features[i]);
+    let even = i < from + 2 || !differ_by_factor(b.u - a.u, a.u - features[i - 2].u, EVEN);
+    even && !differ_by_factor(a.width, b.width, ALIKE) && !differ_in_light(a, b, BRIGHTER)
 }
 
 /// Refuses numbers that contradict each other on one surface, and a code beyond whose end the stripes go on: a pattern may
@@ -115,19 +115,19 @@ fn goes_on(nodes: &[Node], from: usize, i: usize) -> bool {
 ///
 /// What stands in no regular run of more slits than the code's window is not asked: clutter, and whatever else a room holds.
 pub(super) fn check_neighbors(
-    numbers: &mut Numbers,
-    curves: &Curves,
+    labeling: &mut Labeling,
+    tracks: &Tracks,
     slits: usize,
     window: usize,
 ) -> Result<()> {
-    let (count, last) = (numbers.line_count(), slits.saturating_sub(1) as u16);
+    let (count, last) = (labeling.line_count(), slits.saturating_sub(1) as u16);
     let mut evidence = Evidence::default();
     for line in (0..count).step_by((count / EVIDENCE_LINES).max(1)) {
-        let (nodes, label) = numbers.numbered_line(curves, line);
+        let (features, label) = labeling.labeled_line(tracks, line);
         let before = evidence.links;
         let mut from = 0;
-        for i in 1..=nodes.len() {
-            if i < nodes.len() && goes_on(nodes, from, i) {
+        for i in 1..=features.len() {
+            if i < features.len() && continues(features, from, i) {
                 continue;
             }
             if i - from >= window + BEYOND_WINDOW {

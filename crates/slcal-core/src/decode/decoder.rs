@@ -2,23 +2,23 @@
 
 use nalgebra::Point2;
 
-use super::code_check::{Candidates, check_color, try_pattern};
-use super::config::{DecodeConfig, DecodeInput, Decoding, Rejected, ScanDirection};
+use super::code_check::{CodeCandidates, check_color, try_pattern};
+use super::config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Rejected, ScanDirection};
 use super::consistency::{check_neighbors, check_runs};
 use super::crosstalk::{check_hues, crosstalk};
-use super::labeling::{AlignedLines, Code, Numbers};
+use super::labeling::{AlignedLines, Code, Labeling};
 use super::noise::Noise;
-use super::scanlines::{self, Line, LineReader, Tables};
+use super::scanlines::{self, Scanline, ScanlineReader, Tables};
 use super::sequence_alignment::NONE;
-use super::slit_layout::Spacing;
-use super::stripe_centers::{self, Centre, SigmaWork};
-use super::stripe_edges::{self, Crossing, Paint, Scratch};
-use super::stripe_scale::{Look, LookScratch, look};
-use super::tracks::Curves;
+use super::slit_layout::SlitLayout;
+use super::stripe_centers::{self, SigmaWork, StripeCenter};
+use super::stripe_edges::{self, Scratch, StripeColor, StripeEdges};
+use super::stripe_scale::{ScaleScratch, StripeScale, measure_scale};
+use super::tracks::Tracks;
 use crate::error::{Error, Result};
 use crate::matches::Match;
 use crate::pattern::{Axis, StripePattern, unique_window};
-use crate::photo::Encoding;
+use crate::photo::{Encoding, PhotoView};
 use crate::solve::median_f32;
 
 /// Parts into which a photograph's lines are cut; each can be searched by a thread of its own.
@@ -31,12 +31,37 @@ const GOOD_FIT: f64 = 0.75;
 /// this share of what is seen the other way.
 const COVERED_SHARE: f64 = 0.4;
 
+/// Finds the stripes of a photograph and says which slit each is.
+///
+/// # Errors
+/// [`crate::Error::Invalid`] for a greyscale photograph, frames of different sizes or a configuration out of range;
+/// [`crate::Error::NotFound`] when there are no stripes, when they have no colour, or when their colours follow the
+/// pattern no better than chance would.
+pub fn decode(photo: PhotoView<'_>, pattern: &StripePattern, config: &DecodeConfig) -> Result<Decoding> {
+    decode_frames(&DecodeInput { photo, black: None, white: None }, pattern, config)
+}
+
+/// As [`decode`], with a photograph of the dark projector (ambient light is taken off) and one of the plain white
+/// projector (the surface's own colour is divided out), where there are any.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_frames(
+    input: &DecodeInput<'_>,
+    pattern: &StripePattern,
+    config: &DecodeConfig,
+) -> Result<Decoding> {
+    let mut decoder = Decoder::new(pattern, *config)?;
+    decoder.decode(input)?;
+    Ok(decoder.out)
+}
+
 /// Decodes one photograph after another with the same pattern; once it has seen a few it needs no more memory.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     pattern: StripePattern,
     config: DecodeConfig,
-    candidates: Candidates,
+    candidates: CodeCandidates,
     palette: Vec<[f32; 3]>,
     /// So many neighbouring hues occur once.
     window: usize,
@@ -44,12 +69,12 @@ pub struct Decoder {
     period_in_widths: f32,
     tables: Tables,
     noise: Noise,
-    look: LookScratch,
+    scale_scratch: ScaleScratch,
     bands: Vec<Band>,
-    curves: Curves,
-    numbers: Numbers,
-    centres: Vec<Centre>,
-    spacing: Spacing,
+    tracks: Tracks,
+    labeling: Labeling,
+    centers: Vec<StripeCenter>,
+    layout: SlitLayout,
     sigma_work: SigmaWork,
     scratch: Vec<f32>,
     slits_seen: Vec<bool>,
@@ -59,10 +84,10 @@ pub struct Decoder {
 /// Neighbouring lines and the stripes on them.
 #[derive(Debug, Clone, Default)]
 struct Band {
-    line: Line,
+    line: Scanline,
     scratch: Scratch,
-    crossings: Vec<Crossing>,
-    paints: Vec<Paint>,
+    crossings: Vec<StripeEdges>,
+    colors: Vec<StripeColor>,
     /// Crossings up to and including each line.
     ends: Vec<u32>,
     low_contrast: usize,
@@ -80,18 +105,18 @@ impl Decoder {
         Ok(Self {
             pattern: pattern.clone(),
             config,
-            candidates: Candidates::new(pattern)?,
+            candidates: CodeCandidates::new(pattern)?,
             palette: pattern.palette.iter().map(|c| c.map(light)).collect(),
             window: unique_window(&pattern.sequence),
             period_in_widths: (pattern.period_px() / pattern.width_px) as f32,
             tables: Tables::default(),
             noise: Noise::new(config.encoding),
-            look: LookScratch::default(),
+            scale_scratch: ScaleScratch::default(),
             bands: vec![Band::default(); BANDS],
-            curves: Curves::default(),
-            numbers: Numbers::default(),
-            centres: Vec::new(),
-            spacing: Spacing::default(),
+            tracks: Tracks::default(),
+            labeling: Labeling::default(),
+            centers: Vec::new(),
+            layout: SlitLayout::default(),
             sigma_work: SigmaWork::default(),
             scratch: Vec::new(),
             slits_seen: Vec::new(),
@@ -100,13 +125,8 @@ impl Decoder {
     }
 
     /// Changes the last report for another one, whose memory the next one will use.
-    pub(crate) fn swap_report(&mut self, with: &mut super::DecodeReport) {
+    pub(crate) fn swap_report(&mut self, with: &mut DecodeReport) {
         std::mem::swap(&mut self.out.report, with);
-    }
-
-    /// What the last call found, when it was successful, without a copy.
-    pub(super) fn into_last(self) -> Decoding {
-        self.out
     }
 
     /// Finds the stripes of a photograph and says which slit each is.
@@ -129,10 +149,11 @@ impl Decoder {
     }
 
     fn decode_either_way(&mut self, input: &DecodeInput<'_>, tables: &Tables) -> Result<()> {
-        let [rows, columns] =
-            [ScanDirection::Rows, ScanDirection::Columns].map(|scan| LineReader::new(input, tables, scan));
+        let [rows, columns] = [ScanDirection::Rows, ScanDirection::Columns]
+            .map(|scan| ScanlineReader::new(input, tables, scan));
         self.noise.measure(&rows);
-        let [a, b] = [&rows, &columns].map(|r| look(r, &self.noise, &mut self.look).map(|l| (*r, l)));
+        let [a, b] = [&rows, &columns]
+            .map(|r| measure_scale(r, &self.noise, &mut self.scale_scratch).map(|l| (*r, l)));
         // Slanted stripes are crossed either way: across them is where they are close together.
         let columns_first = match (&a, &b) {
             (Some((_, a)), Some((_, b))) => {
@@ -144,51 +165,51 @@ impl Decoder {
             _ => false,
         };
         let (first, second) = if columns_first { (b, a) } else { (a, b) };
-        let Some((reader, look)) = first else { return Err(no_stripes()) };
-        let Err(error) = self.decode_lines(&reader, &look) else { return Ok(()) };
+        let Some((reader, scale)) = first else { return Err(no_stripes()) };
+        let Err(error) = self.decode_lines(&reader, &scale) else { return Ok(()) };
         match second {
-            Some((reader, look)) => self.decode_lines(&reader, &look).map_err(|_| error),
+            Some((reader, scale)) => self.decode_lines(&reader, &scale).map_err(|_| error),
             None => Err(error),
         }
     }
 
-    fn decode_lines(&mut self, reader: &LineReader<'_>, look: &Look) -> Result<()> {
-        let aligned = AlignedLines::for_width(look.half_period_px);
-        let low_contrast = self.find(reader, look, aligned);
-        self.curves.link();
-        check_color(&self.curves, &mut self.scratch)?;
+    fn decode_lines(&mut self, reader: &ScanlineReader<'_>, scale: &StripeScale) -> Result<()> {
+        let aligned = AlignedLines::for_width(scale.half_period_px);
+        let low_contrast = self.find(reader, scale, aligned);
+        self.tracks.link();
+        check_color(&self.tracks, &mut self.scratch)?;
         self.scratch.clear();
-        self.scratch.extend(self.curves.crossings.iter().map(Crossing::width));
-        let width = median_f32(&mut self.scratch).unwrap_or(look.half_period_px);
+        self.scratch.extend(self.tracks.crossings.iter().map(StripeEdges::width));
+        let width = median_f32(&mut self.scratch).unwrap_or(scale.half_period_px);
 
         let ratio = self.period_in_widths;
-        self.numbers.choose(&mut self.curves, aligned, width);
-        let (reversed, fit) = self.recognise()?;
+        self.labeling.select(&mut self.tracks, aligned, width);
+        let (reversed, fit) = self.recognize()?;
         let slits = self.candidates.slits(reversed);
-        self.numbers.number(&self.curves, Code { slits, period_per_width: ratio });
+        self.labeling.label_all(&self.tracks, Code { slits, period_per_width: ratio });
 
         let slits = slits.len();
-        check_runs(&self.curves, &self.numbers.votes, self.window, &mut self.scratch)?;
-        check_neighbors(&mut self.numbers, &self.curves, slits, self.window)?;
-        check_hues(&self.palette, &self.numbers.hues.directions)?;
+        check_runs(&self.tracks, &self.labeling.votes, self.window, &mut self.scratch)?;
+        check_neighbors(&mut self.labeling, &self.tracks, slits, self.window)?;
+        check_hues(&self.palette, &self.labeling.classes.directions)?;
 
         let nominal = (0.5 * self.pattern.width_px) as f32;
         let gaps = self.pattern.centres_px.windows(2).map(|w| (w[1] - w[0]) as f32);
         if reversed {
-            self.spacing.set(gaps.rev(), nominal);
+            self.layout.set(gaps.rev(), nominal);
         } else {
-            self.spacing.set(gaps, nominal);
+            self.layout.set(gaps, nominal);
         }
-        let votes = &self.numbers.votes;
+        let votes = &self.labeling.votes;
         let half_px =
-            stripe_centers::measure_half_width(&self.curves, votes, &self.spacing, &mut self.scratch);
-        self.spacing.set_half_width(half_px);
-        stripe_centers::locate(&self.curves, votes, &self.spacing, &mut self.scratch, &mut self.centres);
+            stripe_centers::measure_half_width(&self.tracks, votes, &self.layout, &mut self.scratch);
+        self.layout.set_half_width(half_px);
+        stripe_centers::locate(&self.tracks, votes, &self.layout, &mut self.scratch, &mut self.centers);
         let reach = (SIGMA_WIDTHS * width).ceil() as usize;
-        stripe_centers::measure_sigma(&self.curves, votes, reach, &mut self.sigma_work, &mut self.centres);
+        stripe_centers::measure_sigma(&self.tracks, votes, reach, &mut self.sigma_work, &mut self.centers);
 
-        let n = self.curves.crossings.len();
-        let hues = &self.numbers.hues;
+        let n = self.tracks.crossings.len();
+        let hues = &self.labeling.classes;
         let report = &mut self.out.report;
         report.crossings = n + low_contrast;
         report.rejected = Rejected { low_contrast, ..Rejected::default() };
@@ -200,8 +221,8 @@ impl Decoder {
         report.hues_seen.extend(hues.directions.iter().map(|d| d.map(f64::from)));
         report.crosstalk = crosstalk(&self.palette, &hues.directions, &hues.brightness);
         report.hue_spread_rad = f64::from(hues.spread_rad);
-        let saturated = self.curves.paints.iter().filter(|p| p.saturated).count();
-        report.saturated = saturated as f64 / self.curves.paints.len().max(1) as f64;
+        let saturated = self.tracks.colors.iter().filter(|p| p.saturated).count();
+        report.saturated = saturated as f64 / self.tracks.colors.len().max(1) as f64;
         report.code_fit = fit;
         report.reversed = reversed;
         report.turned = (reader.scan == ScanDirection::Rows) != (self.pattern.axis == Axis::Columns);
@@ -210,38 +231,38 @@ impl Decoder {
 
     /// Learns the hues and tries the pattern with them: balanced against the pattern's, which suits most photographs, and
     /// when that does not fit well also as drawn.
-    fn recognise(&mut self) -> Result<(bool, f64)> {
-        let balanced = self.try_hues(true);
+    fn recognize(&mut self) -> Result<(bool, f64)> {
+        let balanced = self.try_classes(true);
         let perfect = (self.palette.len() as f64).ln() + 1.0;
         if balanced.as_ref().is_ok_and(|found| found.1 > GOOD_FIT * perfect) {
             return balanced;
         }
-        let drawn = self.try_hues(false);
+        let drawn = self.try_classes(false);
         match (&balanced, &drawn) {
             (Ok(a), Ok(b)) if a.1 <= b.1 => drawn,
             (Err(_), Ok(_)) => drawn,
             // Once more: the other try has moved the hues.
-            (Ok(_), _) => self.try_hues(true),
+            (Ok(_), _) => self.try_classes(true),
             (Err(_), Err(_)) => balanced,
         }
     }
 
-    fn try_hues(&mut self, balanced: bool) -> Result<(bool, f64)> {
-        self.numbers.learn_hues(&self.palette, &self.pattern.sequence, balanced);
-        try_pattern(&mut self.numbers, &self.curves, &mut self.candidates, self.period_in_widths)
+    fn try_classes(&mut self, balanced: bool) -> Result<(bool, f64)> {
+        self.labeling.learn_classes(&self.palette, &self.pattern.sequence, balanced);
+        try_pattern(&mut self.labeling, &self.tracks, &mut self.candidates, self.period_in_widths)
     }
 
     /// All stripes of all lines; returns how many bright bands were none.
-    fn find(&mut self, reader: &LineReader<'_>, look: &Look, aligned: AlignedLines) -> usize {
+    fn find(&mut self, reader: &ScanlineReader<'_>, scale: &StripeScale, aligned: AlignedLines) -> usize {
         let count = reader.count();
         let noise = &self.noise;
         let search = |(b, band): (usize, &mut Band)| {
             band.crossings.clear();
-            band.paints.clear();
+            band.colors.clear();
             band.ends.clear();
             band.low_contrast = 0;
             for y in b * count / BANDS..(b + 1) * count / BANDS {
-                let Band { line, scratch, crossings, paints, .. } = band;
+                let Band { line, scratch, crossings, colors, .. } = band;
                 let colored = aligned.contain(y);
                 if colored {
                     reader.read(y, line);
@@ -249,35 +270,35 @@ impl Decoder {
                     reader.read_total(y, line);
                 }
                 let light_at = |x: usize| reader.light(y, x, line);
-                let paints = colored.then_some(paints);
+                let colors = colored.then_some(colors);
                 band.low_contrast +=
-                    stripe_edges::find(line, look.scale, noise, scratch, light_at, crossings, paints);
+                    stripe_edges::find(line, scale.radii, noise, scratch, light_at, crossings, colors);
                 band.ends.push(band.crossings.len() as u32);
             }
         };
         each_band(&mut self.bands, self.config.parallel, search);
-        self.curves.clear();
+        self.tracks.clear();
         for band in &self.bands {
-            let before = self.curves.crossings.len() as u32;
-            self.curves.crossings.extend_from_slice(&band.crossings);
-            self.curves.paints.extend_from_slice(&band.paints);
-            self.curves.lines.extend(band.ends.iter().map(|e| before + e));
+            let before = self.tracks.crossings.len() as u32;
+            self.tracks.crossings.extend_from_slice(&band.crossings);
+            self.tracks.colors.extend_from_slice(&band.colors);
+            self.tracks.lines.extend(band.ends.iter().map(|e| before + e));
         }
         self.bands.iter().map(|b| b.low_contrast).sum()
     }
 
-    fn collect(&mut self, reader: &LineReader<'_>) -> Result<()> {
-        let (curves, votes, centres) = (&self.curves, &self.numbers.votes, &self.centres);
+    fn collect(&mut self, reader: &ScanlineReader<'_>) -> Result<()> {
+        let (tracks, votes, centers) = (&self.tracks, &self.labeling.votes, &self.centers);
         let report = &mut self.out.report;
         let matches = &mut self.out.matches.items;
         matches.clear();
         let n = self.pattern.sequence.len();
         self.slits_seen.clear();
         self.slits_seen.resize(n, false);
-        for y in 0..curves.line_count() {
-            let line = curves.of(y);
+        for y in 0..tracks.line_count() {
+            let line = tracks.of(y);
             for i in line.clone() {
-                let (vote, centre) = (votes[i], centres[i]);
+                let (vote, center) = (votes[i], centers[i]);
                 if vote.label == NONE {
                     report.rejected.ambiguous += 1;
                     continue;
@@ -287,7 +308,7 @@ impl Decoder {
                     report.rejected.duplicate += 1;
                     continue;
                 }
-                if centre.cut || !centre.u.is_finite() {
+                if center.truncated || !center.u.is_finite() {
                     report.rejected.truncated += 1;
                     continue;
                 }
@@ -299,7 +320,7 @@ impl Decoder {
                 let label = usize::from(vote.label);
                 let slit = if report.reversed { n - 1 - label } else { label };
                 self.slits_seen[slit] = true;
-                let (along, across) = (y as f64, f64::from(centre.u));
+                let (along, across) = (y as f64, f64::from(center.u));
                 let at = ((across + 0.5).max(0.0) as usize).min(reader.length() - 1);
                 let columns = self.pattern.axis == Axis::Columns;
                 let px = self.pattern.centres_px[slit];
@@ -312,7 +333,7 @@ impl Decoder {
                     projector_row: (!columns).then_some(px),
                     slit: Some(slit as u16),
                     confidence,
-                    sigma_px: f64::from(centre.sigma).max(1e-3),
+                    sigma_px: f64::from(center.sigma).max(1e-3),
                     color: reader.color(y, at, self.config.encoding),
                 });
             }
@@ -324,7 +345,7 @@ impl Decoder {
                 what: "the pattern's code",
                 seen: format!(
                     "{} stripe crossings; no stripe got a number that its neighbours confirm",
-                    curves.crossings.len()
+                    tracks.crossings.len()
                 ),
                 advice: "check that the pattern file is the one that was projected".into(),
             });

@@ -29,33 +29,4 @@ mod tests;
 mod tracks;
 
 pub use config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Rejected, ScanDirection};
-pub use decoder::Decoder;
-
-use crate::error::Result;
-use crate::pattern::StripePattern;
-use crate::photo::PhotoView;
-
-/// Finds the stripes of a photograph and says which slit each is.
-///
-/// # Errors
-/// [`crate::Error::Invalid`] for a greyscale photograph, frames of different sizes or a configuration out of range;
-/// [`crate::Error::NotFound`] when there are no stripes, when they have no colour, or when their colours follow the
-/// pattern no better than chance would.
-pub fn decode(photo: PhotoView<'_>, pattern: &StripePattern, config: &DecodeConfig) -> Result<Decoding> {
-    decode_frames(&DecodeInput { photo, black: None, white: None }, pattern, config)
-}
-
-/// As [`decode`], with a photograph of the dark projector (ambient light is taken off) and one of the plain white
-/// projector (the surface's own colour is divided out), where there are any.
-///
-/// # Errors
-/// As [`decode`].
-pub fn decode_frames(
-    input: &DecodeInput<'_>,
-    pattern: &StripePattern,
-    config: &DecodeConfig,
-) -> Result<Decoding> {
-    let mut decoder = Decoder::new(pattern, *config)?;
-    decoder.decode(input)?;
-    Ok(decoder.into_last())
-}
+pub use decoder::{Decoder, decode, decode_frames};

@@ -1,7 +1,7 @@
 //! How much a pixel's light differs from its neighbours' by chance.
 
 use super::rgb::{minus, plus, scaled};
-use super::scanlines::LineReader;
+use super::scanlines::ScanlineReader;
 use crate::photo::Encoding;
 
 /// Lines looked at, and samples taken from all of them; plenty for a quartile.
@@ -41,7 +41,7 @@ impl Noise {
     }
 
     /// Measures a photograph.
-    pub(super) fn measure(&mut self, reader: &LineReader<'_>) {
+    pub(super) fn measure(&mut self, reader: &ScanlineReader<'_>) {
         self.samples.clear();
         let lines = LINES.min(reader.count());
         let stride = (3 * lines * reader.length() / SAMPLES).max(1);

@@ -19,13 +19,13 @@ const SUMMED_REACH: usize = 3;
 
 /// A maximum between two minima, as indices of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Hill {
+pub(super) struct Peak {
     pub(super) before: u32,
     pub(super) top: u32,
     pub(super) after: u32,
 }
 
-impl Hill {
+impl Peak {
     /// Height above the higher of the two valleys.
     fn height(self, light: &[f32]) -> f32 {
         light[self.top as usize] - light[self.before as usize].max(light[self.after as usize])
@@ -33,7 +33,7 @@ impl Hill {
 
     /// The hill on the light itself, when it was found on the running mean over `reach` pixels to either side: extremes are
     /// at most that far away.
-    pub(super) fn settled(self, light: &[f32], reach: usize) -> Self {
+    pub(super) fn refined(self, light: &[f32], reach: usize) -> Self {
         let extreme = |x: u32, sign: f32| {
             let from = (x as usize).saturating_sub(reach);
             let (mut best, mut most) = (from, f32::NEG_INFINITY);
@@ -58,9 +58,9 @@ pub(super) fn find(
     noise: &Noise,
     noise_share: f32,
     turns: &mut Vec<u8>,
-    hills: &mut Vec<Hill>,
+    peaks: &mut Vec<Peak>,
 ) {
-    hills.clear();
+    peaks.clear();
     let Some(&first) = light.first() else { return };
     let sigmas = SIGMAS * noise_share;
     let (mut low, mut low_at) = (first, 0);
@@ -74,22 +74,22 @@ pub(super) fn find(
             if v > high {
                 (high, high_at, threshold) = (v, x, None);
             } else if v < *threshold.get_or_insert_with(|| fall(low, high, noise, sigmas)) {
-                hills.push(Hill { before: low_at as u32, top: high_at as u32, after: x as u32 });
+                peaks.push(Peak { before: low_at as u32, top: high_at as u32, after: x as u32 });
                 (low, low_at, rising, threshold) = (v, x, false, None);
             }
         } else if v < low {
             (low, low_at, threshold) = (v, x, None);
         } else if v > *threshold.get_or_insert_with(|| rise(low, noise, sigmas)) {
-            if let Some(hill) = hills.last_mut() {
-                hill.after = low_at as u32;
+            if let Some(peak) = peaks.last_mut() {
+                peak.after = low_at as u32;
             }
             (high, high_at, rising, threshold) = (v, x, true, None);
         }
     });
-    if !rising && let Some(hill) = hills.last_mut() {
-        hill.after = low_at as u32;
+    if !rising && let Some(peak) = peaks.last_mut() {
+        peak.after = low_at as u32;
     }
-    merge(light, hills);
+    merge(light, peaks);
 }
 
 /// Calls `visit` with every pixel at which the light begins or ceases to rise, in order: extremes are among them.
@@ -138,34 +138,34 @@ fn fall(low: f32, high: f32, noise: &Noise, sigmas: f32) -> f32 {
 }
 
 /// Takes out wiggles, and joins hills with a dent between them.
-fn merge(light: &[f32], hills: &mut Vec<Hill>) {
+fn merge(light: &[f32], peaks: &mut Vec<Peak>) {
     let at = |x: u32| light[x as usize];
     let mut kept = 0;
-    for i in 0..hills.len() {
-        let hill = hills[i];
-        let next = hills.get(i + 1).map_or(f32::INFINITY, |h| h.height(light));
-        let previous = if kept > 0 { hills[kept - 1].height(light) } else { f32::INFINITY };
-        let wiggle = kept > 0 && i + 1 < hills.len() && hill.height(light) < WIGGLE * previous.min(next);
+    for i in 0..peaks.len() {
+        let peak = peaks[i];
+        let next = peaks.get(i + 1).map_or(f32::INFINITY, |h| h.height(light));
+        let previous = if kept > 0 { peaks[kept - 1].height(light) } else { f32::INFINITY };
+        let wiggle = kept > 0 && i + 1 < peaks.len() && peak.height(light) < WIGGLE * previous.min(next);
         if wiggle {
-            let lower = if at(hill.after) < at(hill.before) { hill.after } else { hill.before };
-            hills[kept - 1].after = lower;
-            hills[i + 1].before = lower;
+            let lower = if at(peak.after) < at(peak.before) { peak.after } else { peak.before };
+            peaks[kept - 1].after = lower;
+            peaks[i + 1].before = lower;
             continue;
         }
         if kept > 0 {
-            let last = hills[kept - 1];
-            let floor = at(last.before).min(at(hill.after));
-            let lower_top = at(last.top).min(at(hill.top));
-            if at(hill.before) - floor > DENT * (lower_top - floor) {
-                let top = if at(hill.top) > at(last.top) { hill.top } else { last.top };
-                hills[kept - 1] = Hill { before: last.before, top, after: hill.after };
+            let last = peaks[kept - 1];
+            let floor = at(last.before).min(at(peak.after));
+            let lower_top = at(last.top).min(at(peak.top));
+            if at(peak.before) - floor > DENT * (lower_top - floor) {
+                let top = if at(peak.top) > at(last.top) { peak.top } else { last.top };
+                peaks[kept - 1] = Peak { before: last.before, top, after: peak.after };
                 continue;
             }
         }
-        hills[kept] = hill;
+        peaks[kept] = peak;
         kept += 1;
     }
-    hills.truncate(kept);
+    peaks.truncate(kept);
 }
 
 /// The running mean over `reach` pixels to either side, narrower at the ends, into `out`.
@@ -206,7 +206,7 @@ mod tests {
     use super::*;
     use crate::photo::Encoding;
 
-    fn hills(light: &[f32]) -> Vec<(u32, u32, u32)> {
+    fn peaks(light: &[f32]) -> Vec<(u32, u32, u32)> {
         let mut noise = Noise::new(Encoding::Linear);
         noise.set(1e-3);
         let mut out = Vec::new();
@@ -221,17 +221,17 @@ mod tests {
         light.extend([0.05; 2]);
         light.extend([0.2; 40]);
         light.extend([0.05; 3]);
-        assert_eq!(hills(&light), [(0, 4, 8), (8, 9, 51)]);
+        assert_eq!(peaks(&light), [(0, 4, 8), (8, 9, 51)]);
     }
 
     #[test]
     fn dents_wiggles_and_level_light_are_no_stripes() {
-        assert!(hills(&[0.5; 50]).is_empty());
-        assert!(hills(&[]).is_empty());
+        assert!(peaks(&[0.5; 50]).is_empty());
+        assert!(peaks(&[]).is_empty());
         // A step up, or down, is no stripe.
-        assert!(hills(&[0.1, 0.1, 0.9, 0.9]).is_empty());
-        assert_eq!(hills(&[0.0, 0.8, 0.9, 0.75, 0.9, 0.8, 0.0]).len(), 1);
-        assert_eq!(hills(&[0.0, 1.0, 0.1, 0.15, 0.08, 1.0, 0.0]), [(0, 1, 4), (4, 5, 6)]);
+        assert!(peaks(&[0.1, 0.1, 0.9, 0.9]).is_empty());
+        assert_eq!(peaks(&[0.0, 0.8, 0.9, 0.75, 0.9, 0.8, 0.0]).len(), 1);
+        assert_eq!(peaks(&[0.0, 1.0, 0.1, 0.15, 0.08, 1.0, 0.0]), [(0, 1, 4), (4, 5, 6)]);
     }
 
     #[test]

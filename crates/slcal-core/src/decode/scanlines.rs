@@ -9,7 +9,7 @@ const MIN_WHITE: f32 = 1e-2;
 
 /// One line: the light of each pixel, its sum over the channels, and room for the companions' lines.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Line {
+pub(super) struct Scanline {
     pub(super) rgb: Vec<[f32; 3]>,
     /// The scalar in which stripes of all hues stand out.
     pub(super) total: Vec<f32>,
@@ -22,7 +22,7 @@ pub(super) struct Line {
 /// Light above this share of the full one is clipped.
 const CLIPPED: f32 = 0.98;
 
-impl Line {
+impl Scanline {
     /// Whether the photograph clips a pixel in some channel.
     pub(super) fn is_clipped(&self, at: usize) -> bool {
         let known = self.clipped.get(at).copied();
@@ -58,7 +58,7 @@ impl Tables {
 
 /// Reads lines of a photograph and its dark and lit companions.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LineReader<'a> {
+pub(super) struct ScanlineReader<'a> {
     frames: &'a DecodeInput<'a>,
     tables: &'a Tables,
     pub(super) scan: ScanDirection,
@@ -88,7 +88,7 @@ pub(super) fn check(frames: &DecodeInput<'_>) -> Result<()> {
     Ok(())
 }
 
-impl<'a> LineReader<'a> {
+impl<'a> ScanlineReader<'a> {
     pub(super) fn new(frames: &'a DecodeInput<'a>, tables: &'a Tables, scan: ScanDirection) -> Self {
         Self { frames, tables, scan }
     }
@@ -121,7 +121,7 @@ impl<'a> LineReader<'a> {
 
     /// The projector's light on a line, all channels together: what [`LineReader::read`] gives, but where it is quicker
     /// without the colours.
-    pub(super) fn read_total(&self, line: usize, out: &mut Line) {
+    pub(super) fn read_total(&self, line: usize, out: &mut Scanline) {
         let photo = &self.frames.photo;
         match (self.scan, self.tables.of(photo)) {
             (ScanDirection::Rows, Some(table)) if !self.has_companion() => {
@@ -134,7 +134,7 @@ impl<'a> LineReader<'a> {
     }
 
     /// The projector's light on a pixel of the row or column `y` that was read into `line`, with or without its colours.
-    pub(super) fn light(&self, y: usize, at: usize, line: &Line) -> [f32; 3] {
+    pub(super) fn light(&self, y: usize, at: usize, line: &Scanline) -> [f32; 3] {
         let photo = &self.frames.photo;
         match (line.rgb.get(at), self.tables.of(photo)) {
             (Some(light), _) => *light,
@@ -146,7 +146,7 @@ impl<'a> LineReader<'a> {
 
     /// The projector's light on a line: the black frame taken off and the white frame's colour divided out, where they
     /// were given.
-    pub(super) fn read(&self, line: usize, out: &mut Line) {
+    pub(super) fn read(&self, line: usize, out: &mut Scanline) {
         self.load(&self.frames.photo, line, &mut out.rgb);
         out.clipped.clear();
         if self.has_companion() {

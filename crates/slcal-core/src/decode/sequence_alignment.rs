@@ -10,18 +10,18 @@
 const MATCH_GAIN: f32 = 1.0;
 /// Starting a run of slits anywhere: as many nats as there are places to start (about 60), and some for the surfaces
 /// that end. Two crossings alone do not pay for it, three neighbours with the right colours (the window of three) do.
-const JUMP: f32 = 6.0;
+const JUMP_COST: f32 = 6.0;
 /// The same, when the run starts at an earlier slit than the last one ended with: a near surface has hidden a part and
 /// moved another.
-const JUMP_BACK: f32 = 8.0;
+const JUMP_BACK_COST: f32 = 8.0;
 /// One slit that was not seen.
-const MISSED_SLIT: f32 = 2.5;
+const MISSING_SLIT: f32 = 2.5;
 /// One crossing between two slits that is none.
-const EXTRA: f32 = 1.0;
+const EXTRA_CROSSING: f32 = 1.0;
 /// Going on with the next slit where the surface seems to have changed: the crossings are more than `FAR` times as far
 /// apart as their widths suggest, or one sends more than `BRIGHTER` times as much light as the other; more than twice as
 /// much says so twice.
-const BREAK: f32 = 2.5;
+const BREAK_COST: f32 = 2.5;
 const FAR: f32 = 1.7;
 pub(super) const BRIGHTER: f32 = 2.0;
 /// A gap of one slit is this many periods wide, to one more.
@@ -43,7 +43,7 @@ const PAD: usize = 2;
 
 /// What alignment looks at in a crossing.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Node {
+pub(super) struct CrossingFeatures {
     /// Position along the line, px.
     pub(super) u: f32,
     /// Width, px.
@@ -51,7 +51,7 @@ pub(super) struct Node {
     /// Light, over what is usual for its hue.
     pub(super) light: f32,
     /// Slit that earlier rounds have found, or [`NONE`], and the share of the votes along its curve.
-    pub(super) hint: (u16, f32),
+    pub(super) prior: (u16, f32),
 }
 
 /// Aligns lines with the pattern; keeps its tables.
@@ -62,10 +62,10 @@ pub(super) struct Aligner {
     score: Vec<f32>,
     gain: Vec<f32>,
     /// Log-odds of a crossing's hues; as many as there are values of the index, so that none needs a check.
-    odds: HueOdds,
+    odds: ClassOdds,
     /// The best score among the crossings before, at a slit before each, and at any.
     best: Vec<f32>,
-    steps: Vec<Steps>,
+    steps: Vec<RowCosts>,
     /// The best score up to each row.
     tops: Vec<f32>,
     path: Vec<(u32, u16)>,
@@ -78,22 +78,28 @@ impl Aligner {
         &mut self,
         slits: &[u8],
         period_per_width: f32,
-        nodes: &[Node],
+        features: &[CrossingFeatures],
         odds: &[f32],
         lenient: bool,
         labels: &mut [u16],
     ) -> f32 {
-        let top = self.fill(slits, period_per_width, nodes, odds);
+        let top = self.fill(slits, period_per_width, features, odds);
         labels.fill(NONE);
         if top > 0.0 {
-            self.trace(top, slits, nodes, odds);
-            self.keep_runs(slits, period_per_width, nodes, odds, lenient, labels);
+            self.trace(top, slits, features, odds);
+            self.keep_runs(slits, period_per_width, features, odds, lenient, labels);
         }
         top
     }
 
-    fn fill(&mut self, slits: &[u8], period_per_width: f32, nodes: &[Node], odds: &[f32]) -> f32 {
-        let (n, k) = (nodes.len(), slits.len());
+    fn fill(
+        &mut self,
+        slits: &[u8],
+        period_per_width: f32,
+        features: &[CrossingFeatures],
+        odds: &[f32],
+    ) -> f32 {
+        let (n, k) = (features.len(), slits.len());
         let hues = odds.len() / n.max(1);
         let row = k + PAD;
         // What is left from another line is written over row by row.
@@ -107,27 +113,31 @@ impl Aligner {
         self.tops.clear();
         let mut top = 0.0_f32;
         for i in 0..n {
-            let one = step(nodes, i, 1, period_per_width);
-            let extra = EXTRA + step(nodes, i, 2, period_per_width).next;
+            let one = step(features, i, 1, period_per_width);
+            let extra = EXTRA_CROSSING + step(features, i, 2, period_per_width).next;
             for (own, o) in self.odds.0.iter_mut().zip(&odds[i * hues..(i + 1) * hues]) {
                 *own = MATCH_GAIN + o;
             }
             for (g, &s) in self.gain.iter_mut().zip(slits) {
                 *g = self.odds.0[usize::from(s)];
             }
-            let (hinted, weight) = nodes[i].hint;
+            let (hinted, weight) = features[i].prior;
             if let Some(g) = self.gain.get_mut(usize::from(hinted)) {
                 *g += VOTE_GAIN * weight;
             }
             // Rows i and i + 1 of the table belong to the crossings before.
             let (before, current) = self.score.split_at_mut((i + 2) * row);
             let (second, last) = (&before[i * row..(i + 1) * row], &before[(i + 1) * row..]);
-            let steps =
-                Steps { back: top - JUMP_BACK, next: one.next, missed: MISSED_SLIT + one.missed, extra };
+            let steps = RowCosts {
+                back: top - JUMP_BACK_COST,
+                next: one.next,
+                missed: MISSING_SLIT + one.missed,
+                extra,
+            };
             let (pad, current) = current[..row].split_at_mut(PAD);
             pad.fill(f32::NEG_INFINITY);
-            advance(&steps, (last, second), &self.best, &self.gain, current);
-            raise(&mut self.best, current);
+            fill_row(&steps, (last, second), &self.best, &self.gain, current);
+            raise_best(&mut self.best, current);
             self.steps.push(steps);
             top = self.best[k];
             self.tops.push(top);
@@ -137,17 +147,17 @@ impl Aligner {
 
     /// Follows the best path back from the end, whose score is `top`. How it came to a cell is not noted down for all of
     /// them but found again for the few on the path.
-    fn trace(&mut self, top: f32, slits: &[u8], nodes: &[Node], odds: &[f32]) {
+    fn trace(&mut self, top: f32, slits: &[u8], features: &[CrossingFeatures], odds: &[f32]) {
         let k = slits.len();
-        let (row, hues) = (k + PAD, odds.len() / nodes.len().max(1));
+        let (row, hues) = (k + PAD, odds.len() / features.len().max(1));
         self.path.clear();
-        let mut at = self.best_cell(nodes.len(), k).filter(|c| c.0 >= top);
+        let mut at = self.best_cell(features.len(), k).filter(|c| c.0 >= top);
         while let Some((_, i, j)) = at {
             self.path.push((i as u32, j as u16));
-            let (hinted, weight) = nodes[i].hint;
+            let (hinted, weight) = features[i].prior;
             let vote = if usize::from(hinted) == j { VOTE_GAIN * weight } else { 0.0 };
             let gain = MATCH_GAIN + odds[i * hues + usize::from(slits[j])] + vote;
-            let Steps { back, next, missed, extra } = self.steps[i];
+            let RowCosts { back, next, missed, extra } = self.steps[i];
             let (last, second) = (&self.score[(i + 1) * row + j..], &self.score[i * row + j..]);
             let ways = [(last[1] - next, 1, 1), (last[0] - missed, 1, 2), (second[1] - extra, 2, 1)];
             let (best, rows, columns) = ways.into_iter().fold(ways[0], |a, b| if b.0 > a.0 { b } else { a });
@@ -156,7 +166,7 @@ impl Aligner {
             } else {
                 let ahead = self.best_cell(i, j);
                 let score = ahead.map_or(0.0, |c| c.0.max(0.0));
-                let is_back = back > score - JUMP;
+                let is_back = back > score - JUMP_COST;
                 if is_back { self.best_cell(i, k) } else { ahead }.filter(|c| c.0 > 0.0)
             };
         }
@@ -188,12 +198,12 @@ impl Aligner {
         &self,
         slits: &[u8],
         period_per_width: f32,
-        nodes: &[Node],
+        features: &[CrossingFeatures],
         odds: &[f32],
         lenient: bool,
         labels: &mut [u16],
     ) {
-        let hues = odds.len() / nodes.len().max(1);
+        let hues = odds.len() / features.len().max(1);
         let perfect = (hues as f32).ln();
         let fits = |part: &[(u32, u16)], share: f32| {
             let odds = |&(i, j): &(u32, u16)| odds[i as usize * hues + usize::from(slits[usize::from(j)])];
@@ -203,17 +213,21 @@ impl Aligner {
         let link = |pair: &[(u32, u16)]| {
             let [(i_next, j_next), (i, j)] = [pair[0], pair[1]];
             let follows = i + 1 == i_next && j + 1 == j_next;
-            if follows { step(nodes, i_next as usize, 1, period_per_width).surface } else { Surface::Other }
+            if follows {
+                step(features, i_next as usize, 1, period_per_width).continuity
+            } else {
+                Continuity::Broken
+            }
         };
-        for run in split(&self.path, |pair| link(pair) != Surface::Other) {
+        for run in split(&self.path, |pair| link(pair) != Continuity::Broken) {
             let long = run.len() >= MIN_RUN && fits(run, MIN_RUN_ODDS);
-            for part in split(run, |pair| link(pair) == Surface::Same) {
+            for part in split(run, |pair| link(pair) == Continuity::Continuous) {
                 let rest = part.len() < MIN_RUN;
                 let accepted =
                     long && (lenient || !rest) && fits(part, if rest { MIN_REST_ODDS } else { MIN_RUN_ODDS });
                 for &(i, j) in part {
-                    let hint = nodes[i as usize].hint;
-                    if accepted || (lenient && hint.0 == j && hint.1 > 0.5) {
+                    let prior = features[i as usize].prior;
+                    if accepted || (lenient && prior.0 == j && prior.1 > 0.5) {
                         labels[i as usize] = j;
                     }
                 }
@@ -231,9 +245,9 @@ fn split(
 }
 
 #[derive(Debug, Clone)]
-struct HueOdds([f32; 256]);
+struct ClassOdds([f32; 256]);
 
-impl Default for HueOdds {
+impl Default for ClassOdds {
     fn default() -> Self {
         Self([0.0; 256])
     }
@@ -241,7 +255,7 @@ impl Default for HueOdds {
 
 /// What the ways to the cells of a row cost.
 #[derive(Debug, Clone, Copy)]
-struct Steps {
+struct RowCosts {
     /// Score of a jump back to any slit.
     back: f32,
     next: f32,
@@ -251,13 +265,13 @@ struct Steps {
 
 /// One row of the table from the two before it. Plain loops over slices of one length, so that the compiler can take
 /// several slits at a time.
-fn advance(steps: &Steps, rows: (&[f32], &[f32]), best_before: &[f32], gain: &[f32], score: &mut [f32]) {
+fn fill_row(steps: &RowCosts, rows: (&[f32], &[f32]), best_before: &[f32], gain: &[f32], score: &mut [f32]) {
     let k = gain.len();
     let (last, second) = rows;
     let (next, missed, skipped) = (&last[1..=k], &last[..k], &second[1..=k]);
     let (best_before, score) = (&best_before[..k], &mut score[..k]);
     for j in 0..k {
-        let jump = larger(best_before[j] - JUMP, steps.back);
+        let jump = larger(best_before[j] - JUMP_COST, steps.back);
         let one = larger(next[j] - steps.next, missed[j] - steps.missed);
         score[j] = larger(larger(jump, one), skipped[j] - steps.extra) + gain[j];
     }
@@ -265,7 +279,7 @@ fn advance(steps: &Steps, rows: (&[f32], &[f32]), best_before: &[f32], gain: &[f
 
 /// Carries the scores of a row on to the slits behind each: `best[j + 1]` becomes the best of what it was and of the
 /// scores up to slit j. Few scores of a row are better than all before, so that most blocks are only compared.
-fn raise(best: &mut [f32], scores: &[f32]) {
+fn raise_best(best: &mut [f32], scores: &[f32]) {
     const BLOCK: usize = 8;
     let best = &mut best[1..];
     let (blocks, rest) = scores.as_chunks::<BLOCK>();
@@ -301,56 +315,56 @@ fn larger(a: f32, b: f32) -> f32 {
 }
 
 /// What it costs to go on from one crossing to another.
-struct Step {
+struct StepCost {
     /// With the next slit.
     next: f32,
     /// With the one after that.
     missed: f32,
     /// What the light and the distance say of the surface in between.
-    surface: Surface,
+    continuity: Continuity,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Surface {
-    Same,
+enum Continuity {
+    Continuous,
     /// Lit otherwise: a shadow, a fold, another one.
-    Doubtful,
-    Other,
+    Uncertain,
+    Broken,
 }
 
 /// Whether one number is more than `by` times the other.
-pub(super) fn differ(a: f32, b: f32, by: f32) -> bool {
+pub(super) fn differ_by_factor(a: f32, b: f32, by: f32) -> bool {
     a > by * b || b > by * a
 }
 
 /// Whether the light of two neighbours differs by more than a factor. Where a surface turns away from the projector, a
 /// slit's light is spread over more of it: then light times width changes less than light.
-pub(super) fn relit(a: &Node, b: &Node, by: f32) -> bool {
-    differ(a.light, b.light, by) && differ(a.light * a.width, b.light * b.width, by)
+pub(super) fn differ_in_light(a: &CrossingFeatures, b: &CrossingFeatures, by: f32) -> bool {
+    differ_by_factor(a.light, b.light, by) && differ_by_factor(a.light * a.width, b.light * b.width, by)
 }
 
 /// The step from the crossing `back` before `i`.
-fn step(nodes: &[Node], i: usize, back: usize, period_per_width: f32) -> Step {
-    let Some(a) = i.checked_sub(back).map(|i| &nodes[i]) else {
-        return Step { next: 0.0, missed: 0.0, surface: Surface::Same };
+fn step(features: &[CrossingFeatures], i: usize, back: usize, period_per_width: f32) -> StepCost {
+    let Some(a) = i.checked_sub(back).map(|i| &features[i]) else {
+        return StepCost { next: 0.0, missed: 0.0, continuity: Continuity::Continuous };
     };
-    let b = &nodes[i];
+    let b = &features[i];
     let (distance, period) = (b.u - a.u, 0.5 * (a.width + b.width) * period_per_width);
-    let (twice, much) = (relit(a, b, BRIGHTER), relit(a, b, 2.0 * BRIGHTER));
-    let lit = BREAK * (f32::from(u8::from(twice)) + f32::from(u8::from(much)));
-    let spaced = |fits: bool| if fits { lit } else { BREAK };
+    let (twice, much) = (differ_in_light(a, b, BRIGHTER), differ_in_light(a, b, 2.0 * BRIGHTER));
+    let lit = BREAK_COST * (f32::from(u8::from(twice)) + f32::from(u8::from(much)));
+    let spaced = |fits: bool| if fits { lit } else { BREAK_COST };
     let far = distance > FAR * period;
-    let surface = if far || much {
-        Surface::Other
+    let continuity = if far || much {
+        Continuity::Broken
     } else if twice {
-        Surface::Doubtful
+        Continuity::Uncertain
     } else {
-        Surface::Same
+        Continuity::Continuous
     };
-    Step {
+    StepCost {
         next: spaced(!far),
         missed: spaced(distance >= NEAR_TWO * period && distance < (NEAR_TWO + 1.0) * period),
-        surface,
+        continuity,
     }
 }
 
@@ -361,16 +375,16 @@ mod tests {
 
     const HUES: [u8; 12] = [0, 0, 0, 1, 0, 0, 2, 0, 1, 1, 0, 2];
 
-    fn node(u: f32) -> Node {
-        Node { u, width: 4.0, light: 1.0, hint: (NONE, 0.0) }
+    fn features_at(u: f32) -> CrossingFeatures {
+        CrossingFeatures { u, width: 4.0, light: 1.0, prior: (NONE, 0.0) }
     }
 
     fn align(seen: &[(f32, u8)]) -> Vec<i32> {
-        let nodes: Vec<Node> = seen.iter().map(|s| node(s.0)).collect();
+        let features: Vec<CrossingFeatures> = seen.iter().map(|s| features_at(s.0)).collect();
         let odds: Vec<f32> =
             seen.iter().flat_map(|s| (0..3).map(move |h| if h == s.1 { 1.0 } else { -3.0 })).collect();
-        let mut labels = vec![NONE; nodes.len()];
-        Aligner::default().align(&HUES, 2.0, &nodes, &odds, false, &mut labels);
+        let mut labels = vec![NONE; features.len()];
+        Aligner::default().align(&HUES, 2.0, &features, &odds, false, &mut labels);
         labels.into_iter().map(|l| if l == NONE { -1 } else { i32::from(l) }).collect()
     }
 
@@ -405,43 +419,44 @@ mod tests {
     }
 
     /// The best score of any path, by trying all of them: every crossing is left out or given any slit.
-    fn brute_force(slits: &[u8], nodes: &[Node], odds: &[f32]) -> f32 {
+    fn brute_force(slits: &[u8], features: &[CrossingFeatures], odds: &[f32]) -> f32 {
         fn go(
             slits: &[u8],
-            nodes: &[Node],
+            features: &[CrossingFeatures],
             odds: &[f32],
             i: usize,
             last: Option<(usize, usize)>,
             score: f32,
         ) -> f32 {
-            if i == nodes.len() {
+            if i == features.len() {
                 return score;
             }
-            let hues = odds.len() / nodes.len();
-            let mut best = go(slits, nodes, odds, i + 1, last, score);
+            let hues = odds.len() / features.len();
+            let mut best = go(slits, features, odds, i + 1, last, score);
             for j in 0..slits.len() {
-                let (hint, weight) = nodes[i].hint;
-                let vote = if usize::from(hint) == j { VOTE_GAIN * weight } else { 0.0 };
+                let (prior, weight) = features[i].prior;
+                let vote = if usize::from(prior) == j { VOTE_GAIN * weight } else { 0.0 };
                 let gain = MATCH_GAIN + odds[i * hues + usize::from(slits[j])] + vote;
                 // A jump ahead is cheaper than one back; the first start counts as one ahead.
-                let mut from = score - if last.is_none_or(|(_, q)| q < j) { JUMP } else { JUMP_BACK };
+                let mut from =
+                    score - if last.is_none_or(|(_, q)| q < j) { JUMP_COST } else { JUMP_BACK_COST };
                 if let Some((p, q)) = last {
-                    let (one, two) = (step(nodes, i, 1, 2.0), step(nodes, i, 2, 2.0));
+                    let (one, two) = (step(features, i, 1, 2.0), step(features, i, 2, 2.0));
                     if p + 1 == i && q + 1 == j {
                         from = from.max(score - one.next);
                     }
                     if p + 1 == i && q + 2 == j {
-                        from = from.max(score - MISSED_SLIT - one.missed);
+                        from = from.max(score - MISSING_SLIT - one.missed);
                     }
                     if p + 2 == i && q + 1 == j {
-                        from = from.max(score - EXTRA - two.next);
+                        from = from.max(score - EXTRA_CROSSING - two.next);
                     }
                 }
-                best = best.max(go(slits, nodes, odds, i + 1, Some((i, j)), from + gain));
+                best = best.max(go(slits, features, odds, i + 1, Some((i, j)), from + gain));
             }
             best
         }
-        go(slits, nodes, odds, 0, None, 0.0)
+        go(slits, features, odds, 0, None, 0.0)
     }
 
     #[test]
@@ -451,17 +466,22 @@ mod tests {
             let (n, k) = (rng.random_range(1..6), rng.random_range(1..7));
             let slits: Vec<u8> = (0..k).map(|_| rng.random_range(0..3)).collect();
             let mut u = 0.0;
-            let nodes: Vec<Node> = (0..n)
+            let features: Vec<CrossingFeatures> = (0..n)
                 .map(|_| {
                     u += rng.random_range(4.0..20.0_f32);
-                    let hint = (rng.random_range(0..k as u16), rng.random_range(0.0..1.0));
-                    Node { u, width: rng.random_range(3.0..6.0), light: rng.random_range(0.2..2.0), hint }
+                    let prior = (rng.random_range(0..k as u16), rng.random_range(0.0..1.0));
+                    CrossingFeatures {
+                        u,
+                        width: rng.random_range(3.0..6.0),
+                        light: rng.random_range(0.2..2.0),
+                        prior,
+                    }
                 })
                 .collect();
             let odds: Vec<f32> = (0..3 * n).map(|_| rng.random_range(-3.0..6.0)).collect();
             let mut labels = vec![NONE; n];
-            let found = Aligner::default().align(&slits, 2.0, &nodes, &odds, false, &mut labels);
-            let best = brute_force(&slits, &nodes, &odds);
+            let found = Aligner::default().align(&slits, 2.0, &features, &odds, false, &mut labels);
+            let best = brute_force(&slits, &features, &odds);
             assert!((found - best).abs() < 1e-4, "{found} for {best}");
         }
     }

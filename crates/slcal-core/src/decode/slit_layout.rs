@@ -2,7 +2,7 @@
 
 /// Slits on the panel, in projector px.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Spacing {
+pub(super) struct SlitLayout {
     /// Distance from each slit's centre to the next one's.
     gaps_px: Vec<f32>,
     half_px: f32,
@@ -23,7 +23,7 @@ struct Cubic {
 /// No dark band is narrower, projector px.
 const MIN_GAP_PX: f32 = 1e-3;
 
-impl Spacing {
+impl SlitLayout {
     /// `gaps_px`: distances of neighbouring slits' centres, in the order in which lines meet them.
     pub(super) fn set(&mut self, gaps_px: impl Iterator<Item = f32>, half_px: f32) {
         self.gaps_px.clear();

@@ -5,11 +5,11 @@
 //! curvature, which move the centre away from the middle of the two edges. No polynomial follows a fold; where the scale says
 //! that there is one, the centre lies on the plane before or behind it.
 
-use super::labeling::Vote;
+use super::labeling::VotedLabel;
 use super::sequence_alignment::NONE;
-use super::slit_layout::{Spacing, polynomial_at_zero};
-use super::stripe_edges::Crossing;
-use super::tracks::Curves;
+use super::slit_layout::{SlitLayout, polynomial_at_zero};
+use super::stripe_edges::StripeEdges;
+use super::tracks::Tracks;
 use crate::solve::median_f32;
 
 /// Scales (image px per projector px) of a stripe and of the gap beside it differ by less than this factor on one
@@ -17,17 +17,17 @@ use crate::solve::median_f32;
 const MAX_SCALE_RATIO: f32 = 1.8;
 /// A stripe narrower than its gaps and neighbours let expect by this share is cut: by a twelfth, its middle is off by a
 /// third of a projector pixel in a slit of eight.
-const MIN_CUT_SHARE: f32 = 0.08;
+const MIN_NARROWING: f32 = 0.08;
 /// The same where only one side is there to tell.
-const MIN_CUT_SHARE_AT_END: f32 = 0.12;
+const MIN_NARROWING_AT_END: f32 = 0.12;
 /// Stripes wider than expected are not cut; where light fades along them they may seem so, by this share and no more.
 const MAX_WIDE_SHARE: f32 = 0.15;
 /// Scatter of widths in units of which a cut must stand out.
-const CUT_SIGMAS: f32 = 4.0;
+const TRUNCATION_SIGMAS: f32 = 4.0;
 /// What sampling and blur may make of the width of a stripe, px; much of a narrow one.
-const EDGES_PX: f32 = 0.15;
+const EDGE_SLACK_PX: f32 = 0.15;
 /// Share of the change of scale from one side to the other by which the expected width is uncertain.
-const CURVED: f32 = 0.5;
+const CURVATURE_SLACK: f32 = 0.5;
 /// What noise of σ 1 in the edges makes of the difference of two steps of scale, times the width of the slits: four edges a
 /// slit's width apart count 1, 3, 3 and 1 times.
 const STEP_NOISE: f32 = 4.47;
@@ -51,50 +51,50 @@ const SAMPLED: usize = 4;
 
 /// Position of a slit's centre on a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Centre {
+pub(super) struct StripeCenter {
     /// Sub-pixel position, px; NaN for a crossing without a number or one that is cut.
     pub(super) u: f32,
     /// 1σ as predicted from the noise of pixels, px.
     pub(super) sigma: f32,
     /// Whether an outline or a shadow cuts the stripe.
-    pub(super) cut: bool,
+    pub(super) truncated: bool,
 }
 
 /// A crossing and what stands beside it on the same surface.
 #[derive(Debug, Clone, Copy)]
-struct Neighbourhood {
-    own: Crossing,
+struct StripeNeighbors {
+    own: StripeEdges,
     label: usize,
-    before: Option<Crossing>,
-    after: Option<Crossing>,
+    before: Option<StripeEdges>,
+    after: Option<StripeEdges>,
 }
 
 /// Image px per projector px of the parts about a crossing; `None` where there is nothing on the same surface.
-struct Scales {
+struct LocalScales {
     own: f32,
     gap: [Option<f32>; 2],
     stripe: [Option<f32>; 2],
 }
 
-impl Neighbourhood {
-    fn at(curves: &Curves, votes: &[Vote], line: std::ops::Range<usize>, i: usize) -> Self {
+impl StripeNeighbors {
+    fn at(tracks: &Tracks, votes: &[VotedLabel], line: std::ops::Range<usize>, i: usize) -> Self {
         let label = votes[i].label;
         let before =
-            (i > line.start && label > 0 && votes[i - 1].label == label - 1).then(|| curves.crossings[i - 1]);
-        let after = (i + 1 < line.end && label + 1 == votes[i + 1].label).then(|| curves.crossings[i + 1]);
-        Self { own: curves.crossings[i], label: usize::from(label), before, after }
+            (i > line.start && label > 0 && votes[i - 1].label == label - 1).then(|| tracks.crossings[i - 1]);
+        let after = (i + 1 < line.end && label + 1 == votes[i + 1].label).then(|| tracks.crossings[i + 1]);
+        Self { own: tracks.crossings[i], label: usize::from(label), before, after }
     }
 
     /// Scales of what is on the same surface; a neighbour behind a gap unlike itself is forgotten.
-    fn scales(&mut self, spacing: &Spacing) -> Scales {
-        let per_stripe = 0.5 / spacing.half_px();
+    fn scales(&mut self, layout: &SlitLayout) -> LocalScales {
+        let per_stripe = 0.5 / layout.half_px();
         let scale = |image: f32, per_projector: f32| (image * per_projector).max(1e-6);
         let own = scale(self.own.width(), per_stripe);
-        let mut scales = Scales { own, gap: [None; 2], stripe: [None; 2] };
+        let mut scales = LocalScales { own, gap: [None; 2], stripe: [None; 2] };
         for side in 0..2 {
             let Some(other) = (if side == 0 { self.before } else { self.after }) else { continue };
             let distance = if side == 0 { self.own.left - other.right } else { other.left - self.own.right };
-            let gap = scale(distance, spacing.per_gap(self.label, side));
+            let gap = scale(distance, layout.per_gap(self.label, side));
             let stripe = scale(other.width(), per_stripe);
             let near = |a: f32, b: f32| a < MAX_SCALE_RATIO * b && b < MAX_SCALE_RATIO * a;
             if near(gap, own) && near(gap, stripe) {
@@ -118,24 +118,24 @@ fn relative(a: f32, b: f32) -> f32 {
 
 /// Which neighbours bear out the width of a stripe.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Witness {
+enum Confirmation {
     Both,
     /// One side, and how much of what is tolerated it took, 0–1.
     Side(usize, f32),
 }
 
-impl Scales {
+impl LocalScales {
     /// By how much the width is more than the expected one, as a share, and how far it may be off for the change of scale
     /// about, by interpolation between the gaps.
     fn between(&self) -> Option<(f32, f32)> {
         let [a, b] = [self.gap[0]?, self.gap[1]?];
-        Some((relative(self.own, 0.5 * (a + b)), CURVED * 0.5 * relative(a, b).abs()))
+        Some((relative(self.own, 0.5 * (a + b)), CURVATURE_SLACK * 0.5 * relative(a, b).abs()))
     }
 
     /// The same by extrapolation from the gap and the stripe on one side.
     fn beyond(&self, side: usize) -> Option<(f32, f32)> {
         let (gap, stripe) = (self.gap[side]?, self.stripe[side]?);
-        Some((relative(self.own, gap * gap / stripe), CURVED * 2.0 * relative(gap, stripe).abs()))
+        Some((relative(self.own, gap * gap / stripe), CURVATURE_SLACK * 2.0 * relative(gap, stripe).abs()))
     }
 
     /// How certain it is, 0–1, that the surface has a fold in the stripe or in a gap beside it, where noise makes `noise` of the
@@ -161,62 +161,62 @@ impl Scales {
     }
 
     /// Who bears out that the stripe is whole; on a surface with a fold in the gap beside it, only the other side can.
-    fn witness(&self, scatter: f32, width_px: f32) -> Option<Witness> {
+    fn confirmation(&self, scatter: f32, width_px: f32) -> Option<Confirmation> {
         // How much of what is tolerated a misfit takes.
-        let strain = |(misfit, slack): (f32, f32), least: f32| {
-            let narrow = least.max(CUT_SIGMAS * scatter) + slack + EDGES_PX / width_px;
+        let misfit_share = |(misfit, slack): (f32, f32), least: f32| {
+            let narrow = least.max(TRUNCATION_SIGMAS * scatter) + slack + EDGE_SLACK_PX / width_px;
             if misfit < 0.0 { -misfit / narrow } else { misfit / (narrow + MAX_WIDE_SHARE) }
         };
-        if self.between().is_some_and(|m| strain(m, MIN_CUT_SHARE) < 1.0) {
-            return Some(Witness::Both);
+        if self.between().is_some_and(|m| misfit_share(m, MIN_NARROWING) < 1.0) {
+            return Some(Confirmation::Both);
         }
-        let least = if self.gap.iter().all(Option::is_some) { MIN_CUT_SHARE } else { MIN_CUT_SHARE_AT_END };
-        let sides = (0..2).filter_map(|side| Some((side, strain(self.beyond(side)?, least))));
-        let best = sides.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, strain)| *strain < 1.0);
-        best.map(|(side, strain)| Witness::Side(side, strain))
+        let least = if self.gap.iter().all(Option::is_some) { MIN_NARROWING } else { MIN_NARROWING_AT_END };
+        let sides = (0..2).filter_map(|side| Some((side, misfit_share(self.beyond(side)?, least))));
+        let best = sides.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, misfit_share)| *misfit_share < 1.0);
+        best.map(|(side, misfit_share)| Confirmation::Side(side, misfit_share))
     }
 }
 
 /// Half the width of the stripes as photographed, in projector px: light that spills over makes them wider than they
 /// were drawn.
 pub(super) fn measure_half_width(
-    curves: &Curves,
-    votes: &[Vote],
-    spacing: &Spacing,
+    tracks: &Tracks,
+    votes: &[VotedLabel],
+    layout: &SlitLayout,
     scratch: &mut Vec<f32>,
 ) -> f32 {
     scratch.clear();
-    for y in (0..curves.line_count()).step_by(SAMPLED) {
-        let line = curves.of(y);
+    for y in (0..tracks.line_count()).step_by(SAMPLED) {
+        let line = tracks.of(y);
         for i in line.clone().filter(|&i| votes[i].label != NONE) {
-            let n = Neighbourhood::at(curves, votes, line.clone(), i);
+            let n = StripeNeighbors::at(tracks, votes, line.clone(), i);
             if let (Some(a), Some(b)) = (n.before, n.after) {
                 // From the middles of the gaps on either side, the stripe's share of a period.
                 let period = 0.5 * (b.left + n.own.right - a.right - n.own.left);
-                let projector = 0.5 * (spacing.gap_px(n.label, 0) + spacing.gap_px(n.label, 1));
+                let projector = 0.5 * (layout.gap_px(n.label, 0) + layout.gap_px(n.label, 1));
                 scratch.push(0.5 * projector * n.own.width() / period);
             }
         }
     }
-    let drawn = spacing.half_px();
+    let drawn = layout.half_px();
     let half = median_f32(scratch).unwrap_or(drawn);
     if half.is_finite() { half.clamp(0.5 * drawn, 1.7 * drawn) } else { drawn }
 }
 
 /// Centres of all numbered crossings, into `out`, one per crossing.
 pub(super) fn locate(
-    curves: &Curves,
-    votes: &[Vote],
-    spacing: &Spacing,
+    tracks: &Tracks,
+    votes: &[VotedLabel],
+    layout: &SlitLayout,
     scratch: &mut Vec<f32>,
-    out: &mut Vec<Centre>,
+    out: &mut Vec<StripeCenter>,
 ) {
-    let each = |step: usize, visit: &mut dyn FnMut(usize, Neighbourhood, Scales)| {
-        for y in (0..curves.line_count()).step_by(step) {
-            let line = curves.of(y);
+    let each = |step: usize, visit: &mut dyn FnMut(usize, StripeNeighbors, LocalScales)| {
+        for y in (0..tracks.line_count()).step_by(step) {
+            let line = tracks.of(y);
             for i in line.clone().filter(|&i| votes[i].label != NONE) {
-                let mut n = Neighbourhood::at(curves, votes, line.clone(), i);
-                let scales = n.scales(spacing);
+                let mut n = StripeNeighbors::at(tracks, votes, line.clone(), i);
+                let scales = n.scales(layout);
                 visit(i, n, scales);
             }
         }
@@ -226,33 +226,33 @@ pub(super) fn locate(
     // The median of |x| of a normal variable.
     let scatter = median_f32(scratch).unwrap_or(0.0) / 0.6745;
     out.clear();
-    out.resize(curves.crossings.len(), Centre { u: f32::NAN, sigma: 0.0, cut: false });
-    let step_noise = STEP_NOISE / (2.0 * spacing.half_px());
+    out.resize(tracks.crossings.len(), StripeCenter { u: f32::NAN, sigma: 0.0, truncated: false });
+    let step_noise = STEP_NOISE / (2.0 * layout.half_px());
     each(1, &mut |i, n, scales| {
         // A stripe alone on its surface may be cut or not: nothing tells.
-        let Some(witness) = scales.witness(scatter, n.own.width()) else {
-            out[i].cut = true;
+        let Some(confirmation) = scales.confirmation(scatter, n.own.width()) else {
+            out[i].truncated = true;
             return;
         };
-        let smooth = match witness {
-            Witness::Both => interpolate(&n, spacing),
-            Witness::Side(side, strain) => at_end(&n, side, strain, spacing),
+        let smooth = match confirmation {
+            Confirmation::Both => interpolate(&n, layout),
+            Confirmation::Side(side, misfit_share) => at_end(&n, side, misfit_share, layout),
         };
         // A misfit is half a difference of steps.
         let fold = scales.fold((2.0 * scatter * scales.own).max(step_noise * n.own.edge_sigma));
-        let (u, gain) = if fold > 0.0 { across(&n, fold, smooth, spacing) } else { smooth };
-        out[i] = Centre { u, sigma: gain * n.own.edge_sigma, cut: false };
+        let (u, gain) = if fold > 0.0 { on_fold(&n, fold, smooth, layout) } else { smooth };
+        out[i] = StripeCenter { u, sigma: gain * n.own.edge_sigma, truncated: false };
     });
 }
 
 /// The polynomial through the edges at the slit's centre, and σ of it over σ of an edge.
-fn interpolate(n: &Neighbourhood, spacing: &Spacing) -> (f32, f32) {
-    let half = spacing.half_px();
+fn interpolate(n: &StripeNeighbors, layout: &SlitLayout) -> (f32, f32) {
+    let half = layout.half_px();
     let own = [(-half, n.own.left), (half, n.own.right)];
-    let before = |c: &Crossing| (half - spacing.gap_px(n.label, 0), c.right);
-    let after = |c: &Crossing| (spacing.gap_px(n.label, 1) - half, c.left);
+    let before = |c: &StripeEdges| (half - layout.gap_px(n.label, 0), c.right);
+    let after = |c: &StripeEdges| (layout.gap_px(n.label, 1) - half, c.left);
     match (&n.before, &n.after) {
-        (Some(b), Some(a)) => spacing.cubic(n.label, (n.own.left, n.own.right), b.right, a.left),
+        (Some(b), Some(a)) => layout.cubic(n.label, (n.own.left, n.own.right), b.right, a.left),
         (Some(b), None) => polynomial_at_zero(&[own[0], own[1], before(b)]),
         (None, Some(a)) => polynomial_at_zero(&[own[0], own[1], after(a)]),
         (None, None) => polynomial_at_zero(&own),
@@ -261,9 +261,9 @@ fn interpolate(n: &Neighbourhood, spacing: &Spacing) -> (f32, f32) {
 
 /// The centre where the surface is folded as certainly as `fold` says: on one of the two planes that the edges on either side
 /// lie on, as far as there is a fold, and else where it would be on a smooth surface.
-fn across(n: &Neighbourhood, fold: f32, smooth: (f32, f32), spacing: &Spacing) -> (f32, f32) {
+fn on_fold(n: &StripeNeighbors, fold: f32, smooth: (f32, f32), layout: &SlitLayout) -> (f32, f32) {
     let (Some(before), Some(after)) = (n.before, n.after) else { return smooth };
-    let (half, gaps) = (spacing.half_px(), [spacing.gap_px(n.label, 0), spacing.gap_px(n.label, 1)]);
+    let (half, gaps) = (layout.half_px(), [layout.gap_px(n.label, 0), layout.gap_px(n.label, 1)]);
     let left = polynomial_at_zero(&[(-half - gaps[0], before.left), (-half, n.own.left)]);
     let right = polynomial_at_zero(&[(half, n.own.right), (half + gaps[1], after.right)]);
     // Where the scale grows along the line, positions follow the greater of the two straight lines, else the smaller.
@@ -274,14 +274,14 @@ fn across(n: &Neighbourhood, fold: f32, smooth: (f32, f32), spacing: &Spacing) -
 
 /// The centre of the last stripe of a surface: its outer edge may be an outline. The more its width strains what the
 /// inner edges let expect, the more these alone decide.
-fn at_end(n: &Neighbourhood, side: usize, strain: f32, spacing: &Spacing) -> (f32, f32) {
+fn at_end(n: &StripeNeighbors, side: usize, misfit_share: f32, layout: &SlitLayout) -> (f32, f32) {
     let (Some(other), sign) =
         (if side == 0 { n.before } else { n.after }, if side == 0 { -1.0 } else { 1.0 })
     else {
         // Beside a fold not even the neighbour that bears the width out has an edge to add.
-        return interpolate(&Neighbourhood { before: None, after: None, ..*n }, spacing);
+        return interpolate(&StripeNeighbors { before: None, after: None, ..*n }, layout);
     };
-    let (half, gap) = (spacing.half_px(), spacing.gap_px(n.label, side));
+    let (half, gap) = (layout.half_px(), layout.gap_px(n.label, side));
     let (inner, outer) = if side == 0 { (n.own.left, n.own.right) } else { (n.own.right, n.own.left) };
     let (near, far) = if side == 0 { (other.right, other.left) } else { (other.left, other.right) };
     let nodes = [
@@ -291,25 +291,25 @@ fn at_end(n: &Neighbourhood, side: usize, strain: f32, spacing: &Spacing) -> (f3
         (-sign * half, outer),
     ];
     let (with, without) = (polynomial_at_zero(&nodes), polynomial_at_zero(&[nodes[0], nodes[1], nodes[2]]));
-    (with.0 + strain * (without.0 - with.0), with.1 + strain * (without.1 - with.1))
+    (with.0 + misfit_share * (without.0 - with.0), with.1 + misfit_share * (without.1 - with.1))
 }
 
 /// Makes σ what the scatter of the centres says: each is compared with the cubic through the two slits on either side,
 /// which tells noise, what sampling and blur do to edges, and detail finer than the stripes alike. The scatter over ±
 /// `reach` lines along the curve, and with less weight over the whole photograph, scales the prediction.
 pub(super) fn measure_sigma(
-    curves: &Curves,
-    votes: &[Vote],
+    tracks: &Tracks,
+    votes: &[VotedLabel],
     reach: usize,
     work: &mut SigmaWork,
-    centres: &mut [Centre],
+    centers: &mut [StripeCenter],
 ) {
     let SigmaWork { ratios, scratch, sums } = work;
     ratios.clear();
-    ratios.resize(centres.len(), f32::NAN);
+    ratios.resize(centers.len(), f32::NAN);
     scratch.clear();
-    for y in 0..curves.line_count() {
-        let line = curves.of(y);
+    for y in 0..tracks.line_count() {
+        let line = tracks.of(y);
         for i in line.start + 2..line.end.saturating_sub(2).max(line.start + 2) {
             let label = votes[i].label;
             // NONE is far above any label that has two more beyond it.
@@ -318,10 +318,10 @@ pub(super) fn measure_sigma(
             {
                 continue;
             }
-            let &[a, b, Centre { u: c, .. }, d, e] = &centres[i - 2..=i + 2] else { continue };
+            let &[a, b, StripeCenter { u: c, .. }, d, e] = &centers[i - 2..=i + 2] else { continue };
             let (a, b, d, e) = (a.u, b.u, d.u, e.u);
             let miss = c - (4.0 * (b + d) - a - e) / 6.0;
-            let ratio = miss * miss / (CUBIC_VARIANCE * centres[i].sigma * centres[i].sigma);
+            let ratio = miss * miss / (CUBIC_VARIANCE * centers[i].sigma * centers[i].sigma);
             if ratio.is_finite() {
                 ratios[i] = ratio;
                 if y % SAMPLED == 0 {
@@ -332,11 +332,11 @@ pub(super) fn measure_sigma(
     }
     // The median of the square of a normal variable; some prediction must do where no five slits stand side by side.
     let usual = median_f32(scratch).map_or(1.0, |m| (m / 0.455).clamp(0.01, 100.0));
-    for curve in curves.iter() {
+    for track in tracks.iter() {
         sums.clear();
         sums.push((0.0, 0.0));
         let (mut sum, mut n) = (0.0_f64, 0.0_f64);
-        for &i in curve {
+        for &i in track {
             let ratio = ratios[i as usize];
             if ratio.is_finite() {
                 // One that is cut unnoticed shall not speak for all.
@@ -345,11 +345,11 @@ pub(super) fn measure_sigma(
             }
             sums.push((sum, n));
         }
-        for (at, &i) in curve.iter().enumerate() {
-            let (from, to) = (sums[at.saturating_sub(reach)], sums[(at + reach + 1).min(curve.len())]);
+        for (at, &i) in track.iter().enumerate() {
+            let (from, to) = (sums[at.saturating_sub(reach)], sums[(at + reach + 1).min(track.len())]);
             let (sum, n) = (to.0 - from.0, to.1 - from.1);
             let scale = (sum + PRIOR_WEIGHT * f64::from(usual)) / (n + PRIOR_WEIGHT);
-            let centre = &mut centres[i as usize];
+            let centre = &mut centers[i as usize];
             let variance = centre.sigma * centre.sigma * scale as f32;
             centre.sigma = (variance + COMMON_PX * COMMON_PX).sqrt();
         }

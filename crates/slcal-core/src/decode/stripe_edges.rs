@@ -1,13 +1,13 @@
 //! Stripes on one line: hills whose two edges are measured to sub-pixel.
 
 use super::noise::Noise;
-use super::peaks::{self, Hill};
+use super::peaks::{self, Peak};
 use super::rgb::{Rgb, mean, minus, plus, positive, scaled, total, unit};
-use super::scanlines::Line;
+use super::scanlines::Scanline;
 
 /// A stripe crossed by a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Crossing {
+pub(super) struct StripeEdges {
     /// Sub-pixel positions of its two edges along the line, px.
     pub(super) left: f32,
     pub(super) right: f32,
@@ -16,12 +16,12 @@ pub(super) struct Crossing {
     /// Predicted 1σ of an edge, px.
     pub(super) edge_sigma: f32,
     /// About its colour, from a pixel of it and one beside it: enough to tell it from another stripe.
-    pub(super) hint: Rgb,
+    pub(super) approximate_color: Rgb,
 }
 
 /// The colour of a crossing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Paint {
+pub(super) struct StripeColor {
     /// Direction of the core's light above the dark bands beside it, in linear RGB; zero where it has none.
     pub(super) unit: Rgb,
     /// All channels of it together.
@@ -32,7 +32,7 @@ pub(super) struct Paint {
     pub(super) saturated: bool,
 }
 
-impl Crossing {
+impl StripeEdges {
     /// The middle between the edges, px.
     pub(super) fn middle(&self) -> f32 {
         0.5 * (self.left + self.right)
@@ -46,7 +46,7 @@ impl Crossing {
 
 /// Lengths that depend on the photograph, px.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Scale {
+pub(super) struct FilterRadii {
     /// The line is averaged over this many pixels to either side before hills are sought.
     pub(super) smoothing: usize,
     /// An edge is measured over this many pixels to either side.
@@ -69,70 +69,70 @@ const MIN_CONTRAST: f32 = 3.0;
 pub(super) struct Scratch {
     smooth: Vec<f32>,
     turns: Vec<u8>,
-    hills: Vec<Hill>,
+    peaks: Vec<Peak>,
 }
 
 /// The hills of a line, smoothed as asked.
-pub(super) fn hills_of<'s>(
+pub(super) fn peaks_of<'s>(
     light: &[f32],
     smoothing: usize,
     noise: &Noise,
     scratch: &'s mut Scratch,
-) -> &'s [Hill] {
+) -> &'s [Peak] {
     if smoothing > 0 {
         peaks::smooth(light, smoothing, &mut scratch.smooth);
         let share = ((2 * smoothing + 1) as f32).sqrt().recip();
-        peaks::find(&scratch.smooth, noise, share, &mut scratch.turns, &mut scratch.hills);
+        peaks::find(&scratch.smooth, noise, share, &mut scratch.turns, &mut scratch.peaks);
     } else {
-        peaks::find(light, noise, 1.0, &mut scratch.turns, &mut scratch.hills);
+        peaks::find(light, noise, 1.0, &mut scratch.turns, &mut scratch.peaks);
     }
-    &scratch.hills
+    &scratch.peaks
 }
 
-/// Appends the stripes of a line to `crossings`, in ascending position, and their colours to `paints` when it is given;
+/// Appends the stripes of a line to `crossings`, in ascending position, and their colours to `colors` when it is given;
 /// returns how many hills were none.
 pub(super) fn find(
-    line: &Line,
-    scale: Scale,
+    line: &Scanline,
+    radii: FilterRadii,
     noise: &Noise,
     scratch: &mut Scratch,
     light_at: impl Fn(usize) -> Rgb,
-    crossings: &mut Vec<Crossing>,
-    mut paints: Option<&mut Vec<Paint>>,
+    crossings: &mut Vec<StripeEdges>,
+    mut colors: Option<&mut Vec<StripeColor>>,
 ) -> usize {
     let first = crossings.len();
-    hills_of(&line.total, scale.smoothing, noise, scratch);
-    let mut weak = 0;
-    for &hill in &scratch.hills {
-        let settled = hill.settled(&line.total, scale.smoothing);
-        match measure(&line.total, settled, scale, noise, &light_at) {
+    peaks_of(&line.total, radii.smoothing, noise, scratch);
+    let mut rejected = 0;
+    for &peak in &scratch.peaks {
+        let refined = peak.refined(&line.total, radii.smoothing);
+        match measure(&line.total, refined, radii, noise, &light_at) {
             Some(c) if crossings.len() == first || crossings[crossings.len() - 1].right <= c.left => {
                 crossings.push(c);
-                if let Some(paints) = &mut paints {
-                    paints.push(paint(line, hill, &c, noise));
+                if let Some(colors) = &mut colors {
+                    colors.push(color_of(line, peak, &c, noise));
                 }
             }
-            _ => weak += 1,
+            _ => rejected += 1,
         }
     }
-    weak
+    rejected
 }
 
 fn measure(
     light: &[f32],
-    hill: Hill,
-    scale: Scale,
+    peak: Peak,
+    radii: FilterRadii,
     noise: &Noise,
     light_at: impl Fn(usize) -> Rgb,
-) -> Option<Crossing> {
-    let (before, top, after) = (hill.before as usize, hill.top as usize, hill.after as usize);
+) -> Option<StripeEdges> {
+    let (before, top, after) = (peak.before as usize, peak.top as usize, peak.after as usize);
     let (towards, away) =
         (|i: isize| light[top.wrapping_add_signed(-i)], |i: isize| light[top.wrapping_add_signed(i)]);
     let below = [below_half(top - before, towards)?, below_half(after - top, away)?];
     // Either edge has half the pixels that lie between them.
     let inner = usize::midpoint(below[0], below[1]);
-    let rising = edge(below[0], top - before, inner, scale.edge, towards)?;
-    let falling = edge(below[1], after - top, inner, scale.edge, away)?;
+    let rising = edge(below[0], top - before, inner, radii.edge, towards)?;
+    let falling = edge(below[1], after - top, inner, radii.edge, away)?;
     let (left, right) = (top as f32 - rising.from_top, top as f32 + falling.from_top);
     let height = rising.height.min(falling.height);
     let sigma = noise.sigma_of_total(light[top]);
@@ -142,8 +142,8 @@ fn measure(
     // The darker side is the dark band, more surely than the other.
     let dark = if light[before] < light[after] { before } else { after };
     let lit = ((left + right) * 0.5 + 0.5) as usize;
-    Some(Crossing {
-        hint: positive(minus(light_at(lit), light_at(dark))),
+    Some(StripeEdges {
+        approximate_color: positive(minus(light_at(lit), light_at(dark))),
         left,
         right,
         height,
@@ -151,13 +151,13 @@ fn measure(
     })
 }
 
-fn paint(line: &Line, hill: Hill, c: &Crossing, noise: &Noise) -> Paint {
+fn color_of(line: &Scanline, peak: Peak, c: &StripeEdges, noise: &Noise) -> StripeColor {
     let width = c.width();
     let core = mean_between(&line.rgb, c.left + 0.25 * width, c.right - 0.25 * width);
     // A gap about as wide as the stripe: a narrow one has a single dark pixel.
     let reach = (0.2 * width).min(1.0);
     let beside = |x: u32| mean_between(&line.rgb, x as f32 - reach, x as f32 + reach);
-    let (left, right) = (beside(hill.before), beside(hill.after));
+    let (left, right) = (beside(peak.before), beside(peak.after));
     // A side that is as bright as the stripe is no dark band (an outline, or a neighbour that is too close).
     let half = 0.5 * total(core);
     let dark = match (total(left) < half, total(right) < half) {
@@ -173,7 +173,7 @@ fn paint(line: &Line, hill: Hill, c: &Crossing, noise: &Noise) -> Paint {
     let lit = |c: &Rgb| total(*c) > MIN_FLANK * light;
     let hue = if saturated { flanks(line, c.left, c.right).map(above).filter(lit) } else { None };
     let pixels = (0.5 * width).max(1.0);
-    Paint {
+    StripeColor {
         unit: unit(hue.unwrap_or(color)).unwrap_or([0.0; 3]),
         light,
         sigma: noise.sigma(core) / light * (1.0 / pixels + 0.25).sqrt(),
@@ -182,7 +182,7 @@ fn paint(line: &Line, hill: Hill, c: &Crossing, noise: &Noise) -> Paint {
 }
 
 /// The mean over the pixels of both edges that are not clipped.
-fn flanks(line: &Line, left: f32, right: f32) -> Option<Rgb> {
+fn flanks(line: &Scanline, left: f32, right: f32) -> Option<Rgb> {
     let (mut sum, mut n) = ([0.0; 3], 0.0);
     for edge in [left, right] {
         let from = (edge - 0.5).round().max(0.0) as usize;

@@ -2,9 +2,9 @@
 
 use super::config::ScanDirection;
 use super::noise::Noise;
-use super::peaks::Hill;
-use super::scanlines::{Line, LineReader};
-use super::stripe_edges::{Scale, Scratch, hills_of};
+use super::peaks::Peak;
+use super::scanlines::{Scanline, ScanlineReader};
+use super::stripe_edges::{FilterRadii, Scratch, peaks_of};
 use crate::solve::median_f32;
 
 /// Lines looked at.
@@ -21,28 +21,32 @@ const MIN_PER_LINE: f64 = 2.0;
 
 /// What a look at a few lines tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Look {
+pub(super) struct StripeScale {
     pub(super) scan: ScanDirection,
-    pub(super) scale: Scale,
+    pub(super) radii: FilterRadii,
     /// Half the usual distance of neighbouring stripes, px.
     pub(super) half_period_px: f32,
     /// Length of the lines that regular hills cover, px: how much of the photograph looks like stripes.
     pub(super) covered_px: f64,
 }
 
-/// Working memory of [`look`].
+/// Working memory of [`measure_scale`].
 #[derive(Debug, Clone, Default)]
-pub(super) struct LookScratch {
-    lines: Vec<Line>,
+pub(super) struct ScaleScratch {
+    lines: Vec<Scanline>,
     scratch: Scratch,
     spacings: Vec<f32>,
     sharpness: Vec<f32>,
 }
 
 /// Looks at lines read along one direction; `None` where there is hardly a regular row of hills.
-pub(super) fn look(reader: &LineReader<'_>, noise: &Noise, work: &mut LookScratch) -> Option<Look> {
+pub(super) fn measure_scale(
+    reader: &ScanlineReader<'_>,
+    noise: &Noise,
+    work: &mut ScaleScratch,
+) -> Option<StripeScale> {
     let count = LINES.min(reader.count());
-    work.lines.resize_with(LINES, Line::default);
+    work.lines.resize_with(LINES, Scanline::default);
     for (k, line) in work.lines.iter_mut().take(count).enumerate() {
         reader.read(reader.spread(k, count), line);
     }
@@ -53,8 +57,8 @@ pub(super) fn look(reader: &LineReader<'_>, noise: &Noise, work: &mut LookScratc
     for reach in reaches {
         let mut covered = 0.0;
         for line in lines {
-            let hills = hills_of(&line.total, reach, noise, &mut work.scratch);
-            regular(hills, |_, spacing| covered += f64::from(spacing));
+            let peaks = peaks_of(&line.total, reach, noise, &mut work.scratch);
+            regular(peaks, |_, spacing| covered += f64::from(spacing));
         }
         if best.is_none_or(|(_, most)| ENOUGH * covered > most) {
             best = Some((reach, covered));
@@ -68,11 +72,11 @@ pub(super) fn look(reader: &LineReader<'_>, noise: &Noise, work: &mut LookScratc
     work.spacings.clear();
     work.sharpness.clear();
     for line in lines {
-        let hills = hills_of(&line.total, reach, noise, &mut work.scratch);
+        let peaks = peaks_of(&line.total, reach, noise, &mut work.scratch);
         let (spacings, sharpness) = (&mut work.spacings, &mut work.sharpness);
-        regular(hills, |hill, spacing| {
+        regular(peaks, |peak, spacing| {
             spacings.push(spacing);
-            sharpness.extend(edge_lengths(&line.total, hill).into_iter().flatten());
+            sharpness.extend(edge_lengths(&line.total, peak).into_iter().flatten());
         });
     }
     if (work.spacings.len() as f64) < MIN_PER_LINE * count as f64 {
@@ -81,13 +85,13 @@ pub(super) fn look(reader: &LineReader<'_>, noise: &Noise, work: &mut LookScratc
     let half_period_px = 0.5 * median_f32(&mut work.spacings)?;
     let blur = median_f32(&mut work.sharpness).unwrap_or(1.0);
     let by_width = ((SMOOTHING_SHARE * half_period_px - 1.0) / 2.0).round().max(0.0) as usize;
-    let scale = Scale { smoothing: by_width.max(reach), edge: blur.round() as usize + 1 };
-    Some(Look { scan: reader.scan, scale, half_period_px, covered_px })
+    let radii = FilterRadii { smoothing: by_width.max(reach), edge: blur.round() as usize + 1 };
+    Some(StripeScale { scan: reader.scan, radii, half_period_px, covered_px })
 }
 
 /// Calls `each` with every hill that lies about as far from the next one as from the last, and that distance, px.
-fn regular(hills: &[Hill], mut each: impl FnMut(Hill, f32)) {
-    for w in hills.windows(3) {
+fn regular(peaks: &[Peak], mut each: impl FnMut(Peak, f32)) {
+    for w in peaks.windows(3) {
         let (a, b) = ((w[1].top - w[0].top) as f32, (w[2].top - w[1].top) as f32);
         if a < REGULAR * b && b < REGULAR * a {
             each(w[1], 0.5 * (a + b));
@@ -96,8 +100,8 @@ fn regular(hills: &[Hill], mut each: impl FnMut(Hill, f32)) {
 }
 
 /// Height over steepest step: how many pixels the edges before and after a hill take.
-fn edge_lengths(light: &[f32], hill: Hill) -> [Option<f32>; 2] {
-    let [before, top, after] = [hill.before, hill.top, hill.after].map(|x| x as usize);
+fn edge_lengths(light: &[f32], peak: Peak) -> [Option<f32>; 2] {
+    let [before, top, after] = [peak.before, peak.top, peak.after].map(|x| x as usize);
     let length = |edge: &[f32], sign: f32| {
         let steepest = edge.windows(2).map(|w| sign * (w[1] - w[0])).fold(0.0, f32::max);
         let height = sign * (edge.last()? - edge.first()?);

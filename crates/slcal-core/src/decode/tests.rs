@@ -10,10 +10,11 @@ use nalgebra::Matrix3;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
-use super::*;
+use super::{DecodeConfig, DecodeInput, Decoding, ScanDirection, decode, decode_frames};
 use crate::geometry::Homography;
-use crate::pattern::{Axis, StripeConfig, warp_image};
-use crate::{Error, ErrorClass};
+use crate::pattern::{Axis, StripeConfig, StripePattern, warp_image};
+use crate::photo::PhotoView;
+use crate::{Error, ErrorClass, Result};
 
 fn pattern(axis: Axis) -> StripePattern {
     StripePattern::new([1024, 768], &StripeConfig { axis, ..StripeConfig::default() }).unwrap()

@@ -1,7 +1,7 @@
 //! Stripes are curves: crossings linked from line to line.
 
 use super::rgb::{Rgb, dot, minus, plus, unit};
-use super::stripe_edges::{Crossing, Paint};
+use super::stripe_edges::{StripeColor, StripeEdges};
 
 /// A crossing continues a curve when it lies within this share of the stripe's width of where the curve points.
 const LINK_SHARE: f32 = 0.5;
@@ -16,12 +16,12 @@ const END: u32 = u32::MAX;
 
 /// All crossings of a photograph, line after line, and the curves that they form.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Curves {
-    pub(super) crossings: Vec<Crossing>,
+pub(super) struct Tracks {
+    pub(super) crossings: Vec<StripeEdges>,
     /// Crossings of line y: `lines[y]..lines[y + 1]`.
     pub(super) lines: Vec<u32>,
     /// Colours of the crossings on every so many lines, line after line: a stripe has the same on the lines between.
-    pub(super) paints: Vec<Paint>,
+    pub(super) colors: Vec<StripeColor>,
     next: Vec<u32>,
     has_previous: Vec<bool>,
     /// Middles of the crossings, and where the curves point on the next line.
@@ -35,10 +35,10 @@ pub(super) struct Curves {
     sums: Vec<(usize, Rgb)>,
 }
 
-impl Curves {
+impl Tracks {
     pub(super) fn clear(&mut self) {
         self.crossings.clear();
-        self.paints.clear();
+        self.colors.clear();
         self.lines.clear();
         self.lines.push(0);
     }
@@ -66,7 +66,7 @@ impl Curves {
         self.has_previous.clear();
         self.has_previous.resize(n, false);
         self.middles.clear();
-        self.middles.extend(self.crossings.iter().map(Crossing::middle));
+        self.middles.extend(self.crossings.iter().map(StripeEdges::middle));
         self.slope.clear();
         self.slope.resize(n, 0.0);
         self.expected.clone_from(&self.middles);
@@ -123,7 +123,7 @@ impl Curves {
         let within = |x: f32, y: f32| x <= MAX_RATIO * y && y <= MAX_RATIO * x;
         miss <= (LINK_SHARE * a.width().min(b.width())).max(1.0)
             && within(a.height, b.height)
-            && same_hue(a.hint, b.hint)
+            && same_hue(a.approximate_color, b.approximate_color)
             && within(a.width(), b.width())
     }
 
@@ -131,23 +131,23 @@ impl Curves {
     /// crossing stands among these, `u32::MAX` for the others.
     pub(super) fn smooth_units(&mut self, place: &[u32], reach: usize, out: &mut Vec<Rgb>) {
         out.clear();
-        out.resize(self.paints.len(), [0.0; 3]);
+        out.resize(self.colors.len(), [0.0; 3]);
         for w in self.starts.windows(2) {
-            let curve = &self.order[w[0] as usize..w[1] as usize];
-            let painted = |&(at, &i): &(usize, &u32)| {
+            let track = &self.order[w[0] as usize..w[1] as usize];
+            let colored = |&(at, &i): &(usize, &u32)| {
                 let place = place[i as usize];
                 (place != u32::MAX).then_some((at, place as usize))
             };
             self.sums.clear();
             let mut sum = [0.0; 3];
-            for (at, place) in curve.iter().enumerate().filter_map(|x| painted(&x)) {
+            for (at, place) in track.iter().enumerate().filter_map(|x| colored(&x)) {
                 self.sums.push((at, sum));
-                sum = plus(sum, self.paints[place].unit);
+                sum = plus(sum, self.colors[place].unit);
             }
             self.sums.push((usize::MAX, sum));
             // The first and one past the last within reach: both only move on.
             let (mut from, mut to) = (0, 0);
-            for (at, place) in curve.iter().enumerate().filter_map(|x| painted(&x)) {
+            for (at, place) in track.iter().enumerate().filter_map(|x| colored(&x)) {
                 while self.sums[from].0 + reach < at {
                     from += 1;
                 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 
-use super::ransac::{Surface, fit};
+use super::ransac::{FitModel, fit};
 use super::report::{FitConfig, FitReport, finite_points, report};
 use crate::cloud::PointCloud;
 use crate::error::{Error, Result};
@@ -60,7 +60,7 @@ fn facing(point: &Point3<f64>, normal: Vector3<f64>, camera: &Point3<f64>) -> Op
     Plane::from_point_normal(point, towards).map(FoundPlane)
 }
 
-impl Surface for FoundPlane {
+impl FitModel for FoundPlane {
     const SAMPLE: usize = 3;
 
     fn through(sample: &[Point3<f64>], camera: &Point3<f64>) -> Option<Self> {

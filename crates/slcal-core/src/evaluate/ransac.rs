@@ -14,7 +14,7 @@ const ROUNDS: usize = 30;
 const LEAST_SCATTER: f64 = 1e-6;
 
 /// A surface that can be proposed, measured against and refined.
-pub(super) trait Surface: Sized {
+pub(super) trait FitModel: Sized {
     /// Points that determine it.
     const SAMPLE: usize;
     /// The surface through a sample; `None` when there is none, or none that the camera could see.
@@ -40,7 +40,7 @@ impl Random {
 }
 
 /// The surface with the best consensus, refined, and the limit for its inliers, mm.
-pub(super) fn fit<S: Surface>(
+pub(super) fn fit<S: FitModel>(
     points: &[Point3<f64>],
     camera: &Point3<f64>,
     config: &FitConfig,

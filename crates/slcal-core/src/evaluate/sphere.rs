@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Matrix4, Point3, Vector3, Vector4};
 
-use super::ransac::{Surface, fit};
+use super::ransac::{FitModel, fit};
 use super::report::{FitConfig, FitReport, finite_points, report};
 use crate::cloud::PointCloud;
 use crate::error::{Error, Result};
@@ -55,7 +55,7 @@ impl Sphere {
     }
 }
 
-impl Surface for Sphere {
+impl FitModel for Sphere {
     const SAMPLE: usize = 4;
 
     fn through(sample: &[Point3<f64>], camera: &Point3<f64>) -> Option<Self> {

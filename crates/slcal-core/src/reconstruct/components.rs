@@ -13,7 +13,7 @@ const LEAST_AREA_OF_STRIP: f64 = 12.0;
 
 /// Finds islands; keeps its buffers.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Islands {
+pub(super) struct Components {
     parent: Vec<u32>,
     /// Triangles about each point: before, less those that stay.
     missing: Vec<u32>,
@@ -23,7 +23,7 @@ pub(super) struct Islands {
     number: Vec<u32>,
 }
 
-impl Islands {
+impl Components {
     /// Notes all triangles; `hull` are the points on the outer border, which have a side without triangles.
     pub(super) fn before(&mut self, points: usize, triangles: &[[u32; 3]], hull: impl Iterator<Item = u32>) {
         self.missing.clear();

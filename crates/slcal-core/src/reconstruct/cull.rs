@@ -3,10 +3,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::components::Islands;
-use super::delaunay::Net;
-use super::local_slant::Neighbourhood;
-use super::triangle_metrics::{Shape, area_mm2};
+use super::components::Components;
+use super::delaunay::Delaunay;
+use super::local_slant::LocalSlant;
+use super::triangle_metrics::{TriangleMetrics, area_mm2};
 use crate::cloud::PointCloud;
 use crate::error::{Error, Result};
 use crate::solve::median;
@@ -57,12 +57,12 @@ pub fn cull(cloud: &mut PointCloud, rule: CullRule) -> Result<CullReport> {
 /// Culls one cloud after another and keeps its buffers.
 #[derive(Debug, Clone, Default)]
 pub struct Culler {
-    net: Net,
+    delaunay: Delaunay,
     /// Of each triangle.
-    shapes: Vec<Shape>,
+    metrics: Vec<TriangleMetrics>,
     lengths: Vec<f64>,
-    neighbourhood: Neighbourhood,
-    islands: Islands,
+    local_slant: LocalSlant,
+    components: Components,
 }
 
 impl Culler {
@@ -76,10 +76,10 @@ impl Culler {
         {
             return Err(Error::invalid("largest area of a triangle", "a positive number of mm²", a));
         }
-        self.delaunay(cloud);
+        self.triangulate(cloud);
         let mut report = CullReport { triangles: cloud.triangles.len(), ..CullReport::default() };
-        let usual_px = self.shapes_of(cloud);
-        self.islands.before(cloud.points.len(), &cloud.triangles, self.net.hull());
+        let usual_px = self.measure(cloud);
+        self.components.before(cloud.points.len(), &cloud.triangles, self.delaunay.hull());
         match rule {
             CullRule::Off => return Ok(report),
             CullRule::MaxAreaMm2(most) => {
@@ -90,36 +90,36 @@ impl Culler {
         }
         report.triangles_removed = report.triangles - cloud.triangles.len();
         let least = if rule == CullRule::Auto { usual_px } else { 0.0 };
-        report.outliers = self.islands.keep_surfaces(cloud, least);
+        report.outliers = self.components.keep_surfaces(cloud, least);
         Ok(report)
     }
 
     /// All triangles between the points, as the cloud's.
-    fn delaunay(&mut self, cloud: &mut PointCloud) {
-        self.net.triangulate(&cloud.points);
+    fn triangulate(&mut self, cloud: &mut PointCloud) {
+        self.delaunay.triangulate(&cloud.points);
         cloud.triangles.clear();
         // Anticlockwise with y up; the image's y points down.
-        cloud.triangles.extend(self.net.triangles().map(|[a, b, c]| [a, c, b]));
+        cloud.triangles.extend(self.delaunay.triangles().map(|[a, b, c]| [a, c, b]));
     }
 
     /// Measures every triangle; the median of their longest sides in the image.
-    fn shapes_of(&mut self, cloud: &PointCloud) -> f64 {
-        self.shapes.clear();
-        self.shapes.extend(cloud.triangles.iter().map(|t| Shape::of(cloud, t)));
+    fn measure(&mut self, cloud: &PointCloud) -> f64 {
+        self.metrics.clear();
+        self.metrics.extend(cloud.triangles.iter().map(|t| TriangleMetrics::of(cloud, t)));
         self.lengths.clear();
-        let step = self.shapes.len().div_ceil(SAMPLE).max(1);
-        self.lengths.extend(self.shapes.iter().step_by(step).map(|s| s.longest_px));
+        let step = self.metrics.len().div_ceil(SAMPLE).max(1);
+        self.lengths.extend(self.metrics.iter().step_by(step).map(|s| s.longest_px));
         median(&mut self.lengths).unwrap_or(0.0)
     }
 
     /// Keeps the triangles that are about as slanted and as long as those around them.
     fn keep_smooth(&mut self, cloud: &mut PointCloud, usual_px: f64) {
         let longest = MAX_LENGTH_RATIO * usual_px;
-        self.neighbourhood.learn(&self.shapes, usual_px, longest);
-        let mut shapes = self.shapes.iter();
+        self.local_slant.learn(&self.metrics, usual_px, longest);
+        let mut metrics = self.metrics.iter();
         cloud.triangles.retain(|_| {
-            shapes.next().is_some_and(|s| {
-                s.longest_px <= longest && s.slant <= MAX_SLANT_RATIO * self.neighbourhood.usual_slant(s)
+            metrics.next().is_some_and(|s| {
+                s.longest_px <= longest && s.slant <= MAX_SLANT_RATIO * self.local_slant.usual_slant(s)
             })
         });
     }

@@ -19,7 +19,7 @@ const NEVER: u32 = u32::MAX;
 
 /// A triangulation and its order; keeps its buffers.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Net {
+pub(super) struct Delaunay {
     spade: DelaunayTriangulation<Point2<f64>>,
     /// The point of each vertex; of points at one place the first.
     point_of: Vec<u32>,
@@ -31,7 +31,7 @@ pub(super) struct Net {
     last: Vec<[u32; 2]>,
 }
 
-impl Net {
+impl Delaunay {
     /// Triangulates; points that are not finite, or repeat another one, stay without a triangle.
     pub(super) fn triangulate(&mut self, points: &[CloudPoint]) {
         self.spade.clear();
@@ -54,8 +54,8 @@ impl Net {
     /// The points of the outer border.
     pub(super) fn hull(&self) -> impl Iterator<Item = u32> {
         // A cleared triangulation must not be asked for its border.
-        let net = (self.spade.num_inner_faces() > 0).then_some(&self.spade);
-        net.into_iter().flat_map(|n| n.convex_hull()).map(|e| self.point_of[e.from().index()])
+        let inner = (self.spade.num_inner_faces() > 0).then_some(&self.spade);
+        inner.into_iter().flat_map(|n| n.convex_hull()).map(|e| self.point_of[e.from().index()])
     }
 
     /// Inserts three points that make a triangle; false where there are none. (As long as all points lie on one line,
@@ -204,23 +204,23 @@ mod tests {
         let turned: Vec<[f64; 2]> = at.iter().map(|[x, y]| [*y, *x]).collect();
         let reversed: Vec<[f64; 2]> = at.iter().rev().copied().collect();
         let grid: Vec<[f64; 2]> = (0..400).map(|i| [f64::from(i % 20), f64::from(i / 20)]).collect();
-        let mut net = Net::default();
+        let mut delaunay = Delaunay::default();
         for at in [at, turned, reversed, grid] {
-            net.triangulate(&cloud(&at));
-            let mut order = net.order.clone();
+            delaunay.triangulate(&cloud(&at));
+            let mut order = delaunay.order.clone();
             order.sort_unstable();
             assert!(order.iter().copied().eq(0..at.len() as u32));
             let mut seen = vec![false; at.len()];
-            net.triangles().flatten().for_each(|i| seen[i as usize] = true);
+            delaunay.triangles().flatten().for_each(|i| seen[i as usize] = true);
             assert!(seen.iter().all(|s| *s));
-            assert_eq!(net.triangles().count(), 2 * at.len() - 2 - net.hull().count());
+            assert_eq!(delaunay.triangles().count(), 2 * at.len() - 2 - delaunay.hull().count());
         }
     }
 
     #[test]
     fn the_same_points_give_the_same_triangles_in_used_buffers() {
         let points = cloud(&stripes());
-        let (mut fresh, mut used) = (Net::default(), Net::default());
+        let (mut fresh, mut used) = (Delaunay::default(), Delaunay::default());
         fresh.triangulate(&points);
         used.triangulate(&cloud(&[[0.0, 0.0], [90.0, 1.0], [1.0, 4.0], [7.0, 7.0]]));
         used.triangulate(&points);
@@ -230,32 +230,32 @@ mod tests {
 
     #[test]
     fn of_two_points_at_one_place_the_first_is_taken_and_odd_ones_are_left_out() {
-        let mut net = Net::default();
+        let mut delaunay = Delaunay::default();
         let corners =
             [[0.0, 0.0], [0.0, 0.0], [9.0, 0.0], [f64::NAN, 1.0], [0.0, 9.0], [9.0, 0.0], [1e300, 0.0]];
-        net.triangulate(&cloud(&corners));
-        let mut found: Vec<u32> = net.triangles().flatten().collect();
+        delaunay.triangulate(&cloud(&corners));
+        let mut found: Vec<u32> = delaunay.triangles().flatten().collect();
         found.sort_unstable();
         assert_eq!(found, [0, 2, 4]);
-        assert_eq!(net.hull().count(), 3);
+        assert_eq!(delaunay.hull().count(), 3);
     }
 
     #[test]
     fn points_on_one_line_make_no_triangle_and_cost_no_time() {
-        let mut net = Net::default();
+        let mut delaunay = Delaunay::default();
         for n in [0, 1, 2, 3, 100_000] {
             for down in [0.0, 1.0] {
                 let at: Vec<[f64; 2]> = (0..n).map(|i| [f64::from(i), 3.0 + down * f64::from(i)]).collect();
-                net.triangulate(&cloud(&at));
-                assert_eq!((net.triangles().count(), net.hull().count()), (0, 0));
+                delaunay.triangulate(&cloud(&at));
+                assert_eq!((delaunay.triangles().count(), delaunay.hull().count()), (0, 0));
             }
         }
-        net.triangulate(&cloud(&[[4.0, 4.0]; 5]));
-        assert_eq!(net.triangles().count(), 0);
+        delaunay.triangulate(&cloud(&[[4.0, 4.0]; 5]));
+        assert_eq!(delaunay.triangles().count(), 0);
         // Nearly all.
         let mut at: Vec<[f64; 2]> = (0..10_000).map(|i| [f64::from(i), 3.0]).collect();
         at.push([5.0, 4.0]);
-        net.triangulate(&cloud(&at));
-        assert_eq!(net.triangles().count(), 9999);
+        delaunay.triangulate(&cloud(&at));
+        assert_eq!(delaunay.triangles().count(), 9999);
     }
 }

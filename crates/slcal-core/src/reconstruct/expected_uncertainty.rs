@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn a_whole_coordinate_is_no_line_that_stripes_were_looked_for_on() {
-        // Light from above: rows of the panel tell depths, and move along the image's columns alone. A pixel with a whole
+        // ProjectorLight from above: rows of the panel tell depths, and move along the image's columns alone. A pixel with a whole
         // column and a row between two would pass for a stripe that was measured across its column.
         let mut rig = calibrated();
         let mut projector = rig.projector.unwrap();

@@ -11,7 +11,7 @@ use crate::geometry::{Camera, Pose};
 
 /// Why a match is no point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Refused {
+pub(super) enum Rejection {
     Invalid,
     Grazing,
     Behind,
@@ -28,7 +28,7 @@ const MAX_STEPS: usize = 30;
 
 /// The projector as a source of light, in the camera's frame.
 #[derive(Debug, Clone)]
-pub(super) struct Light {
+pub(super) struct ProjectorLight {
     pub(super) projector: Camera,
     pub(super) pose: Pose,
     bent: bool,
@@ -72,7 +72,7 @@ impl Hit {
     }
 }
 
-impl Light {
+impl ProjectorLight {
     pub(super) fn new(projector: Camera, pose: Pose, min_angle_rad: f64, panel_margin: f64) -> Self {
         let side = |size: u32| {
             let margin = panel_margin * f64::from(size);
@@ -96,10 +96,10 @@ impl Light {
     /// column and row overdetermine the depth, Newton (Gauss–Newton on the residuals in px) goes on from there. The unknown
     /// is 1/z, in which a coordinate on the panel is nearly linear, and which passes through zero at infinity.
     #[inline(always)]
-    pub(super) fn meet(&self, q: &Vector3<f64>, wanted: [Option<f64>; 2]) -> Result<Hit, Refused> {
+    pub(super) fn meet(&self, q: &Vector3<f64>, wanted: [Option<f64>; 2]) -> Result<Hit, Rejection> {
         let mut inverse_depth = self.start(q, wanted);
         if !inverse_depth.is_finite() {
-            return Err(Refused::Grazing);
+            return Err(Rejection::Grazing);
         }
         let mut hit = self.at(q, inverse_depth, wanted)?;
         if self.bent || (wanted[0].is_some() && wanted[1].is_some()) {
@@ -108,7 +108,7 @@ impl Light {
                 let step = self.step(&hit, wanted);
                 inverse_depth -= step;
                 if !inverse_depth.is_finite() {
-                    return Err(Refused::Grazing);
+                    return Err(Rejection::Grazing);
                 }
                 hit = self.at(q, inverse_depth, wanted)?;
                 if step.abs() <= CONVERGED * inverse_depth.abs() {
@@ -116,7 +116,7 @@ impl Light {
                 }
                 steps += 1;
                 if steps == MAX_STEPS {
-                    return Err(Refused::Invalid);
+                    return Err(Rejection::Invalid);
                 }
             }
         }
@@ -126,22 +126,22 @@ impl Light {
 
     /// Behind, grazing, outside the panel, and column and row that contradict each other.
     #[inline(always)]
-    fn check(&self, q: &Vector3<f64>, hit: &Hit, wanted: [Option<f64>; 2]) -> Result<(), Refused> {
+    fn check(&self, q: &Vector3<f64>, hit: &Hit, wanted: [Option<f64>; 2]) -> Result<(), Rejection> {
         let least = self.least_sin2 * q.norm_squared();
         if !hit.coordinates().any(|c| c.h.dot(q).powi(2) >= least * c.h.norm_squared()) {
-            return Err(Refused::Grazing);
+            return Err(Rejection::Grazing);
         }
         if !(hit.inverse_depth > 0.0 && hit.depth_ratio > 0.0) {
-            return Err(Refused::Behind);
+            return Err(Rejection::Behind);
         }
         let lit = self.pixel(hit.ideal);
         if !(self.panel[0].contains(&lit.x) && self.panel[1].contains(&lit.y)) {
-            return Err(Refused::OutsidePanel);
+            return Err(Rejection::OutsidePanel);
         }
         if let [Some(column), Some(row)] = wanted
             && !((lit.x - column).abs() <= self.margin[0] && (lit.y - row).abs() <= self.margin[1])
         {
-            return Err(Refused::Contradicting);
+            return Err(Rejection::Contradicting);
         }
         Ok(())
     }
@@ -179,11 +179,11 @@ impl Light {
 
     /// What is seen from the projector of the ray's point at an inverse depth.
     #[inline(always)]
-    fn at(&self, q: &Vector3<f64>, inverse_depth: f64, wanted: [Option<f64>; 2]) -> Result<Hit, Refused> {
+    fn at(&self, q: &Vector3<f64>, inverse_depth: f64, wanted: [Option<f64>; 2]) -> Result<Hit, Rejection> {
         let t = &self.pose.translation;
         let p = q + t * inverse_depth;
         if p.z.is_nan() || p.z <= 0.0 {
-            return Err(Refused::Behind);
+            return Err(Rejection::Behind);
         }
         let per_depth = 1.0 / p.z;
         let ideal = p.xy() * per_depth;
@@ -191,7 +191,7 @@ impl Light {
         let turned_over = self.bent && bend.determinant().partial_cmp(&0.0) != Some(Ordering::Greater);
         if turned_over {
             // Beyond the fold of the model: no light leaves there.
-            return Err(Refused::OutsidePanel);
+            return Err(Rejection::OutsidePanel);
         }
         let coordinate = |axis: usize| {
             let k = self.k_row(axis);

@@ -1,6 +1,6 @@
 //! How slanted a surface usually is, here and there in the image.
 
-use super::triangle_metrics::Shape;
+use super::triangle_metrics::TriangleMetrics;
 use crate::solve::median;
 
 /// Side of the cells that make up a neighbourhood, in median sides of triangles: some five stripes.
@@ -14,7 +14,7 @@ const MOST_SLANTED: f64 = 4.0;
 
 /// The median slant of the triangles in every cell of a grid over the image; keeps its buffers.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Neighbourhood {
+pub(super) struct LocalSlant {
     cell_px: f64,
     size: [usize; 2],
     /// Where each cell's triangles begin in `slants`, and one more.
@@ -25,20 +25,20 @@ pub(super) struct Neighbourhood {
     least: f64,
 }
 
-impl Neighbourhood {
-    fn column_and_row(&self, s: &Shape) -> [usize; 2] {
+impl LocalSlant {
+    fn column_and_row(&self, s: &TriangleMetrics) -> [usize; 2] {
         // Casts saturate: what lies left of or above the image belongs to the first cell.
         [s.middle.x, s.middle.y].map(|x| ((x / self.cell_px) as usize).min(MOST_CELLS - 1))
     }
 
-    fn cell(&self, s: &Shape) -> usize {
+    fn cell(&self, s: &TriangleMetrics) -> usize {
         let [x, y] = self.column_and_row(s);
         y.min(self.size[1] - 1) * self.size[0] + x.min(self.size[0] - 1)
     }
 
     /// Learns from the triangles that are not longer than `longest_px`; `usual_px` is their usual length.
-    pub(super) fn learn(&mut self, shapes: &[Shape], usual_px: f64, longest_px: f64) {
-        let fine = |s: &&Shape| s.slant.is_finite() && s.longest_px <= longest_px;
+    pub(super) fn learn(&mut self, shapes: &[TriangleMetrics], usual_px: f64, longest_px: f64) {
+        let fine = |s: &&TriangleMetrics| s.slant.is_finite() && s.longest_px <= longest_px;
         self.cell_px = if usual_px > 0.0 { CELL_SIDES * usual_px } else { 1.0 };
         self.size = [1, 1];
         for s in shapes.iter().filter(fine) {
@@ -77,7 +77,7 @@ impl Neighbourhood {
     }
 
     /// What is usual about a triangle.
-    pub(super) fn usual_slant(&self, s: &Shape) -> f64 {
+    pub(super) fn usual_slant(&self, s: &TriangleMetrics) -> f64 {
         let here = self.usual.get(self.cell(s)).copied().unwrap_or(self.least);
         // No neighbourhood is less slanted than a surface can be: a cell of a single odd triangle judges nothing.
         here.clamp(self.least, MOST_SLANTED * self.least)

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-use super::light_plane::{Hit, Light};
+use super::light_plane::{Hit, ProjectorLight};
 use crate::geometry::{Camera, Distortion};
 use crate::rig::Rig;
 
@@ -66,7 +66,13 @@ impl RigSigma {
     }
 
     /// 1σ along the camera's ray, mm, to first order.
-    pub(super) fn along_ray(&self, camera: &Camera, light: &Light, ray: &CameraRay, hit: &Hit) -> f64 {
+    pub(super) fn along_ray(
+        &self,
+        camera: &Camera,
+        light: &ProjectorLight,
+        ray: &CameraRay,
+        hit: &Hit,
+    ) -> f64 {
         let all = gradient(camera, light, ray, hit);
         let n = self.parameters.len();
         let mut g = [0.0; ALL];
@@ -86,7 +92,7 @@ impl RigSigma {
 /// The camera's parameters move the ray (by δb), and the point stays on it and in the light: with the light's coordinate
 /// u(X) and the point z·b, ∇u·δ(z·b) + δu = 0. The displacement along the ray is that of the depth and that of the ray
 /// itself, |b|·δz + z·(b·δb)/|b|.
-fn gradient(camera: &Camera, light: &Light, ray: &CameraRay, hit: &Hit) -> [f64; ALL] {
+fn gradient(camera: &Camera, light: &ProjectorLight, ray: &CameraRay, hit: &Hit) -> [f64; ALL] {
     let z = 1.0 / hit.inverse_depth;
     let (b, q) = (&ray.bearing, &ray.in_projector);
     // What a displacement of the ray's direction, per unit of (x, y), does to the result.
@@ -128,7 +134,7 @@ fn gradient(camera: &Camera, light: &Light, ray: &CameraRay, hit: &Hit) -> [f64;
 }
 
 /// Derivatives of one coordinate of the pixel of an ideal point by the projector's lens.
-fn lens_gradient(light: &Light, ideal: Vector2<f64>, axis: usize) -> [f64; LENS] {
+fn lens_gradient(light: &ProjectorLight, ideal: Vector2<f64>, axis: usize) -> [f64; LENS] {
     let row = light.k_row(axis);
     let mut out = [0.0; LENS];
     out[0] = row.dot(&light.projector.distortion.distort(ideal)) / light.projector.intrinsics.fx;

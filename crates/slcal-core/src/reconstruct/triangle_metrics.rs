@@ -4,7 +4,7 @@ use crate::cloud::{CloudPoint, PointCloud};
 
 /// What is looked at of a triangle.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Shape {
+pub(super) struct TriangleMetrics {
     /// Area in space over the area in the image at the triangle's own distance; one over the cosine of the slant, up to a
     /// factor that is the same for all.
     pub(super) slant: f64,
@@ -14,7 +14,7 @@ pub(super) struct Shape {
     pub(super) middle: nalgebra::Point2<f64>,
 }
 
-impl Shape {
+impl TriangleMetrics {
     /// Of a triangle of a cloud.
     pub(super) fn of(cloud: &PointCloud, t: &[u32; 3]) -> Self {
         let [a, b, c] = corners(&cloud.points, t).map(|p| p.pixel);

@@ -6,7 +6,7 @@
 use nalgebra::{Matrix2, Point3, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::light_plane::{Hit, Light, Refused};
+use super::light_plane::{Hit, ProjectorLight, Rejection};
 use super::point_covariance::{CameraRay, RigSigma};
 use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::error::{Error, Result};
@@ -111,14 +111,14 @@ pub struct TriangulateReport {
 }
 
 impl TriangulateReport {
-    fn count(&mut self, refused: Refused) {
+    fn count(&mut self, refused: Rejection) {
         match refused {
-            Refused::Invalid => self.invalid += 1,
-            Refused::Grazing => self.grazing += 1,
-            Refused::Behind => self.behind += 1,
-            Refused::OutsidePanel => self.outside_panel += 1,
-            Refused::Contradicting => self.contradicting += 1,
-            Refused::OutsideDepth => self.outside_depth += 1,
+            Rejection::Invalid => self.invalid += 1,
+            Rejection::Grazing => self.grazing += 1,
+            Rejection::Behind => self.behind += 1,
+            Rejection::OutsidePanel => self.outside_panel += 1,
+            Rejection::Contradicting => self.contradicting += 1,
+            Rejection::OutsideDepth => self.outside_depth += 1,
         }
     }
 
@@ -169,7 +169,7 @@ pub struct Triangulator {
     bent: bool,
     /// d(x, y)/d(pixel) without distortion.
     by_pixel: Matrix2<f64>,
-    light: Light,
+    light: ProjectorLight,
     depth_mm: std::ops::RangeInclusive<f64>,
     rig: Option<RigSigma>,
     /// Whether matches were looked for on lines of pixels, see [`across`].
@@ -204,7 +204,12 @@ impl Triangulator {
             camera,
             bent: !camera.distortion.is_none(),
             by_pixel: Matrix2::new(1.0 / k.fx, -k.skew / (k.fx * k.fy), 0.0, 1.0 / k.fy),
-            light: Light::new(device.model, from_camera.pose, config.min_angle_rad, config.panel_margin),
+            light: ProjectorLight::new(
+                device.model,
+                from_camera.pose,
+                config.min_angle_rad,
+                config.panel_margin,
+            ),
             depth_mm: config.depth_mm(),
             rig: RigSigma::of(rig),
             on_lines: true,
@@ -303,7 +308,7 @@ impl Triangulator {
         matches: &[Match],
         i: usize,
         shares: &mut [Share; REMEMBERED],
-    ) -> std::result::Result<CloudPoint, Refused> {
+    ) -> std::result::Result<CloudPoint, Rejection> {
         let m = &matches[i];
         let wanted = [m.projector_column, m.projector_row];
         let known = wanted.iter().flatten();
@@ -311,20 +316,20 @@ impl Triangulator {
             || known.count() == 0
             || !(m.sigma_px.is_finite() && m.sigma_px >= 0.0)
         {
-            return Err(Refused::Invalid);
+            return Err(Rejection::Invalid);
         }
         let ray = self.ray(m)?;
         let hit = self.light.meet(&ray.in_projector, wanted)?;
         let z = 1.0 / hit.inverse_depth;
         if !self.depth_mm.contains(&z) {
-            return Err(Refused::OutsideDepth);
+            return Err(Rejection::OutsideDepth);
         }
         let noise_mm = self.noise(matches, i, &ray, &hit) * z * z;
         let of_rig = self.rig_share(m, &ray, &hit, shares) * z * z;
         let sigma_mm = (noise_mm * noise_mm + of_rig * of_rig).sqrt();
         let position = Point3::from(ray.bearing * z);
         if !(sigma_mm.is_finite() && z.is_finite()) {
-            return Err(Refused::Grazing);
+            return Err(Rejection::Grazing);
         }
         let confidence = if m.confidence.is_finite() { m.confidence } else { 0.0 };
         Ok(CloudPoint {
@@ -339,12 +344,12 @@ impl Triangulator {
     }
 
     #[inline(always)]
-    fn ray(&self, m: &Match) -> std::result::Result<CameraRay, Refused> {
+    fn ray(&self, m: &Match) -> std::result::Result<CameraRay, Rejection> {
         let seen = self.by_pixel * (m.camera - self.camera.intrinsics.principal_point());
         let (ideal, by_pixel) = if self.bent {
             let (ideal, bend) =
-                self.camera.distortion.undistort_with_jacobian(seen).ok_or(Refused::Invalid)?;
-            (ideal, bend.try_inverse().ok_or(Refused::Invalid)? * self.by_pixel)
+                self.camera.distortion.undistort_with_jacobian(seen).ok_or(Rejection::Invalid)?;
+            (ideal, bend.try_inverse().ok_or(Rejection::Invalid)? * self.by_pixel)
         } else {
             (seen, self.by_pixel)
         };

@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::experiment::{LevelReport, MethodName, MethodReport, NoiseReport};
+use super::experiment::{LevelReport, NoiseReport};
 use super::statistics::{ErrorStatistics, Statistics};
+use super::trial::{MethodName, MethodReport};
 
 const HEADER: &str = "level_px,method,draws,imaginary,refused,failed,cube_missed,\
     camera_reprojection_px_mean,camera_reprojection_px_std,projector_reprojection_px_mean,projector_reprojection_px_std,\
@@ -62,6 +63,6 @@ fn row(level: &LevelReport, m: &MethodReport) -> String {
     ] {
         of_error(e, bound).into_iter().for_each(&mut put);
     }
-    [m.held.camera_focal, m.held.projector_focal, m.held.baseline].into_iter().for_each(&mut put);
+    [m.coverage.camera_focal, m.coverage.projector_focal, m.coverage.baseline].into_iter().for_each(&mut put);
     line
 }

@@ -11,8 +11,7 @@ use super::draws::Draws;
 use super::poses::PoseConfig;
 use super::rig_config::RigConfig;
 use super::scene::{NoiseModel, Scene};
-use super::statistics::{ErrorStatistics, Held, Statistics};
-use super::trial::Tally;
+use super::trial::{MethodName, MethodReport, Tally};
 use crate::calibrate::{CalibrateConfig, DistortionModel, Method, PrincipalPointRule};
 use crate::error::{Error, Result};
 
@@ -37,16 +36,6 @@ pub enum PrincipalPoints {
     /// What is told by default: `ml` has its priors, `two-vp` takes the centres for exact. The truth is drawn from the
     /// priors anew for every draw (the projector's row, which the default leaves unknown, is the one of its lens shift).
     Prior,
-}
-
-/// Which estimator a row is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MethodName {
-    /// Two vanishing points alone.
-    TwoVp,
-    /// Maximum likelihood.
-    Ml,
 }
 
 /// Parameters of [`NoiseExperiment`].
@@ -124,39 +113,6 @@ pub struct TrueValues {
     pub cube_mm: f64,
     /// Corners of the cube that both devices see.
     pub cube_corners: usize,
-}
-
-/// One method at one level. Statistics are over the draws that gave a rig, refused ones included.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct MethodReport {
-    /// Which.
-    pub method: MethodName,
-    /// Draws of the noise.
-    pub draws: usize,
-    /// Draws without a real focal length.
-    pub imaginary: usize,
-    /// Draws whose rig would be refused as degenerate by its own σ.
-    pub refused: usize,
-    /// Draws that failed in another way.
-    pub failed: usize,
-    /// Distance of the sheet's and the projected corners from the rig's prediction, rms per draw, camera px.
-    pub camera_reprojection_px: Statistics,
-    /// The same of the projected corners, carried over the sheet into the projector, projector px.
-    pub projector_reprojection_px: Statistics,
-    /// Distance of the cube's corners from where they are, mean per draw, per cent of its edge.
-    pub cube_position_percent: Statistics,
-    /// Error of the lengths of its edges, rms per draw, per cent.
-    pub cube_length_percent: Statistics,
-    /// Rigs by which a corner of the cube has no place.
-    pub cube_missed: usize,
-    /// Focal length of the camera against the truth, px.
-    pub camera_focal_px: ErrorStatistics,
-    /// Focal length of the projector against the truth, px.
-    pub projector_focal_px: ErrorStatistics,
-    /// Translation camera → projector against the truth, mm.
-    pub translation_mm: ErrorStatistics,
-    /// How often the rig's 95 % intervals held the truth.
-    pub held: Held,
 }
 
 /// Both methods at one level of the noise.

@@ -18,24 +18,24 @@ mod photograph;
 mod poses;
 mod rig_config;
 mod scene;
+mod spread;
 mod statistics;
 mod trial;
 
 pub use bound::{Bound, PrincipalPointSigma, bound};
 pub use cube::{Cube, CubeError};
 pub use draws::Draws;
-pub use experiment::{
-    LevelReport, MethodName, MethodReport, NoiseConfig, NoiseExperiment, NoiseReport, PrincipalPoints,
-    TrueValues,
-};
+pub use experiment::{LevelReport, NoiseConfig, NoiseExperiment, NoiseReport, PrincipalPoints, TrueValues};
 pub use photograph::{
-    PatternKind, Photographer, Placing, RenderConfig, SceneReport, SceneSetup, SceneStage, Seen, Shape,
-    Shown, SimulatedScene, Subject, Surface, SurfaceKind, TriangleMesh, Truth, WallKind,
+    PatternKind, Photographer, PixelTruth, Placing, ProjectedImage, RenderConfig, SceneReport, SceneSetup,
+    SceneStage, Shape, SimulatedScene, Subject, Surface, SurfaceKind, TriangleMesh, Truth, WallKind,
 };
-pub use poses::{PoseConfig, SpreadConfig, spread_poses};
+pub use poses::PoseConfig;
 pub use rig_config::RigConfig;
 pub use scene::{NoiseModel, Scene};
-pub use statistics::{ErrorStatistics, Held, Statistics};
+pub use spread::{SpreadConfig, spread_poses};
+pub use statistics::{Coverage, ErrorStatistics, Statistics};
+pub use trial::{MethodName, MethodReport};
 
 #[cfg(test)]
 mod tests;

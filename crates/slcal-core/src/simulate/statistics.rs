@@ -31,7 +31,7 @@ pub struct ErrorStatistics {
 /// How often ±1.96 of a rig's own σ held the truth, as a share of the rigs that have this σ; 0.95 where σ is true. `None`
 /// without such a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Held {
+pub struct Coverage {
     /// Focal length of the camera.
     pub camera_focal: Option<f64>,
     /// Focal length of the projector.
@@ -44,7 +44,7 @@ pub struct Held {
 const HALF_INTERVAL: f64 = 1.959_963_984_540_054;
 
 /// The share of errors, each with its own σ (positive), that lie within their 95 % interval.
-pub(super) fn held(errors: &[(f64, f64)]) -> Option<f64> {
+pub(super) fn coverage(errors: &[(f64, f64)]) -> Option<f64> {
     let within = errors.iter().filter(|(error, sigma)| error.abs() <= HALF_INTERVAL * sigma).count();
     (!errors.is_empty()).then(|| within as f64 / errors.len() as f64)
 }
@@ -108,8 +108,8 @@ mod tests {
 
     #[test]
     fn an_interval_holds_what_lies_within_it() {
-        assert_eq!(held(&[(1.9, 1.0), (-1.9, 1.0), (2.0, 1.0), (-3.9, 2.0)]), Some(0.75));
-        assert_eq!(held(&[]), None);
+        assert_eq!(coverage(&[(1.9, 1.0), (-1.9, 1.0), (2.0, 1.0), (-3.9, 2.0)]), Some(0.75));
+        assert_eq!(coverage(&[]), None);
     }
 
     #[test]

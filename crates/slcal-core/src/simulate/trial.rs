@@ -1,17 +1,61 @@
 //! One draw: calibrate from it by one method and compare with the truth.
 
 use nalgebra::{Point2, Point3, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::cube::Cube;
 use super::draws::Draws;
-use super::experiment::{MethodName, MethodReport};
 use super::scene::{Scene, lit_point};
-use super::statistics::{ErrorStatistics, Held, Statistics, held};
+use super::statistics::{Coverage, ErrorStatistics, Statistics, coverage};
 use crate::calibrate::{CalibrateConfig, calibrate_observations};
 use crate::error::Error;
 use crate::geometry::{Camera, Plane, Pose, Ray};
 use crate::observations::{Observations, SheetObservation};
 use crate::rig::{Projector, Rig, Verdict};
+
+/// Which estimator a row is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MethodName {
+    /// Two vanishing points alone.
+    TwoVp,
+    /// Maximum likelihood.
+    Ml,
+}
+
+/// One method at one level. Statistics are over the draws that gave a rig, refused ones included.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MethodReport {
+    /// Which.
+    pub method: MethodName,
+    /// Draws of the noise.
+    pub draws: usize,
+    /// Draws without a real focal length.
+    pub imaginary: usize,
+    /// Draws whose rig would be refused as degenerate by its own σ.
+    pub refused: usize,
+    /// Draws that failed in another way.
+    pub failed: usize,
+    /// Distance of the sheet's and the projected corners from the rig's prediction, rms per draw, camera px.
+    pub camera_reprojection_px: Statistics,
+    /// The same of the projected corners, carried over the sheet into the projector, projector px.
+    pub projector_reprojection_px: Statistics,
+    /// Distance of the cube's corners from where they are, mean per draw, per cent of its edge.
+    pub cube_position_percent: Statistics,
+    /// Error of the lengths of its edges, rms per draw, per cent.
+    pub cube_length_percent: Statistics,
+    /// Rigs by which a corner of the cube has no place.
+    pub cube_missed: usize,
+    /// Focal length of the camera against the truth, px.
+    pub camera_focal_px: ErrorStatistics,
+    /// Focal length of the projector against the truth, px.
+    pub projector_focal_px: ErrorStatistics,
+    /// Translation camera → projector against the truth, mm.
+    pub translation_mm: ErrorStatistics,
+    /// Coverage of the rig's 95 % intervals: how often they contain the truth.
+    #[serde(rename = "held")]
+    pub coverage: Coverage,
+}
 
 /// What is collected over the draws of one method at one level.
 #[derive(Debug, Default)]
@@ -88,7 +132,7 @@ impl Tally {
 
     /// The statistics.
     pub(super) fn report(&self, method: MethodName) -> MethodReport {
-        let [camera_focal, projector_focal, baseline] = [0, 1, 2].map(|i| held(&self.intervals[i]));
+        let [camera_focal, projector_focal, baseline] = [0, 1, 2].map(|i| coverage(&self.intervals[i]));
         MethodReport {
             method,
             draws: self.draws,
@@ -103,7 +147,7 @@ impl Tally {
             camera_focal_px: ErrorStatistics::of(&self.camera_focal),
             projector_focal_px: ErrorStatistics::of(&self.projector_focal),
             translation_mm: ErrorStatistics::of(&self.translation),
-            held: Held { camera_focal, projector_focal, baseline },
+            coverage: Coverage { camera_focal, projector_focal, baseline },
         }
     }
 }

@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-use super::super::color_classes::{Hues, NO_HUE, Sample};
+use super::super::color_classes::{ColorClasses, ColorSample, NO_CLASS};
 use super::super::crosstalk::crosstalk;
 use super::super::rgb::unit;
 use crate::pattern::{StripeConfig, StripePattern};
@@ -22,7 +22,7 @@ struct Drawn {
     sequence: Vec<u8>,
     /// Light of each hue as the camera sees it.
     light: Vec<[f32; 3]>,
-    samples: Vec<Sample>,
+    samples: Vec<ColorSample>,
 }
 
 /// Forty lines across a pattern whose left part lies on a surface three times as bright as the other.
@@ -39,7 +39,7 @@ fn draw(hues: u32, order: u32, noise: f32) -> Drawn {
             let lit = if k < 20 { 0.6 } else { 0.2 };
             let color = light[usize::from(s)].map(|c| lit * (c + normal.sample(&mut rng)));
             let sum = color[0] + color[1] + color[2];
-            samples.push(Sample {
+            samples.push(ColorSample {
                 unit: unit(color).unwrap(),
                 sigma: noise,
                 light: sum,
@@ -58,7 +58,7 @@ fn angle(a: [f32; 3], b: [f32; 3]) -> f32 {
 fn hues_are_learned_as_the_camera_sees_them() {
     for (hues, order) in [(3, 4), (4, 3), (5, 3)] {
         let d = draw(hues, order, 0.01);
-        let mut learned = Hues::default();
+        let mut learned = ColorClasses::default();
         learned.seed(&d.palette, &d.sequence, &d.samples, true);
         learned.learn(&d.samples, None);
         for (seen, drawn) in learned.directions.iter().zip(&d.light) {
@@ -82,7 +82,7 @@ fn hues_are_learned_as_the_camera_sees_them() {
 fn brightness_of_hues_is_that_of_neighbours_on_one_surface() {
     for (hues, order) in [(3, 4), (4, 3), (5, 3)] {
         let d = draw(hues, order, 0.005);
-        let mut learned = Hues::default();
+        let mut learned = ColorClasses::default();
         learned.seed(&d.palette, &d.sequence, &d.samples, true);
         let labels: Vec<u8> = (0..d.samples.len()).map(|i| d.sequence[i % d.sequence.len()]).collect();
         learned.learn(&d.samples, Some(&labels));
@@ -97,11 +97,11 @@ fn brightness_of_hues_is_that_of_neighbours_on_one_surface() {
 #[test]
 fn nothing_is_learned_from_nothing() {
     let d = draw(4, 3, 0.01);
-    let mut learned = Hues::default();
+    let mut learned = ColorClasses::default();
     learned.seed(&d.palette, &d.sequence, &[], true);
     let before = learned.directions.clone();
     learned.learn(&[], None);
-    learned.learn(&d.samples, Some(&vec![NO_HUE; d.samples.len()]));
+    learned.learn(&d.samples, Some(&vec![NO_CLASS; d.samples.len()]));
     assert!(learned.directions == before && learned.brightness.iter().all(|b| b.is_finite()));
 }
 

@@ -7,9 +7,9 @@ use rand_distr::{Distribution, Normal};
 
 use super::super::config::{DecodeInput, ScanDirection};
 use super::super::noise::Noise;
-use super::super::scanlines::{Line, LineReader, Tables};
-use super::super::stripe_edges::{Crossing, Scale, Scratch, find};
-use super::super::stripe_scale::{LookScratch, look};
+use super::super::scanlines::{Scanline, ScanlineReader, Tables};
+use super::super::stripe_edges::{FilterRadii, Scratch, StripeEdges, find};
+use super::super::stripe_scale::{ScaleScratch, measure_scale};
 use crate::photo::{Encoding, PhotoView};
 
 /// The integral up to x of a step at zero blurred by a Gaussian: σ (z Φ(z) + φ(z)), z = x/σ.
@@ -28,9 +28,9 @@ fn pixel(x: usize, stripes: &[[f64; 2]], sigma: f64) -> f64 {
     stripes.iter().filter(near).map(|s| step(s[0]) - step(s[1])).sum()
 }
 
-fn line(length: usize, stripes: &[[f64; 2]], sigma: f64, rng: &mut ChaCha8Rng, noise: f64) -> Line {
+fn line(length: usize, stripes: &[[f64; 2]], sigma: f64, rng: &mut ChaCha8Rng, noise: f64) -> Scanline {
     let normal = Normal::new(0.0, noise).unwrap();
-    let mut line = Line::default();
+    let mut line = Scanline::default();
     for x in 0..length {
         let light = 0.04 + 0.5 * pixel(x, stripes, sigma);
         line.rgb.push([1.0, 0.7, 0.2].map(|c| (c * light + normal.sample(rng)) as f32));
@@ -46,11 +46,11 @@ fn noise_of(sigma: f64) -> Noise {
 }
 
 /// The stripes of a line, and how many hills were none.
-fn crossings(line: &Line, edge: usize, noise: f64) -> (Vec<Crossing>, usize) {
-    let (scale, mut found) = (Scale { smoothing: 0, edge }, Vec::new());
+fn crossings(line: &Scanline, edge: usize, noise: f64) -> (Vec<StripeEdges>, usize) {
+    let (radii, mut found) = (FilterRadii { smoothing: 0, edge }, Vec::new());
     let color = |x: usize| line.rgb.get(x).copied().unwrap_or([0.0; 3]);
-    let weak = find(line, scale, &noise_of(noise), &mut Scratch::default(), color, &mut found, None);
-    (found, weak)
+    let rejected = find(line, radii, &noise_of(noise), &mut Scratch::default(), color, &mut found, None);
+    (found, rejected)
 }
 
 #[test]
@@ -64,8 +64,8 @@ fn edges_are_measured_without_bias_whatever_blur_and_phase() {
             let stripes: Vec<[f64; 2]> =
                 (0..6).map(|k| 20.0 + phase + 2.0 * width * f64::from(k)).map(|l| [l, l + width]).collect();
             let line = line((13.0 * width) as usize + 40, &stripes, sigma, &mut rng, 0.0);
-            let (found, weak) = crossings(&line, edge, 1e-3);
-            assert_eq!((found.len(), weak), (6, 0));
+            let (found, rejected) = crossings(&line, edge, 1e-3);
+            assert_eq!((found.len(), rejected), (6, 0));
             for (c, truth) in found.iter().zip(&stripes) {
                 for (at, truth) in [(c.left, truth[0]), (c.right, truth[1])] {
                     let error = f64::from(at) - truth;
@@ -115,13 +115,13 @@ fn photograph(width: f64, size: [u32; 2], noise: f64, seed: u64) -> DynamicImage
 }
 
 /// Calls `with` with readers of the photograph along rows and along columns, in linear encoding.
-fn read<T>(photo: &DynamicImage, with: impl Fn(&LineReader<'_>, &LineReader<'_>) -> T) -> T {
+fn read<T>(photo: &DynamicImage, with: impl Fn(&ScanlineReader<'_>, &ScanlineReader<'_>) -> T) -> T {
     let view = PhotoView::try_from(photo).unwrap();
     let mut tables = Tables::default();
     tables.prepare(&view, Encoding::Linear);
     let input = DecodeInput { photo: view, black: None, white: None };
     let [rows, columns] =
-        [ScanDirection::Rows, ScanDirection::Columns].map(|scan| LineReader::new(&input, &tables, scan));
+        [ScanDirection::Rows, ScanDirection::Columns].map(|scan| ScanlineReader::new(&input, &tables, scan));
     with(&rows, &columns)
 }
 
@@ -148,15 +148,15 @@ fn a_look_tells_direction_and_scale_of_any_stripes() {
         let (seen, other) = read(&photo, |rows, columns| {
             let mut noise = Noise::new(Encoding::Linear);
             noise.measure(rows);
-            let mut work = LookScratch::default();
-            (look(rows, &noise, &mut work), look(columns, &noise, &mut work))
+            let mut work = ScaleScratch::default();
+            (measure_scale(rows, &noise, &mut work), measure_scale(columns, &noise, &mut work))
         });
         let seen = seen.expect("stripes");
         let half = f64::from(seen.half_period_px);
         assert!((half / width - 1.0).abs() < 0.1, "{half} for {width}");
         // Smoothing leaves stripes half as wide visible, and an edge is no longer than the blur makes it.
-        assert!(2 * seen.scale.smoothing < width as usize, "{:?} for {width}", seen.scale);
-        assert!((2..=6).contains(&seen.scale.edge), "{:?} for {width}", seen.scale);
+        assert!(2 * seen.radii.smoothing < width as usize, "{:?} for {width}", seen.radii);
+        assert!((2..=6).contains(&seen.radii.edge), "{:?} for {width}", seen.radii);
         assert!(other.is_none_or(|o| o.covered_px < 0.1 * seen.covered_px), "{other:?}");
     }
 }

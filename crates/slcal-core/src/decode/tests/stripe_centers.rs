@@ -3,19 +3,25 @@
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
-use super::super::labeling::Vote;
+use super::super::labeling::VotedLabel;
 use super::super::sequence_alignment::NONE;
-use super::super::slit_layout::Spacing;
-use super::super::stripe_centers::{Centre, SigmaWork, locate, measure_half_width, measure_sigma};
-use super::super::stripe_edges::Crossing;
-use super::super::tracks::Curves;
+use super::super::slit_layout::SlitLayout;
+use super::super::stripe_centers::{SigmaWork, StripeCenter, locate, measure_half_width, measure_sigma};
+use super::super::stripe_edges::StripeEdges;
+use super::super::tracks::Tracks;
 
 /// Slits 8 px wide, 16 px apart.
 const PERIOD: f64 = 16.0;
 const HALF: f64 = 4.0;
 
-fn crossing(left: f64, right: f64) -> Crossing {
-    Crossing { left: left as f32, right: right as f32, height: 0.5, edge_sigma: 0.05, hint: [0.577; 3] }
+fn crossing(left: f64, right: f64) -> StripeEdges {
+    StripeEdges {
+        left: left as f32,
+        right: right as f32,
+        height: 0.5,
+        edge_sigma: 0.05,
+        approximate_color: [0.577; 3],
+    }
 }
 
 /// The edges of `n` slits where `u` maps projector columns to.
@@ -23,44 +29,44 @@ fn edges(n: usize, u: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
     (0..n).map(|k| PERIOD * k as f64).map(|x| [u(x - HALF), u(x + HALF)]).collect()
 }
 
-fn spacing(gaps: &[f32]) -> Spacing {
-    let mut spacing = Spacing::default();
-    spacing.set(gaps.iter().copied(), HALF as f32);
-    spacing
+fn layout(gaps: &[f32]) -> SlitLayout {
+    let mut layout = SlitLayout::default();
+    layout.set(gaps.iter().copied(), HALF as f32);
+    layout
 }
 
 /// All crossings of lines, the k-th of each being slit k, and their centres.
 struct Scene {
-    curves: Curves,
-    votes: Vec<Vote>,
+    tracks: Tracks,
+    votes: Vec<VotedLabel>,
     gaps: Vec<f32>,
     half_px: f32,
-    centres: Vec<Centre>,
+    centers: Vec<StripeCenter>,
 }
 
 fn scene(lines: &[Vec<[f64; 2]>]) -> Scene {
-    let (mut curves, mut votes) = (Curves::default(), Vec::new());
-    curves.clear();
+    let (mut tracks, mut votes) = (Tracks::default(), Vec::new());
+    tracks.clear();
     for line in lines {
-        curves.crossings.extend(line.iter().map(|e| crossing(e[0], e[1])));
-        curves.lines.push(curves.crossings.len() as u32);
-        votes.extend((0..line.len()).map(|k| Vote { label: k as u16, support: 1.0 }));
+        tracks.crossings.extend(line.iter().map(|e| crossing(e[0], e[1])));
+        tracks.lines.push(tracks.crossings.len() as u32);
+        votes.extend((0..line.len()).map(|k| VotedLabel { label: k as u16, support: 1.0 }));
     }
-    curves.link();
+    tracks.link();
     let gaps = vec![PERIOD as f32; lines[0].len() - 1];
-    let (mut scratch, mut centres) = (Vec::new(), Vec::new());
-    let spacing = spacing(&gaps);
-    let half_px = measure_half_width(&curves, &votes, &spacing, &mut scratch);
-    locate(&curves, &votes, &spacing, &mut scratch, &mut centres);
-    Scene { curves, votes, gaps, half_px, centres }
+    let (mut scratch, mut centers) = (Vec::new(), Vec::new());
+    let layout = layout(&gaps);
+    let half_px = measure_half_width(&tracks, &votes, &layout, &mut scratch);
+    locate(&tracks, &votes, &layout, &mut scratch, &mut centers);
+    Scene { tracks, votes, gaps, half_px, centers }
 }
 
 /// Largest errors of the centres and of the middles of the edges, over all slits but those at either end.
-fn worst(seen: &[[f64; 2]], centres: &[Centre], u: impl Fn(f64) -> f64) -> (f64, f64) {
+fn worst(seen: &[[f64; 2]], centers: &[StripeCenter], u: impl Fn(f64) -> f64) -> (f64, f64) {
     let inner = 1..seen.len() - 1;
     let error = |k: usize, at: f64| (at - u(PERIOD * k as f64)).abs();
     let of = |f: &dyn Fn(usize) -> f64| inner.clone().map(f).fold(0.0, f64::max);
-    (of(&|k| error(k, f64::from(centres[k].u))), of(&|k| error(k, 0.5 * (seen[k][0] + seen[k][1]))))
+    (of(&|k| error(k, f64::from(centers[k].u))), of(&|k| error(k, 0.5 * (seen[k][0] + seen[k][1]))))
 }
 
 #[test]
@@ -68,13 +74,13 @@ fn the_centre_is_exact_to_third_order() {
     let u = |x: f64| 30.0 + 1.5 * x + 2e-3 * x * x + 4e-6 * x.powi(3);
     let seen = edges(20, u);
     let s = scene(std::slice::from_ref(&seen));
-    let (polynomial, middle) = worst(&seen, &s.centres, u);
+    let (polynomial, middle) = worst(&seen, &s.centers, u);
     // What is left is the rounding of positions to 24 bits.
     assert!(polynomial < 2e-4 && middle > 0.08, "{polynomial} {middle}");
     // At either end edges are there on one side only.
     for k in [0, 19] {
-        let error = f64::from(s.centres[k].u) - u(PERIOD * k as f64);
-        assert!(!s.centres[k].cut && error.abs() < 0.02, "{error}");
+        let error = f64::from(s.centers[k].u) - u(PERIOD * k as f64);
+        assert!(!s.centers[k].truncated && error.abs() < 0.02, "{error}");
     }
 }
 
@@ -84,8 +90,8 @@ fn on_a_strongly_curved_surface_it_is_far_better_than_the_middle_of_the_edges() 
     let u = |x: f64| 500.0 + 400.0 * ((x - 304.0) / 250.0).sin();
     let seen = edges(39, u);
     let s = scene(std::slice::from_ref(&seen));
-    assert!(s.centres.iter().all(|c| !c.cut));
-    let (polynomial, middle) = worst(&seen, &s.centres, u);
+    assert!(s.centers.iter().all(|c| !c.truncated));
+    let (polynomial, middle) = worst(&seen, &s.centers, u);
     assert!(polynomial < 2e-3 && middle > 0.04, "{polynomial} {middle}");
 }
 
@@ -97,9 +103,9 @@ fn a_stripe_that_an_outline_cuts_is_told_whichever_side_it_lacks() {
             let mut seen = whole.clone();
             seen[7][side] += if side == 0 { lost } else { -lost };
             let s = scene(std::slice::from_ref(&seen));
-            let cut: Vec<usize> = (0..15).filter(|&k| s.centres[k].cut).collect();
-            assert_eq!(cut, [7], "{lost} px off side {side}");
-            assert!(s.centres[7].u.is_nan());
+            let truncated: Vec<usize> = (0..15).filter(|&k| s.centers[k].truncated).collect();
+            assert_eq!(truncated, [7], "{lost} px off side {side}");
+            assert!(s.centers[7].u.is_nan());
         }
     }
 }
@@ -111,10 +117,10 @@ fn a_fold_in_a_gap_does_not_cut_the_stripes_beside_it() {
     let u = |x: f64| 20.0 + 1.5 * x + 1.5 * (x - fold).max(0.0);
     let seen = edges(14, u);
     let s = scene(std::slice::from_ref(&seen));
-    assert!(s.centres.iter().all(|c| !c.cut));
+    assert!(s.centers.iter().all(|c| !c.truncated));
     // Away from the fold all edges lie on one plane. Beside it, the narrower stripe is held against its own side.
     for k in (0..14).filter(|&k| k != 7) {
-        let error = f64::from(s.centres[k].u) - u(PERIOD * k as f64);
+        let error = f64::from(s.centers[k].u) - u(PERIOD * k as f64);
         assert!(error.abs() < 1e-3, "{error} at {k}");
     }
 }
@@ -132,13 +138,13 @@ fn a_fold_moves_no_centre_wherever_it_lies() {
             let fold = 7.0 * PERIOD + 0.25 * f64::from(step);
             let u = folded(fold, bend);
             let s = scene(&[edges(16, &u)]);
-            for k in (1..15).filter(|&k| !s.centres[k].cut) {
-                let error = (f64::from(s.centres[k].u) - u(PERIOD * k as f64)).abs() / 12.0;
+            for k in (1..15).filter(|&k| !s.centers[k].truncated) {
+                let error = (f64::from(s.centers[k].u) - u(PERIOD * k as f64)).abs() / 12.0;
                 // Cubics through edges on both sides are off by up to a fifth of a pixel with the fold in a gap, and half a
                 // pixel in a stripe. What is left here is perspective beside straight lines, and the noise that is expected.
                 assert!(error < 0.02, "{error} projector px at {k}: bend {bend} at {fold}");
             }
-            assert!(s.centres.iter().filter(|c| c.cut).count() <= 1, "bend {bend} at {fold}");
+            assert!(s.centers.iter().filter(|c| c.truncated).count() <= 1, "bend {bend} at {fold}");
         }
     }
 }
@@ -151,7 +157,7 @@ fn a_rounded_edge_wider_than_a_period_is_no_fold() {
             let at = 7.0 * PERIOD + f64::from(shift);
             let u = |x: f64| 12.0 * (x + 0.6 * width * ((x - at) / width).exp().ln_1p());
             let s = scene(&[edges(16, u)]);
-            let error = |k: usize| (f64::from(s.centres[k].u) - u(PERIOD * k as f64)).abs() / 12.0;
+            let error = |k: usize| (f64::from(s.centers[k].u) - u(PERIOD * k as f64)).abs() / 12.0;
             let worst = (1..15).map(error).fold(0.0, f64::max);
             // What the cubic leaves; a fold's two planes would be off by a quarter of a pixel.
             assert!(worst < 0.007, "{worst} projector px: {width} px wide at {at}");
@@ -168,9 +174,9 @@ fn what_is_done_about_folds_costs_no_accuracy_on_a_plane() {
         .map(|_| edges(20, u).into_iter().map(|e| e.map(|x| x + noise.sample(&mut rng))).collect())
         .collect();
     let s = scene(&lines);
-    let errors: Vec<f64> = (0..s.centres.len())
-        .filter(|i| (2..18).contains(&(i % 20)) && !s.centres[*i].cut)
-        .map(|i| f64::from(s.centres[i].u) - u(PERIOD * (i % 20) as f64))
+    let errors: Vec<f64> = (0..s.centers.len())
+        .filter(|i| (2..18).contains(&(i % 20)) && !s.centers[*i].truncated)
+        .map(|i| f64::from(s.centers[i].u) - u(PERIOD * (i % 20) as f64))
         .collect();
     let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
     // The cubic weighs the edges by -1, 9, 9 and -1 sixteenths.
@@ -199,12 +205,12 @@ fn sigma_is_the_scatter_of_the_centres_whatever_was_predicted() {
             .map(|_| edges(20, u).into_iter().map(|e| e.map(|x| x + noise.sample(&mut rng))).collect())
             .collect();
         let mut s = scene(&lines);
-        measure_sigma(&s.curves, &s.votes, 12, &mut SigmaWork::default(), &mut s.centres);
+        measure_sigma(&s.tracks, &s.votes, 12, &mut SigmaWork::default(), &mut s.centers);
         let ratios: Vec<f64> = s
-            .centres
+            .centers
             .iter()
             .enumerate()
-            .filter(|(i, c)| (2..18).contains(&(i % 20)) && !c.cut)
+            .filter(|(i, c)| (2..18).contains(&(i % 20)) && !c.truncated)
             .map(|(i, c)| (f64::from(c.u) - u(PERIOD * (i % 20) as f64)) / f64::from(c.sigma))
             .collect();
         assert!(ratios.len() > 2300, "{}", ratios.len());
@@ -217,9 +223,9 @@ fn sigma_is_the_scatter_of_the_centres_whatever_was_predicted() {
 fn what_has_no_number_has_no_centre() {
     let mut s = scene(&[edges(5, |x| 2.0 * x)]);
     s.votes[2].label = NONE;
-    let spacing = spacing(&s.gaps);
-    locate(&s.curves, &s.votes, &spacing, &mut Vec::new(), &mut s.centres);
-    assert!(s.centres[2].u.is_nan() && s.centres[1].u.is_finite());
-    locate(&Curves::default(), &[], &spacing, &mut Vec::new(), &mut s.centres);
-    assert!(s.centres.is_empty());
+    let layout = layout(&s.gaps);
+    locate(&s.tracks, &s.votes, &layout, &mut Vec::new(), &mut s.centers);
+    assert!(s.centers[2].u.is_nan() && s.centers[1].u.is_finite());
+    locate(&Tracks::default(), &[], &layout, &mut Vec::new(), &mut s.centers);
+    assert!(s.centers.is_empty());
 }

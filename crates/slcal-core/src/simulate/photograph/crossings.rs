@@ -4,7 +4,7 @@ use nalgebra::{Point2, Point3};
 
 use super::photographer::Photographer;
 use super::stage::Stage;
-use super::truth::TruePixel;
+use super::truth::StoredTruth;
 use crate::geometry::Ray;
 use crate::matches::{Match, Matches};
 use crate::pattern::{Axis, CheckerPattern, StripePattern};
@@ -80,7 +80,7 @@ impl Photographer {
     /// Whether the panel's column (`k` = 0) or row (1) changes more from pixel to pixel along image rows than along columns.
     fn varies_along_rows(&self, k: usize) -> bool {
         let truth = self.truth();
-        let change = |a: &TruePixel, b: Option<&TruePixel>| {
+        let change = |a: &StoredTruth, b: Option<&StoredTruth>| {
             let step = b.filter(|b| b.surface == a.surface).map_or(f64::NAN, |b| b.panel[k] - a.panel[k]);
             if step.is_nan() { 0.0 } else { step.abs() }
         };
@@ -106,7 +106,7 @@ fn between(centres: &[f64], a: f64, b: f64) -> Vec<usize> {
 /// that stays.
 fn crossing(
     stage: &Stage,
-    (a, b): (&TruePixel, &TruePixel),
+    (a, b): (&StoredTruth, &StoredTruth),
     k: usize,
     centre: f64,
     at: impl Fn(f64) -> Point2<f64>,

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::surface::Hit;
+use super::hit::Hit;
 use crate::error::{Error, Result};
 use crate::geometry::{Pose, Ray};
 

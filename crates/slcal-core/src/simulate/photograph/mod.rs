@@ -3,7 +3,7 @@
 //! ```
 //! use slcal_core::pattern::{StripeConfig, StripePattern};
 //! use slcal_core::simulate::{
-//!     PoseConfig, Photographer, RenderConfig, RigConfig, Scene, Shape, Shown, Surface,
+//!     PoseConfig, Photographer, RenderConfig, RigConfig, Scene, Shape, ProjectedImage, Surface,
 //! };
 //! # fn main() -> slcal_core::Result<()> {
 //! let config = RigConfig { camera: [160, 120], camera_focal_px: 190.0, ..RigConfig::default() };
@@ -11,7 +11,7 @@
 //! let ball = Shape::Sphere { centre: [0.0, 0.0, 1000.0].into(), radius_mm: 200.0 };
 //! let photographer = Photographer::new(&rig, &[Surface::object(ball)], &RenderConfig::default())?;
 //! let stripes = StripePattern::new(config.projector, &StripeConfig::default())?;
-//! let photo = photographer.photograph(Shown::Picture(&stripes.image()?), 0)?;
+//! let photo = photographer.photograph(ProjectedImage::Picture(&stripes.image()?), 0)?;
 //! let seen = photographer.truth().at(80, 60).expect("the ball stands in the middle");
 //! assert!((seen.point.z - 800.0).abs() < 1.0 && photo.width() == 160);
 //! let exact = photographer.stripe_matches(&stripes);
@@ -23,6 +23,7 @@
 mod blur;
 mod config;
 mod crossings;
+mod hit;
 mod mesh;
 mod panel;
 mod photographer;
@@ -37,13 +38,13 @@ mod truth;
 
 pub use config::RenderConfig;
 pub use mesh::TriangleMesh;
-pub use photographer::{Photographer, Shown};
+pub use photographer::{Photographer, ProjectedImage};
 pub use report_json::SceneReport;
 pub use setup::{PatternKind, SceneSetup, SceneStage, SurfaceKind, WallKind};
 pub use simulated::SimulatedScene;
 pub use subject::{Placing, Subject};
 pub use surface::{Shape, Surface};
-pub use truth::{Seen, Truth};
+pub use truth::{PixelTruth, Truth};
 
 #[cfg(test)]
 mod tests;

@@ -8,7 +8,7 @@ use super::panel::Panel;
 use super::sensor::expose;
 use super::stage::Stage;
 use super::surface::Surface;
-use super::truth::{Seen, TruePixel, Truth};
+use super::truth::{PixelTruth, StoredTruth, Truth};
 use crate::error::{Error, Result};
 use crate::rig::Rig;
 
@@ -23,7 +23,7 @@ const MOST_PIXELS: u64 = 250_000_000;
 
 /// What the projector shows.
 #[derive(Debug, Clone, Copy)]
-pub enum Shown<'a> {
+pub enum ProjectedImage<'a> {
     /// An sRGB picture of the panel's size.
     Picture(&'a RgbImage),
     /// Full light.
@@ -84,9 +84,9 @@ impl Photographer {
 
     /// What a position of the photograph sees, pixel centres at integers.
     #[must_use]
-    pub fn look(&self, p: Point2<f64>) -> Option<Seen> {
+    pub fn look(&self, p: Point2<f64>) -> Option<PixelTruth> {
         let look = self.stage.look(p)?;
-        Some(Seen { point: look.point, panel: look.panel, surface: look.surface })
+        Some(PixelTruth { point: look.point, panel: look.panel, surface: look.surface })
     }
 
     /// The surfaces.
@@ -100,7 +100,7 @@ impl Photographer {
     ///
     /// # Errors
     /// [`Error::Invalid`] for a picture of another size than the panel's.
-    pub fn photograph(&self, shown: Shown<'_>, frame: u64) -> Result<DynamicImage> {
+    pub fn photograph(&self, shown: ProjectedImage<'_>, frame: u64) -> Result<DynamicImage> {
         let panel = self.panel(shown)?;
         let (width, height) = (self.truth.width, self.truth.height);
         let mut light = Vec::with_capacity(width * height);
@@ -110,17 +110,17 @@ impl Photographer {
         expose(light, [width as u32, height as u32], &self.config, frame)
     }
 
-    fn panel(&self, shown: Shown<'_>) -> Result<Panel> {
+    fn panel(&self, shown: ProjectedImage<'_>) -> Result<Panel> {
         let size @ [w, h] = [self.stage.projector.width, self.stage.projector.height];
         let RenderConfig { projector_blur_px: blur, projector_black: black, .. } = self.config;
         let plain = |c| RgbImage::from_pixel(w, h, image::Rgb([c; 3]));
         match shown {
-            Shown::White => Ok(Panel::new(&plain(255), blur, black)),
-            Shown::Black => Ok(Panel::new(&plain(0), blur, black)),
-            Shown::Picture(picture) if [picture.width(), picture.height()] == size => {
+            ProjectedImage::White => Ok(Panel::new(&plain(255), blur, black)),
+            ProjectedImage::Black => Ok(Panel::new(&plain(0), blur, black)),
+            ProjectedImage::Picture(picture) if [picture.width(), picture.height()] == size => {
                 Ok(Panel::new(picture, blur, black))
             }
-            Shown::Picture(picture) => Err(Error::invalid(
+            ProjectedImage::Picture(picture) => Err(Error::invalid(
                 "projected picture",
                 format!("{w}x{h}, the size of the rig's projector"),
                 format!("{}x{}", picture.width(), picture.height()),
@@ -143,9 +143,9 @@ impl Photographer {
 
     /// The slope of the panel position over a pixel whose neighbours all see the same surface in the same light (zero where
     /// that light is not the projector's); `None` elsewhere, and on the border.
-    fn smooth(&self, pixel: &TruePixel, x: usize, y: usize) -> Option<[Vector2<f64>; 2]> {
+    fn smooth(&self, pixel: &StoredTruth, x: usize, y: usize) -> Option<[Vector2<f64>; 2]> {
         let (left, top) = (x.checked_sub(1)?, y.checked_sub(1)?);
-        let alike = |p: &&TruePixel| p.surface == pixel.surface && p.is_lit() == pixel.is_lit();
+        let alike = |p: &&StoredTruth| p.surface == pixel.surface && p.is_lit() == pixel.is_lit();
         for j in top..=y + 1 {
             for i in left..=x + 1 {
                 self.truth.pixel(i, j).filter(alike)?;

@@ -5,7 +5,7 @@ use image::{DynamicImage, ImageBuffer, Rgb};
 use super::blur::{Border, blur};
 use super::config::RenderConfig;
 use crate::error::{Error, Result};
-use crate::simulate::Draws;
+use crate::simulate::draws::Draws;
 
 /// The photograph of this light; `frame` numbers the photographs of one seed, so that each has noise of its own.
 pub(super) fn expose(

@@ -4,7 +4,7 @@ use image::RgbImage;
 
 use super::config::RenderConfig;
 use super::mesh::TriangleMesh;
-use super::photographer::{Photographer, Shown};
+use super::photographer::{Photographer, ProjectedImage};
 use super::simulated::SimulatedScene;
 use super::subject::{Placing, Subject};
 use super::surface::Surface;
@@ -251,8 +251,8 @@ impl SceneStage {
     pub fn photograph(self) -> Result<SimulatedScene> {
         let photographer = Photographer::new(&self.rig, &self.surfaces, &self.render)?;
         let shot = |shown, frame| photographer.photograph(shown, frame);
-        let photo = shot(Shown::Picture(&self.picture), 0)?;
-        let (white, black) = (shot(Shown::White, 1)?, shot(Shown::Black, 2)?);
+        let photo = shot(ProjectedImage::Picture(&self.picture), 0)?;
+        let (white, black) = (shot(ProjectedImage::White, 1)?, shot(ProjectedImage::Black, 2)?);
         let matches = match &self.pattern {
             Pattern::Stripes(stripes) => photographer.stripe_matches(stripes),
             Pattern::Checker(checker) => photographer.corner_matches(checker),

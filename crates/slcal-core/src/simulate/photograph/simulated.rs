@@ -3,7 +3,7 @@
 use image::{DynamicImage, RgbImage};
 
 use super::photographer::Photographer;
-use super::truth::Seen;
+use super::truth::PixelTruth;
 use crate::cloud::{CloudPoint, PointCloud};
 use crate::matches::Matches;
 use crate::pattern::Pattern;
@@ -72,11 +72,11 @@ impl SimulatedScene {
     /// Which surface each pixel sees, row by row: counted from one, 0 for none, 255 for that and all after it.
     #[must_use]
     pub fn surfaces(&self) -> Vec<u8> {
-        let number = |s: Option<Seen>| s.map_or(0, |s| (s.surface + 1).min(255) as u8);
+        let number = |s: Option<PixelTruth>| s.map_or(0, |s| (s.surface + 1).min(255) as u8);
         self.photographer.truth().pixels().map(number).collect()
     }
 
-    fn map(&self, value: impl Fn(Seen) -> Option<f64>) -> Vec<f32> {
+    fn map(&self, value: impl Fn(PixelTruth) -> Option<f64>) -> Vec<f32> {
         let pixels = self.photographer.truth().pixels();
         pixels.map(|s| s.and_then(&value).map_or(f32::NAN, |v| v as f32)).collect()
     }

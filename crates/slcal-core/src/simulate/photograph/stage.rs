@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 use super::surface::Surface;
-use super::truth::TruePixel;
+use super::truth::StoredTruth;
 use crate::error::Result;
 use crate::geometry::{Camera, Plane, Pose, Ray};
 use crate::rig::{Projector, Rig};
@@ -113,9 +113,9 @@ impl Stage {
     }
 
     /// The truth of a pixel.
-    pub(super) fn pixel(&self, x: usize, y: usize) -> TruePixel {
-        let Some(look) = self.look(Point2::new(x as f64, y as f64)) else { return TruePixel::EMPTY };
-        TruePixel {
+    pub(super) fn pixel(&self, x: usize, y: usize) -> StoredTruth {
+        let Some(look) = self.look(Point2::new(x as f64, y as f64)) else { return StoredTruth::EMPTY };
+        StoredTruth {
             point: look.point.into(),
             panel: look.panel.map_or([f64::NAN; 2], Into::into),
             irradiance: if look.panel.is_some() { self.irradiance(&look) as f32 } else { 0.0 },

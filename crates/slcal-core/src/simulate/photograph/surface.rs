@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::hit::Hit;
 use super::mesh::TriangleMesh;
 use crate::error::{Error, Result};
 use crate::geometry::{Plane, Pose, Ray, RectangleSize};
@@ -45,15 +46,6 @@ pub struct Surface {
     pub albedo: [f64; 3],
     /// Whether it is the object, or else part of what stands around it; rendering treats both alike.
     pub is_object: bool,
-}
-
-/// Where a ray meets a surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Hit {
-    /// In lengths of the ray's direction.
-    pub(super) distance: f64,
-    /// Not normalised, of either sign.
-    pub(super) normal: Vector3<f64>,
 }
 
 impl Surface {

@@ -4,7 +4,7 @@ use nalgebra::{Point2, Point3};
 
 /// What the middle of a pixel sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct PixelTruth {
     /// The point, camera frame, mm.
     pub point: Point3<f64>,
     /// The panel position whose light falls there, projector px; `None` in shadow and beside the panel's light.
@@ -19,12 +19,12 @@ pub struct Truth {
     pub(super) width: usize,
     pub(super) height: usize,
     /// Row-major.
-    pub(super) pixels: Vec<TruePixel>,
+    pub(super) pixels: Vec<StoredTruth>,
 }
 
-/// [`Seen`] in less memory, and with the light that falls in.
+/// [`PixelTruth`] in less memory, and with the light that falls in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct TruePixel {
+pub(super) struct StoredTruth {
     pub(super) point: [f64; 3],
     /// NaN where no light of the projector falls.
     pub(super) panel: [f64; 2],
@@ -37,7 +37,7 @@ pub(super) struct TruePixel {
 /// The number of no surface.
 pub(super) const NOTHING: u32 = u32::MAX;
 
-impl TruePixel {
+impl StoredTruth {
     pub(super) const EMPTY: Self =
         Self { point: [f64::NAN; 3], panel: [f64::NAN; 2], irradiance: 0.0, surface: NOTHING };
 
@@ -45,8 +45,8 @@ impl TruePixel {
         !self.panel[0].is_nan()
     }
 
-    fn seen(&self) -> Option<Seen> {
-        (self.surface != NOTHING).then(|| Seen {
+    fn seen(&self) -> Option<PixelTruth> {
+        (self.surface != NOTHING).then(|| PixelTruth {
             point: Point3::from(self.point),
             panel: self.is_lit().then(|| Point2::from(self.panel)),
             surface: self.surface as usize,
@@ -69,13 +69,13 @@ impl Truth {
 
     /// What the middle of a pixel sees; `None` where there is no surface, and outside the photograph.
     #[must_use]
-    pub fn at(&self, x: usize, y: usize) -> Option<Seen> {
-        self.pixel(x, y).and_then(TruePixel::seen)
+    pub fn at(&self, x: usize, y: usize) -> Option<PixelTruth> {
+        self.pixel(x, y).and_then(StoredTruth::seen)
     }
 
     /// The same for all pixels, row by row.
-    pub fn pixels(&self) -> impl Iterator<Item = Option<Seen>> + '_ {
-        self.pixels.iter().map(TruePixel::seen)
+    pub fn pixels(&self) -> impl Iterator<Item = Option<PixelTruth>> + '_ {
+        self.pixels.iter().map(StoredTruth::seen)
     }
 
     /// How many pixels the projector's light reaches.
@@ -84,7 +84,7 @@ impl Truth {
         self.pixels.iter().filter(|p| p.is_lit()).count()
     }
 
-    pub(super) fn pixel(&self, x: usize, y: usize) -> Option<&TruePixel> {
+    pub(super) fn pixel(&self, x: usize, y: usize) -> Option<&StoredTruth> {
         if x < self.width { self.pixels.get(y * self.width + x) } else { None }
     }
 }

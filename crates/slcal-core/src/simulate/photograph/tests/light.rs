@@ -6,7 +6,7 @@ use super::{bent_rig, block, exact, plane, rig, wall};
 use crate::pattern::{StripeConfig, StripePattern};
 use crate::photo::Encoding;
 use crate::rig::Rig;
-use crate::simulate::{Photographer, RenderConfig, Shape, Shown, Surface};
+use crate::simulate::{Photographer, ProjectedImage, RenderConfig, Shape, Surface};
 
 /// Linear light by channel.
 fn light(photo: &DynamicImage, encoding: Encoding) -> Vec<[f64; 3]> {
@@ -41,7 +41,7 @@ fn pixels_average_the_light_that_falls_on_them_exactly() {
     picture.put_pixel(7, 5, Rgb([255, 0, 0]));
     let wall = [Surface::object(Shape::Plane(plane(1000.0, 0.0, 0.0)))];
     let seen = Photographer::new(&rig, &wall, &linear()).unwrap();
-    let photo = light(&seen.photograph(Shown::Picture(&picture), 0).unwrap(), Encoding::Linear);
+    let photo = light(&seen.photograph(ProjectedImage::Picture(&picture), 0).unwrap(), Encoding::Linear);
     let reference = (seen.truth().pixels().flatten().filter(|s| s.panel.is_some()))
         .map(|s| s.point.coords.norm())
         .collect::<Vec<_>>();
@@ -74,7 +74,7 @@ fn light_falls_off_by_cosine_and_square() {
     let surface = Surface::object(Shape::Plane(slanted)).colored([0.9, 0.5, 0.2]);
     let config = RenderConfig { reference_mm: Some(1100.0), exposure: 0.5, ..linear() };
     let seen = Photographer::new(&rig, &[surface], &config).unwrap();
-    let photo = light(&seen.photograph(Shown::White, 0).unwrap(), Encoding::Linear);
+    let photo = light(&seen.photograph(ProjectedImage::White, 0).unwrap(), Encoding::Linear);
     let lamp = rig.projector.unwrap().from_camera.pose.centre();
     let mut checked = 0;
     for (pixel, found) in seen.truth().pixels().zip(&photo) {
@@ -105,7 +105,8 @@ fn stripes_lie_where_the_truth_says() {
         let seen = Photographer::new(&rig, &surface, &config).unwrap();
         let shot = |shown| light(&seen.photograph(shown, 0).unwrap(), Encoding::Linear);
         // Divided by white: how the light falls off across a slanted stripe moves its middle, too.
-        let (photo, full) = (shot(Shown::Picture(&white.image().unwrap())), shot(Shown::White));
+        let (photo, full) =
+            (shot(ProjectedImage::Picture(&white.image().unwrap())), shot(ProjectedImage::White));
         let (mut sum, mut squares, mut n) = (0.0, 0.0, 0.0);
         for m in seen.stripe_matches(&pattern).items.windows(3) {
             let [a, b, c] = [m[0], m[1], m[2]].map(|m| m.camera);
@@ -138,7 +139,7 @@ fn the_background_is_the_same_beside_a_thing_and_far_from_it() {
     let config = RenderConfig { background: [0.05; 3], ..linear() };
     let thing = [Surface::object(block(40.0, 1000.0, 200.0))];
     let seen = Photographer::new(&rig(96), &thing, &config).unwrap();
-    let photo = light(&seen.photograph(Shown::Black, 0).unwrap(), Encoding::Linear);
+    let photo = light(&seen.photograph(ProjectedImage::Black, 0).unwrap(), Encoding::Linear);
     let [dark, bright] = [0.8 * 0.05, 0.8 * 0.1].map(|l| (l - 2e-5)..(l + 2e-5));
     let count = |range: &std::ops::Range<f64>| photo.iter().filter(|l| range.contains(&l[0])).count();
     assert!(count(&dark) > photo.len() / 2 && count(&bright) > 20);
@@ -153,7 +154,7 @@ fn edges_of_things_are_antialiased() {
     let at = |samples| {
         let config = RenderConfig { samples, ..linear() };
         let seen = Photographer::new(&rig, &surfaces, &config).unwrap();
-        light(&seen.photograph(Shown::White, 0).unwrap(), Encoding::Linear)
+        light(&seen.photograph(ProjectedImage::White, 0).unwrap(), Encoding::Linear)
     };
     let (fine, default, coarse) = (at(16), at(4), at(1));
     let squares = |a: &[[f64; 3]]| a.iter().zip(&fine).map(|(a, b)| (a[0] - b[0]).powi(2)).sum::<f64>();
@@ -167,7 +168,7 @@ fn noise_blur_and_crosstalk_are_what_was_asked_for() {
     let rig = rig(160);
     let grey = [Surface::object(Shape::Plane(plane(1000.0, 0.0, 0.0))).colored([0.6, 0.4, 0.2])];
     let photo = |config: &RenderConfig, frame| {
-        Photographer::new(&rig, &grey, config).unwrap().photograph(Shown::White, frame).unwrap()
+        Photographer::new(&rig, &grey, config).unwrap().photograph(ProjectedImage::White, frame).unwrap()
     };
     let noisy = RenderConfig { noise_levels: 3.0, seed: 7, bits: 16, ..RenderConfig::default() };
     let quiet = RenderConfig { noise_levels: 0.0, ..noisy.clone() };
@@ -204,7 +205,7 @@ fn a_blurred_edge_has_the_width_of_the_gaussian() {
         let config = RenderConfig { blur_px, projector_blur_px, ambient: [0.0; 3], ..linear() };
         let seen = Photographer::new(&rig, &wall, &config).unwrap();
         let shot = |shown| light(&seen.photograph(shown, 0).unwrap(), Encoding::Linear);
-        let (edge, white) = (shot(Shown::Picture(&picture)), shot(Shown::White));
+        let (edge, white) = (shot(ProjectedImage::Picture(&picture)), shot(ProjectedImage::White));
         let row: Vec<f64> = (36 * 96 + 34..36 * 96 + 62).map(|i| edge[i][0] / white[i][0]).collect();
         let slope: Vec<f64> = row.windows(2).map(|w| w[1] - w[0]).collect();
         let mean = slope.iter().enumerate().map(|(i, s)| s * i as f64).sum::<f64>();
@@ -217,6 +218,6 @@ fn a_blurred_edge_has_the_width_of_the_gaussian() {
 #[test]
 fn a_picture_of_another_size_is_refused() {
     let seen = Photographer::new(&rig(96), &[wall(1000.0)], &exact()).unwrap();
-    let error = seen.photograph(Shown::Picture(&RgbImage::new(10, 10)), 0).unwrap_err();
+    let error = seen.photograph(ProjectedImage::Picture(&RgbImage::new(10, 10)), 0).unwrap_err();
     assert!(error.to_string().contains("1024x768"), "{error}");
 }
