@@ -1,4 +1,4 @@
-//! Whether the photograph shows this pattern: in colour, with its code and no other's.
+//! Checks that the photograph shows this pattern: in colour, and with this code rather than another.
 
 use super::labeling::Labeling;
 use super::tracks::Tracks;
@@ -6,15 +6,16 @@ use crate::error::{Error, Result};
 use crate::pattern::StripePattern;
 use crate::solve::median_f32;
 
-/// Lines on which the pattern and its decoys are tried.
+/// Scanlines on which the pattern and its decoys are tried.
 const LINES: usize = 10;
-/// Difference between the strongest and the weakest channel, as a share of the strongest, below which a photograph is
+/// Difference between the strongest and the weakest channel, relative to the strongest, below which a photograph is
 /// grey.
 const MIN_SATURATION: f32 = 0.15;
-/// The right code scores 2.5 times as much as its decoys on the same stripes; a wrong one, by chance, up to 1.3 times.
+/// The right code scores 2.5 times as much as its decoys on the same stripes; a wrong one scores up to 1.3 times, by
+/// chance.
 const MIN_OVER_DECOY: f32 = 1.5;
-/// Score per crossing below which even the best code does not fit, in nats: a perfect fit has ln(hues) + 1, photographs
-/// without the pattern 0.2, and clutter among the crossings dilutes it.
+/// Score per crossing below which even the best code does not fit, in nats. A perfect fit has ln(hues) + 1, photographs
+/// without the pattern have 0.2, and clutter among the crossings lowers it.
 const MIN_FIT: f32 = 0.35;
 
 /// Refuses photographs without colour, such as a grey picture stored as RGB.
@@ -35,8 +36,7 @@ pub(super) fn check_color(tracks: &Tracks, scratch: &mut Vec<f32>) -> Result<()>
                     n => format!("{n} lines"),
                 }
             ),
-            advice: "give a photograph that shows the stripes over some length: several of their widths"
-                .into(),
+            advice: "give a photograph that shows the stripes over several of their widths".into(),
         });
     };
     if saturation < MIN_SATURATION {
@@ -55,8 +55,8 @@ pub(super) fn check_color(tracks: &Tracks, scratch: &mut Vec<f32>) -> Result<()>
     Ok(())
 }
 
-/// The pattern read forwards and backwards, and decoys of it: the same sequence with its hues exchanged in a circle, as
-/// good a code, but another one.
+/// The pattern read forwards and backwards, and decoys: the same sequence with its hues permuted cyclically, which is
+/// another code of the same quality.
 #[derive(Debug, Clone, Default)]
 pub(super) struct CodeCandidates {
     /// Forwards, backwards, then the decoys.
@@ -86,13 +86,14 @@ impl CodeCandidates {
         Ok(Self { codes: (0..n).flat_map(|shift| both_ways(turned(shift))).collect(), scores: Vec::new() })
     }
 
-    /// The hues in the order in which lines meet the slits.
+    /// The hues of the slits in the order of a scanline.
     pub(super) fn slits(&self, reversed: bool) -> &[u8] {
         self.codes.get(usize::from(reversed)).map_or(&[], Vec::as_slice)
     }
 }
 
-/// Tries the pattern and its decoys on some lines: whether slits run against the image, and the score per crossing.
+/// Tries the pattern and its decoys on some scanlines. Returns whether slits descend along the image, and the score per
+/// crossing.
 pub(super) fn try_pattern(
     labeling: &mut Labeling,
     tracks: &Tracks,
@@ -110,7 +111,7 @@ pub(super) fn try_pattern(
         return Err(Error::NotFound {
             what: "the pattern's code",
             seen: format!(
-                "{tried} stripe crossings on {LINES} lines; their colours follow the pattern with {fit:.2} nats each, another code with {:.2}",
+                "{tried} stripe crossings on {LINES} lines; their colours fit the pattern with {fit:.2} nats each, another code with {:.2}",
                 decoy / tried.max(1) as f32
             ),
             advice: "check that the pattern file is the one that was projected, and that the photograph's colours are not clipped".into(),

@@ -1,51 +1,51 @@
-//! Which hue a stripe has; the hues are learned from the photograph.
+//! Classification of stripe colours into the hues of the palette; the classes are learned from the photograph.
 
 use super::rgb::{Rgb, dot, minus, over, plus, times, total, unit};
 use crate::solve::median_f32;
 
-/// Angle between two colours of one hue, rad: what shading, interreflections and surfaces leave when noise is small.
+/// Smallest spread of a class, rad: what shading, interreflections and surfaces leave when noise is small.
 const MIN_SPREAD_RAD: f32 = 0.08;
-/// Beyond this the classes overlap so much that they say nothing.
+/// Beyond this spread the classes overlap so much that they carry no information.
 const MAX_SPREAD_RAD: f32 = 0.35;
-/// Share of crossings whose colour says nothing (reflections, two stripes in one, coloured surfaces).
+/// Share of crossings whose colour is an outlier (reflections, two stripes in one, coloured surfaces).
 const OUTLIERS: f32 = 0.03;
-/// Nothing is left of this beside it.
+/// Odds below this are negligible beside [`OUTLIERS`].
 const NEGLIGIBLE: f32 = 1e-9;
-/// Rounds of expectation and maximisation; the means settle in three or four.
+/// Rounds of expectation and maximisation; the means converge in three or four.
 const ROUNDS: usize = 5;
 /// A class is learned from at least this many crossings.
 const MIN_MEMBERS: f32 = 20.0;
-/// Rounds in which the channels' balance is sought, and how far it may go: more is not balance, but a pattern of which
-/// only some hues are seen.
+/// Rounds of the estimate of the colour balance, and its largest gain. A larger gain is no balance, but a pattern of
+/// which only some hues are visible.
 const BALANCE_ROUNDS: usize = 5;
 const MAX_BALANCE: f32 = 3.0;
-/// Rounds in which the brightness of hues is compared between neighbours; and neighbours whose light differs by
-/// more than a factor of 2.5 (in logarithms), what is known taken off, lie on different surfaces.
+/// Rounds in which the brightness of hues is compared between neighbours. Neighbours lie on different surfaces when
+/// their light, corrected by what is known, differs by more than a factor of 2.5 (in logarithms).
 const BRIGHTNESS_ROUNDS: usize = 6;
 const SAME_SURFACE_LN: f32 = 0.92;
 
-/// No hue.
+/// No class.
 pub(super) const NO_CLASS: u8 = u8::MAX;
 
-/// The colour of a crossing, as far as hues are concerned.
+/// The colour of a crossing, for classification.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ColorSample {
     /// Direction in linear RGB; zero where there is none.
     pub(super) unit: Rgb,
-    /// 1σ of the direction by noise, rad.
+    /// 1σ of the direction from noise, rad.
     pub(super) sigma: f32,
     /// Light, and its logarithm.
     pub(super) light: f32,
     pub(super) log_light: f32,
 }
 
-/// Directions in linear RGB of the hues as this camera sees them: projector and camera primaries, crosstalk and white
+/// Directions of the hues in the camera's linear RGB: the primaries of projector and camera, crosstalk and white
 /// balance in one.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ColorClasses {
     pub(super) directions: Vec<Rgb>,
     pub(super) spread_rad: f32,
-    /// Light of each hue on the same surface, as a share of the average.
+    /// Light of each hue on the same surface, relative to the mean.
     pub(super) brightness: Vec<f32>,
     sums: Vec<Sums>,
     deviations: Vec<f32>,
@@ -65,9 +65,9 @@ fn squared_angle(a: Rgb, b: Rgb) -> f32 {
 }
 
 impl ColorClasses {
-    /// The palette's own directions; when `balanced`, with the camera's colour balance matched to that of the samples: over
-    /// all of them, the channels must have the shares that they have over the pattern. That goes wrong where a part of the
-    /// pattern is seen in which one hue prevails.
+    /// Initialises the classes with the palette's directions. When `balanced`, the camera's colour balance is matched
+    /// to the samples: over all of them, the channels must have the shares that they have over the pattern. This fails
+    /// where only a part of the pattern is visible in which one hue prevails.
     pub(super) fn seed(&mut self, palette: &[Rgb], sequence: &[u8], samples: &[ColorSample], balanced: bool) {
         let grey = [1.0 / 3.0_f32.sqrt(); 3];
         self.directions.clear();
@@ -96,8 +96,8 @@ impl ColorClasses {
         }
     }
 
-    /// Moves the directions to the means of the samples nearest to them, or of those that `labels` (one per sample,
-    /// [`NO_CLASS`] for none) gives to them.
+    /// Moves the directions to the means of the samples nearest to them, or of those that `labels` assigns to them (one
+    /// per sample, [`NO_CLASS`] for none).
     pub(super) fn learn(&mut self, samples: &[ColorSample], labels: Option<&[u8]>) {
         for _ in 0..if labels.is_some() { 2 } else { ROUNDS } {
             self.sums.clear();
@@ -111,7 +111,7 @@ impl ColorClasses {
                 if distance.is_finite() {
                     self.deviations.push(distance);
                 }
-                // Redescending: what lies beyond three spreads does not move the mean.
+                // Redescending: samples beyond three spreads do not move the mean.
                 let near = distance < 9.0 * (self.spread_rad * self.spread_rad + s.sigma * s.sigma);
                 self.assigned.push(if near { hue } else { NO_CLASS });
                 if near {
@@ -125,14 +125,14 @@ impl ColorClasses {
         self.learn_brightness(samples);
     }
 
-    /// Compares neighbours: hues are spread unevenly over surfaces that are near and far, so that no average over the
-    /// photograph would do.
+    /// Compares neighbours: hues are distributed unevenly over near and far surfaces, so that an average over the
+    /// photograph would be biased.
     fn learn_brightness(&mut self, samples: &[ColorSample]) {
         for b in &mut self.brightness {
             *b = b.ln();
         }
         for _ in 0..BRIGHTNESS_ROUNDS {
-            // The weight counts pairs; the first entry sums what they say beyond what is known.
+            // The weight counts pairs; the first entry sums their differences beyond the current estimate.
             self.sums.clear();
             self.sums.resize(self.directions.len(), Sums::default());
             for (w, hue) in samples.windows(2).zip(self.assigned.windows(2)) {
@@ -147,7 +147,7 @@ impl ColorClasses {
                 }
             }
             for (b, s) in self.brightness.iter_mut().zip(&self.sums) {
-                // Half of it, for the other hue moves as well.
+                // Half of it, since the other hue moves as well.
                 *b += 0.5 * s.direction[0] / s.weight.max(1.0);
             }
         }
@@ -174,7 +174,7 @@ impl ColorClasses {
         }
     }
 
-    /// The hue nearest to a colour.
+    /// The class nearest to a colour.
     pub(super) fn nearest(&self, unit: Rgb) -> u8 {
         let mut best = (f32::INFINITY, NO_CLASS);
         for (h, d) in self.directions.iter().enumerate() {
@@ -186,8 +186,8 @@ impl ColorClasses {
         best.1
     }
 
-    /// Log-odds of each hue against chance, into `out` (one entry per hue): at most ln(hues), at least ln 0.03. Returns the
-    /// nearest hue.
+    /// Writes the log-odds of each class against chance into `out` (one entry per class): at most ln(hues), at least ln
+    /// 0.03. Returns the nearest class.
     pub(super) fn log_odds(&self, s: &ColorSample, out: &mut [f32]) -> u8 {
         let n = self.directions.len() as f32;
         let scale = -0.5 / (self.spread_rad * self.spread_rad + s.sigma * s.sigma);
@@ -202,7 +202,7 @@ impl ColorClasses {
         }
         for o in out {
             let odds = (1.0 - OUTLIERS) * *o / sum * n;
-            // Most hues are out of the question.
+            // Most classes are far away.
             *o = if odds > NEGLIGIBLE { (odds + OUTLIERS).ln() } else { OUTLIERS.ln() };
         }
         nearest.1

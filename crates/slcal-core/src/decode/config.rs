@@ -1,4 +1,4 @@
-//! What goes into decoding and what is said about it.
+//! Input, configuration and report of decoding.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,15 +6,15 @@ use crate::error::{Error, Result};
 use crate::matches::Matches;
 use crate::photo::{Encoding, PhotoView};
 
-/// How to decode.
+/// Configuration of the decoder.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DecodeConfig {
     /// Transfer curve of the photographs.
     pub encoding: Encoding,
-    /// Matches of lower confidence are dropped and counted, 0–1.
+    /// Matches of lower confidence are rejected and counted, 0–1.
     pub min_confidence: f64,
-    /// Lines are searched on the threads of the caller's rayon pool (the cargo feature `rayon`; without it on one
+    /// Scanlines are searched on the threads of the caller's rayon pool (the cargo feature `rayon`; without it on one
     /// thread). The result is the same, bit for bit.
     pub parallel: bool,
 }
@@ -89,12 +89,12 @@ pub enum ScanDirection {
     Columns,
 }
 
-/// What was seen.
+/// Counts and measures of one photograph.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct DecodeReport {
-    /// Bright bands seen, over all lines: those decoded and those dropped.
+    /// Detected stripe crossings on all scanlines: decoded and rejected ones.
     pub crossings: usize,
-    /// Reported as matches.
+    /// Crossings that became matches.
     pub decoded: usize,
     /// Different slits among them.
     pub slits: usize,
@@ -105,33 +105,35 @@ pub struct DecodeReport {
     pub lines: ScanDirection,
     /// Median width of the stripes, px.
     pub stripe_width_px: f64,
-    /// Width of the stripes as photographed over that of the slits as drawn; light that spills over makes it more than 1.
+    /// Width of the stripes as photographed over that of the slits as drawn. Light that spills over makes it more than
+    /// 1.
     pub width_ratio: f64,
     /// Noise of a pixel, 1σ in 8-bit grey levels.
     pub noise_levels: f64,
-    /// Colours of the hues as seen (linear light, unit length), in the order of the palette.
+    /// Measured colours of the hues (linear light, unit length), in the order of the palette.
     pub hues_seen: Vec<[f64; 3]>,
-    /// What the camera's channels (rows) see of the projector's primaries (columns), by the hues seen; each column has
-    /// its largest entry 1. `None` where the palette does not tell three primaries apart.
+    /// Crosstalk: the response of the camera's channels (rows) to the projector's primaries (columns), from the
+    /// measured hues. Each column has its largest entry 1. `None` where the palette does not distinguish three
+    /// primaries.
     pub crosstalk: Option<[[f64; 3]; 3]>,
-    /// Angle by which colours of one hue scatter, rad.
+    /// Spread of the colours of one hue, 1σ, rad.
     pub hue_spread_rad: f64,
     /// Share of the crossings whose core is clipped in some channel.
     pub saturated: f64,
-    /// How much better than chance the colours follow the pattern, nats per crossing; below about a third of the
+    /// How much better than chance the colours follow the pattern, nats per crossing. Below about a third of the
     /// maximum ln(hues) + 1 the pattern is another one.
     pub code_fit: f64,
     /// Whether slits ascend against the image's axis (a projector upside down or behind a mirror).
     pub reversed: bool,
     /// Whether the stripes run across the direction that the pattern's axis has in the projector's image: the camera or
-    /// the projector is turned by a quarter, or the pattern is not the one that was projected.
+    /// the projector is rotated by 90°, or another pattern was projected.
     pub turned: bool,
 }
 
-/// Matches and what was seen on the way.
+/// Matches and the report of decoding.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Decoding {
-    /// One per slit and line.
+    /// One per slit and scanline.
     pub matches: Matches,
     /// Counts and measures.
     pub report: DecodeReport,

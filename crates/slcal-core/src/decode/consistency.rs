@@ -1,4 +1,4 @@
-//! Whether the numbers of neighbouring stripes bear each other out: a wrong pattern may share windows with the right one.
+//! Consistency of the labels of neighbouring stripes: a wrong pattern may share windows with the right one.
 
 use super::labeling::{Labeling, VotedLabel};
 use super::sequence_alignment::{BRIGHTER, CrossingFeatures, NONE, differ_by_factor, differ_in_light};
@@ -6,30 +6,32 @@ use super::tracks::Tracks;
 use crate::error::{Error, Result};
 use crate::solve::median_f32;
 
-/// Every further slit fits by chance with one over the number of hues.
+/// Every further slit fits by chance with the probability of one over the number of hues.
 const BEYOND_WINDOW: usize = 2;
-/// Numbers are held against each other on about so many lines.
+/// Labels are compared on about this many scanlines.
 const EVIDENCE_LINES: usize = 120;
-/// Neighbours belong to one regular run of stripes when their distances follow each other within this factor, and their
-/// widths within that one: a step of depth between them seldom leaves them so.
+/// Neighbours belong to one regular run of stripes when consecutive distances agree within this factor, and widths
+/// within the second one. Across a step of depth they seldom do.
 const EVEN: f32 = 1.15;
 const ALIKE: f32 = 1.5;
-/// Share of the neighbours in regular runs whose numbers do not follow each other, above which the code is another's. The
-/// right one leaves up to 3 % on planes, spheres, heads and blocks, however blurred, noisy or coloured, up to 12 % on
-/// shelves of upright boards whose edges run along the stripes; other codes mostly 17 % to 92 %, but as little as 4 % where
-/// they lack or repeat only a few words of it: most of those have other hues or another end.
+/// Share of the neighbours in regular runs whose labels are not consecutive, above which the code is another one. The
+/// right one leaves up to 3 % on planes, spheres, heads and blocks, however blurred, noisy or coloured. It leaves up to
+/// 12 % on shelves of upright boards whose edges run along the stripes. Other codes mostly leave 17 % to 92 %, but as
+/// little as 4 % where they lack or repeat only a few words of it; most of those have other hues or another end.
 const MAX_BROKEN: f64 = 0.15;
-/// Share of the runs through the code's first or last slit that go on beyond it, above which the pattern is another one
-/// with the same beginning: up to 3 % with the right one, from 57 % when the end of a shortened one is in view.
+/// Share of the runs through the code's first or last slit that continue beyond it, above which the pattern is another
+/// one with the same beginning. It is up to 3 % with the right one, and from 57 % when the end of a shortened one is in
+/// view.
 const MAX_BEYOND: f64 = 0.13;
-/// An end is in view when it is seen on this share of the lines with regular runs; and so many are needed to judge.
+/// An end is in view when it is found on this share of the scanlines with regular runs, and at least this many
+/// scanlines and pairs are needed.
 const END_SHARE: f64 = 0.2;
 const MIN_LINES: usize = 5;
 const MIN_LINKS: usize = 50;
 
-/// Refuses numbers that hold together no further than any code's do: on lines under another code, windows that occur in
-/// this one are found all over, but they do not continue. Half the numbered crossings of the right one stand in runs as
-/// long as the code's window and [`BEYOND_WINDOW`] together.
+/// Refuses labels whose runs are no longer than by chance. On scanlines under another code, windows that occur in this
+/// one are found in many places, but they do not continue. With the right code, half the labelled crossings stand in
+/// runs as long as the code's window and [`BEYOND_WINDOW`] together.
 pub(super) fn check_runs(
     tracks: &Tracks,
     votes: &[VotedLabel],
@@ -50,7 +52,7 @@ pub(super) fn check_runs(
         return Err(Error::NotFound {
             what: "the pattern's code",
             seen: format!(
-                "{} stripe crossings; those that fit the code follow each other for {usual} slits, where {window} fit by chance",
+                "{} stripe crossings; those that fit the code form runs of {usual} slits, where {window} fit by chance",
                 tracks.crossings.len()
             ),
             advice: "check that the pattern file is the one that was projected".into(),
@@ -59,15 +61,15 @@ pub(super) fn check_runs(
     Ok(())
 }
 
-/// What neighbours on regular runs of stripes say of the numbers: there, every slit is followed by the next.
+/// Counts over regular runs of stripes, where every slit is followed by the next.
 #[derive(Debug, Clone, Copy, Default)]
 struct Evidence {
-    /// Lines with regular runs.
+    /// Scanlines with regular runs.
     lines: usize,
-    /// Neighbours on them, and those of which the second has the number after the first's.
+    /// Pairs of neighbours on them, and the pairs whose labels are consecutive.
     links: usize,
     follow: usize,
-    /// Sightings of the first and the last slit, and those beyond which the run goes on.
+    /// Occurrences of the first and the last slit, and those beyond which the run continues.
     ends: [usize; 2],
     beyond: [usize; 2],
 }
@@ -103,17 +105,17 @@ impl Evidence {
     }
 }
 
-/// Whether crossing `i` goes on with the regular run that starts at `from`.
+/// Whether crossing `i` continues the regular run that starts at `from`.
 fn continues(features: &[CrossingFeatures], from: usize, i: usize) -> bool {
     let (a, b) = (&features[i - 1], &features[i]);
     let even = i < from + 2 || !differ_by_factor(b.u - a.u, a.u - features[i - 2].u, EVEN);
     even && !differ_by_factor(a.width, b.width, ALIKE) && !differ_in_light(a, b, BRIGHTER)
 }
 
-/// Refuses numbers that contradict each other on one surface, and a code beyond whose end the stripes go on: a pattern may
-/// share windows, or its beginning, with the one that was projected.
+/// Refuses labels that contradict each other on one surface, and a code beyond whose end the stripes continue: a
+/// pattern may share windows, or its beginning, with the one that was projected.
 ///
-/// What stands in no regular run of more slits than the code's window is not asked: clutter, and whatever else a room holds.
+/// Crossings outside regular runs of more slits than the code's window do not count: they may be clutter.
 pub(super) fn check_neighbors(
     labeling: &mut Labeling,
     tracks: &Tracks,
@@ -146,7 +148,7 @@ pub(super) fn check_neighbors(
         )
     } else if beyond > MAX_BEYOND {
         format!(
-            "evenly spaced stripes that go on beyond an end of the code, on {:.0} % of the lines that show it",
+            "evenly spaced stripes that continue beyond an end of the code, on {:.0} % of the lines that show it",
             100.0 * beyond
         )
     } else {
@@ -164,7 +166,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn runs_count_what_follows_and_what_lies_beyond_the_ends() {
+    fn runs_count_consecutive_labels_and_those_beyond_the_ends() {
         let mut evidence = Evidence::default();
         evidence.add_run([0, 1, 2, 3, NONE, NONE].into_iter(), 3);
         evidence.add_run([NONE, 0, 1, 1, 3].into_iter(), 3);

@@ -1,22 +1,22 @@
-//! The projector's primaries as the camera's channels see them: how they mix, and hues that no mixing explains.
+//! Crosstalk: how the projector's primaries mix in the camera's channels, and hues that no mixing explains.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Error, Result};
 
-/// Angle by which a hue may miss what the palette's primaries mix to, rad: 1.3° with the right palette, 3° (with seven hues
-/// and crosstalk 7°) where the projector's gamma is 1.8 or 2.6 instead of sRGB's; mostly 5° to 30° with one of five hues or more
-/// that is another's. Four hues or fewer always fit.
+/// Largest angle between a hue and the mixture of the palette's primaries, rad. It is 1.3° with the right palette. It
+/// is 3° (with seven hues and crosstalk 7°) where the projector's gamma is 1.8 or 2.6 instead of sRGB's. It is mostly
+/// 5° to 30° when one of five or more hues belongs to another palette. Four hues or fewer always fit.
 const MAX_HUE_MISFIT: f64 = 0.12;
-/// Smallest angle between hues over the palette's: from 0.52 where channels mix, below 0.17 where two hues of the palette
-/// stand for one.
+/// Smallest angle between hues over the palette's: from 0.52 where channels mix, below 0.17 where two hues of the
+/// palette stand for one.
 const MIN_HUE_ANGLE: f64 = 0.3;
-/// Rounds in which the brightness of the hues is fitted: enough for paint that returns a tenth of a channel.
+/// Rounds in which the brightness of the hues is fitted: enough for a surface that reflects a tenth of a channel.
 const MIX_ROUNDS: usize = 200;
 
-/// Least squares for M in `M · palette = brightness · direction` over the hues; each column is divided by its largest
-/// entry, which takes out the brightness of the primaries and leaves what spills into other channels. `None` where the
-/// palette has fewer than three independent colours.
+/// Least squares for M in `M · palette = brightness · direction` over the hues. Each column is divided by its largest
+/// entry, which removes the brightness of the primaries and leaves the crosstalk. `None` where the palette has fewer
+/// than three independent colours.
 pub(super) fn crosstalk(
     palette: &[[f32; 3]],
     directions: &[[f32; 3]],
@@ -25,7 +25,7 @@ pub(super) fn crosstalk(
     let mut cp = Matrix3::<f64>::zeros();
     for ((p, d), b) in palette.iter().zip(directions).zip(brightness) {
         let p = vector(*p);
-        // Light is counted as the sum over the channels.
+        // Light is the sum over the channels.
         let c = vector(*d);
         let c = c * f64::from(*b) / c.sum().max(1e-9);
         cp += c * p.transpose();
@@ -44,12 +44,12 @@ pub(super) fn crosstalk(
     Some(out)
 }
 
-/// Refuses hues that the palette's cannot have become, by whatever mixing of the channels and colour of the surface.
+/// Refuses hues that cannot be the palette's under any mixing of the channels and colour of the surface.
 pub(super) fn check_hues(palette: &[[f32; 3]], directions: &[[f32; 3]]) -> Result<()> {
     let misfit = hue_misfit(palette, directions).unwrap_or(0.0);
     let seen = if misfit > MAX_HUE_MISFIT {
         format!(
-            "stripes of which one hue is {:.0}° off what the palette's primaries mix to",
+            "stripes with one hue {:.0}° away from any mixture of the palette's primaries",
             misfit.to_degrees()
         )
     } else if smallest_angle(directions) < MIN_HUE_ANGLE * smallest_angle(palette) {
@@ -68,7 +68,7 @@ fn vector(color: [f32; 3]) -> Vector3<f64> {
     Vector3::from(color.map(f64::from))
 }
 
-/// (Σ p·pᵀ)⁻¹ over the palette: the normal equations of a matrix that mixes it. `None` where it has fewer than three
+/// (Σ p·pᵀ)⁻¹ over the palette, from the normal equations of the mixing matrix. `None` where it has fewer than three
 /// independent colours.
 fn inverse_products(palette: &[[f32; 3]]) -> Option<Matrix3<f64>> {
     let products = palette.iter().fold(Matrix3::zeros(), |sum, &p| sum + vector(p) * vector(p).transpose());
@@ -78,8 +78,8 @@ fn inverse_products(palette: &[[f32; 3]]) -> Option<Matrix3<f64>> {
     products.try_inverse()
 }
 
-/// The largest angle between a hue's direction and M · its colour in the palette, for the matrix M and the brightness of
-/// the hues that fit best, in turn; rad. `None` where the palette has fewer than three independent colours.
+/// The largest angle between a hue's direction and M · its colour in the palette, rad. The matrix M and the brightness
+/// of the hues are fitted in turn. `None` where the palette has fewer than three independent colours.
 fn hue_misfit(palette: &[[f32; 3]], directions: &[[f32; 3]]) -> Option<f64> {
     let inverse = inverse_products(palette)?;
     let hues = || palette.iter().zip(directions).map(|(&p, &d)| (vector(p), vector(d)));
@@ -109,7 +109,7 @@ mod tests {
         [[1.0, 0.0, 0.0], [0.6, 1.0, 0.0], [0.0, 1.0, 0.13], [0.0, 0.13, 1.0], [0.6, 0.0, 1.0]];
 
     #[test]
-    fn hues_fit_a_palette_that_channels_and_paint_have_mixed_and_no_other() {
+    fn hues_fit_only_their_own_palette_under_any_mixing() {
         let mixed = |m: Matrix3<f64>, palette: &[[f32; 3]]| -> Vec<[f32; 3]> {
             palette.iter().map(|&p| (m * vector(p)).normalize().map(|x| x as f32).into()).collect()
         };
@@ -117,7 +117,7 @@ mod tests {
         let seen = mixed(mix, &FIVE);
         assert!(hue_misfit(&FIVE, &seen).unwrap() < 0.01);
         assert!(check_hues(&FIVE, &seen).is_ok());
-        // The first five of six evenly spaced hues; two that are the same; too few primaries to say.
+        // The first five of six evenly spaced hues; two equal ones; too few primaries to decide.
         let six = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]];
         assert!(check_hues(&FIVE, &mixed(mix, &six)).is_err());
         let mut same = seen;

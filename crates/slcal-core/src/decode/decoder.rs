@@ -1,4 +1,4 @@
-//! The stages of decoding, in order, and the memory that they keep from one photograph to the next.
+//! The stages of decoding, in order, and the buffers that they keep from one photograph to the next.
 
 use nalgebra::Point2;
 
@@ -21,28 +21,28 @@ use crate::pattern::{Axis, StripePattern, unique_window};
 use crate::photo::{Encoding, PhotoView};
 use crate::solve::median_f32;
 
-/// Parts into which a photograph's lines are cut; each can be searched by a thread of its own.
+/// Number of bands of scanlines; each can be searched by its own thread.
 const BANDS: usize = 16;
-/// The scatter of centres is counted over this many stripe widths along a curve to either side.
+/// The scatter of centres is measured over this many stripe widths along a track to either side.
 const SIGMA_WIDTHS: f32 = 3.0;
-/// Share of the score of a perfect fit above which nothing better is sought.
+/// Share of the score of a perfect fit above which no better classes are sought.
 const GOOD_FIT: f64 = 0.75;
-/// Lines one way are across the stripes when what looks like stripes is closer together there, unless there is less than
-/// this share of what is seen the other way.
+/// The scanlines run in the direction in which stripes are closer together, unless less than this share of what the
+/// other direction covers is covered there.
 const COVERED_SHARE: f64 = 0.4;
 
-/// Finds the stripes of a photograph and says which slit each is.
+/// Finds the stripes of a photograph and identifies their slits.
 ///
 /// # Errors
 /// [`crate::Error::Invalid`] for a greyscale photograph, frames of different sizes or a configuration out of range;
 /// [`crate::Error::NotFound`] when there are no stripes, when they have no colour, or when their colours follow the
-/// pattern no better than chance would.
+/// pattern no better than by chance.
 pub fn decode(photo: PhotoView<'_>, pattern: &StripePattern, config: &DecodeConfig) -> Result<Decoding> {
     decode_frames(&DecodeInput { photo, black: None, white: None }, pattern, config)
 }
 
-/// As [`decode`], with a photograph of the dark projector (ambient light is taken off) and one of the plain white
-/// projector (the surface's own colour is divided out), where there are any.
+/// As [`decode`], with two optional photographs: one with a dark projector (ambient light is subtracted) and one with a
+/// plain white projection (the surface's own colour is divided out).
 ///
 /// # Errors
 /// As [`decode`].
@@ -56,16 +56,16 @@ pub fn decode_frames(
     Ok(decoder.out)
 }
 
-/// Decodes one photograph after another with the same pattern; once it has seen a few it needs no more memory.
+/// Decodes one photograph after another with the same pattern. After the first few its buffers do not grow.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     pattern: StripePattern,
     config: DecodeConfig,
     candidates: CodeCandidates,
     palette: Vec<[f32; 3]>,
-    /// So many neighbouring hues occur once.
+    /// A window of this many neighbouring hues occurs once.
     window: usize,
-    /// Distance of neighbouring slits over their width.
+    /// Distance between neighbouring slits over their width.
     period_in_widths: f32,
     tables: Tables,
     noise: Noise,
@@ -81,14 +81,14 @@ pub struct Decoder {
     out: Decoding,
 }
 
-/// Neighbouring lines and the stripes on them.
+/// Neighbouring scanlines and the stripes on them.
 #[derive(Debug, Clone, Default)]
 struct Band {
     line: Scanline,
     scratch: Scratch,
     crossings: Vec<StripeEdges>,
     colors: Vec<StripeColor>,
-    /// Crossings up to and including each line.
+    /// Crossings up to and including each scanline.
     ends: Vec<u32>,
     low_contrast: usize,
 }
@@ -97,7 +97,8 @@ impl Decoder {
     /// Prepares for a pattern.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a pattern that contradicts itself or has one colour only, or a configuration out of range.
+    /// [`Error::Invalid`] for a pattern that contradicts itself or has one colour only, or a configuration out of
+    /// range.
     pub fn new(pattern: &StripePattern, config: DecodeConfig) -> Result<Self> {
         config.validate()?;
         pattern.validate()?;
@@ -124,23 +125,24 @@ impl Decoder {
         })
     }
 
-    /// Changes the last report for another one, whose memory the next one will use.
+    /// Exchanges the last report for another one, whose memory the next one will use.
     pub(crate) fn swap_report(&mut self, with: &mut DecodeReport) {
         std::mem::swap(&mut self.out.report, with);
     }
 
-    /// Finds the stripes of a photograph and says which slit each is.
+    /// Finds the stripes of a photograph and identifies their slits.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a greyscale photograph or frames of different sizes; [`Error::NotFound`] when there are no
-    /// stripes, when they have no colour, or when their colours follow the pattern no better than chance would.
+    /// [`Error::Invalid`] for a greyscale photograph or frames of different sizes; [`Error::NotFound`] when there are
+    /// no stripes, when they have no colour, or when their colours follow the pattern no better than by chance.
     pub fn decode(&mut self, input: &DecodeInput<'_>) -> Result<&Decoding> {
         scanlines::check(input)?;
         let frames = [Some(input.photo), input.black, input.white];
         for view in frames.iter().flatten() {
             self.tables.prepare(view, self.config.encoding);
         }
-        // Lines across the stripes: what looks most like stripes first, the other way when that is not this pattern.
+        // The direction that looks most like stripes comes first, the other one when the first does not show this
+        // pattern.
         let tables = std::mem::take(&mut self.tables);
         let result = self.decode_either_way(input, &tables);
         self.tables = tables;
@@ -154,7 +156,8 @@ impl Decoder {
         self.noise.measure(&rows);
         let [a, b] = [&rows, &columns]
             .map(|r| measure_scale(r, &self.noise, &mut self.scale_scratch).map(|l| (*r, l)));
-        // Slanted stripes are crossed either way: across them is where they are close together.
+        // Scanlines of either direction cross slanted stripes; the right direction is the one in which they are closer
+        // together.
         let columns_first = match (&a, &b) {
             (Some((_, a)), Some((_, b))) => {
                 let (mine, other) = (a.covered_px, b.covered_px);
@@ -229,8 +232,8 @@ impl Decoder {
         self.collect(reader)
     }
 
-    /// Learns the hues and tries the pattern with them: balanced against the pattern's, which suits most photographs, and
-    /// when that does not fit well also as drawn.
+    /// Learns the colour classes and tries the pattern with them: first balanced against the pattern, which suits most
+    /// photographs, and when that does not fit well also as drawn.
     fn recognize(&mut self) -> Result<(bool, f64)> {
         let balanced = self.try_classes(true);
         let perfect = (self.palette.len() as f64).ln() + 1.0;
@@ -241,7 +244,7 @@ impl Decoder {
         match (&balanced, &drawn) {
             (Ok(a), Ok(b)) if a.1 <= b.1 => drawn,
             (Err(_), Ok(_)) => drawn,
-            // Once more: the other try has moved the hues.
+            // Once more, since the other try has moved the classes.
             (Ok(_), _) => self.try_classes(true),
             (Err(_), Err(_)) => balanced,
         }
@@ -252,7 +255,7 @@ impl Decoder {
         try_pattern(&mut self.labeling, &self.tracks, &mut self.candidates, self.period_in_widths)
     }
 
-    /// All stripes of all lines; returns how many bright bands were none.
+    /// Finds all stripes on all scanlines. Returns the number of rejected peaks.
     fn find(&mut self, reader: &ScanlineReader<'_>, scale: &StripeScale, aligned: AlignedLines) -> usize {
         let count = reader.count();
         let noise = &self.noise;
@@ -344,7 +347,7 @@ impl Decoder {
             return Err(Error::NotFound {
                 what: "the pattern's code",
                 seen: format!(
-                    "{} stripe crossings; no stripe got a number that its neighbours confirm",
+                    "{} stripe crossings; none has a slit that its neighbours confirm",
                     tracks.crossings.len()
                 ),
                 advice: "check that the pattern file is the one that was projected".into(),
@@ -354,7 +357,7 @@ impl Decoder {
     }
 }
 
-/// Calls `search` with every band, on several threads when asked to and built to.
+/// Calls `search` with every band, on several threads if requested and compiled in.
 fn each_band(bands: &mut [Band], parallel: bool, search: impl Fn((usize, &mut Band)) + Sync + Send) {
     #[cfg(feature = "rayon")]
     if parallel {
@@ -370,7 +373,7 @@ fn each_band(bands: &mut [Band], parallel: bool, search: impl Fn((usize, &mut Ba
 fn no_stripes() -> Error {
     Error::NotFound {
         what: "stripes",
-        seen: "neither along image rows nor along columns are there regular bright bands between dark ones".into(),
+        seen: "no regular bright bands between dark ones, along image rows or columns".into(),
         advice: "photograph the object with the stripe pattern projected, in focus, in a room that is not too bright".into(),
     }
 }

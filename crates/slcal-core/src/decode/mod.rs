@@ -1,11 +1,13 @@
-//! Photograph of stripes → [`crate::Matches`]: which slit lights which pixel.
+//! Photograph of stripes → [`crate::Matches`]: which slit illuminates which pixel.
 //!
-//! A look at a few lines tells which way the stripes run, how wide and how sharp they are (`stripe_scale`, `noise`). Lines across
-//! the stripes are read one by one (`scanlines`) and cut into bright hills (`peaks`), whose edges are measured to sub-pixel
-//! (`stripe_edges`). Crossings linked from line to line are curves (`tracks`). Hues are learned from the photograph (`color_classes`,
-//! `crosstalk`); once the pattern is recognised (`code_check`), dynamic programming assigns slits along lines (`sequence_alignment`) and
-//! curves vote (`labeling`), unless neighbours contradict each other (`consistency`). The edges of a stripe and its neighbours
-//! give its slit's centre (`stripe_centers`, by what `slit_layout` knows of the pattern). [`Decoder`] runs the stages.
+//! A few scanlines give the direction of the stripes, their width and their sharpness (`stripe_scale`, `noise`).
+//! Scanlines across the stripes are read one by one (`scanlines`) and segmented into peaks (`peaks`), whose two edges
+//! are located to sub-pixel (`stripe_edges`). A stripe on one scanline is a crossing; crossings linked from scanline to
+//! scanline form a track (`tracks`). The colour classes of the hues are learned from the photograph (`color_classes`,
+//! `crosstalk`). Once the code is recognised (`code_check`), dynamic programming assigns slits along scanlines
+//! (`sequence_alignment`) and the scanlines vote along tracks (`labeling`). Labels that contradict each other are
+//! refused (`consistency`). The edges of a stripe and of its neighbours give the centre of its slit (`stripe_centers`),
+//! with the geometry of the pattern (`slit_layout`). [`Decoder`] runs the stages.
 
 mod code_check;
 mod color_classes;

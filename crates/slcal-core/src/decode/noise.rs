@@ -1,24 +1,25 @@
-//! How much a pixel's light differs from its neighbours' by chance.
+//! The noise of a pixel's light.
 
 use super::rgb::{minus, plus, scaled};
 use super::scanlines::ScanlineReader;
 use crate::photo::Encoding;
 
-/// Lines looked at, and samples taken from all of them; plenty for a quartile.
+/// Scanlines and samples in all; enough for a quartile.
 const LINES: usize = 32;
 const SAMPLES: usize = 6_000;
-/// The lower quartile of |x|, x ~ N(0, 1): the quartile, since many pixels lie on a stripe's edge.
+/// The lower quartile of |x|, x ~ N(0, 1). The quartile, since many pixels lie on a stripe's edge.
 const QUARTILE_OF_NORMAL: f32 = 0.318_6;
 /// Variance of a second difference x₀ − (x₋ + x₊)/2 over that of x.
 const SECOND_DIFFERENCE_GAIN: f32 = 1.5;
-/// Rounding to 8 bits, 1/255/√12, in code values: noise is taken to be no less.
+/// Rounding to 8 bits, 1/255/√12, in code values: the lower limit of the noise.
 const FLOOR: f32 = 1.1e-3;
 /// Entries of the tables of σ, per unit of light.
 const TABLE: usize = 1024;
-/// Of the light of all channels together, 0–3.
+/// For the sum over the channels, 0–3.
 const TOTAL_TABLE: usize = 3 * TABLE;
 
-/// 1σ of a pixel's light. Measured in code values, where it depends little on the light, and carried to linear light.
+/// 1σ of a pixel's light. It is measured in code values, where it depends little on the light, and converted to linear
+/// light.
 #[derive(Debug, Clone)]
 pub(super) struct Noise {
     encoding: Encoding,
@@ -40,7 +41,7 @@ impl Noise {
         }
     }
 
-    /// Measures a photograph.
+    /// Measures the noise of a photograph.
     pub(super) fn measure(&mut self, reader: &ScanlineReader<'_>) {
         self.samples.clear();
         let lines = LINES.min(reader.count());
@@ -68,7 +69,7 @@ impl Noise {
         }
     }
 
-    /// Takes σ in code values as known.
+    /// Sets σ in code values.
     #[cfg(test)]
     pub(super) fn set(&mut self, sigma_code: f32) {
         self.sigma_code = sigma_code;
@@ -85,7 +86,7 @@ impl Noise {
         }));
         self.sigma_by_total.clear();
         let variance = |light: f32| self.variance_by_light[((light * TABLE as f32) as usize).min(TABLE - 1)];
-        // Light in as few channels as can hold it: there noise is largest.
+        // Light concentrated in as few channels as possible, where noise is largest.
         self.sigma_by_total.extend((0..TOTAL_TABLE).map(|i| {
             let total = (i as f32 + 0.5) / TABLE as f32;
             (variance(total) * total.max(1.0) + 2.0 * variance(0.0)).sqrt()
@@ -102,10 +103,10 @@ impl Noise {
         (self.variance(rgb[0]) + self.variance(rgb[1]) + self.variance(rgb[2])).sqrt()
     }
 
-    /// About the same when only the sum is known.
+    /// An approximation when only the sum is known.
     #[inline]
     pub(super) fn sigma_of_total(&self, total: f32) -> f32 {
-        // Casts to integers saturate: what is negative has the σ of darkness.
+        // Casts to integers saturate: negative light has the σ of darkness.
         let at = ((total * TABLE as f32) as usize).min(TOTAL_TABLE - 1);
         self.sigma_by_total.get(at).copied().unwrap_or(0.0)
     }

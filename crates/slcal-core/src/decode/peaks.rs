@@ -1,20 +1,20 @@
-//! A line cut into bright hills between dark valleys, whatever their width: the binary segmentation of the line.
+//! Segmentation of a scanline into bright peaks between dark valleys, of any width.
 
 use super::noise::Noise;
 
-/// A hill begins where the light has risen above the valley by this share of the valley's own light, and ends where it
-/// has fallen by this share of the rise: texture and shading change less from pixel to pixel, stripes more even when
+/// A peak begins where the light has risen above the valley by this share of the valley's light, and ends where it has
+/// fallen by this share of the rise. Texture and shading change less from pixel to pixel; stripes change more even when
 /// blur takes most of their contrast.
 const RISE: f32 = 0.12;
 const FALL: f32 = 0.25;
-/// The same in units of noise: a line holds some thousand pixels.
+/// The same in units of noise: a scanline has a few thousand pixels.
 const SIGMAS: f32 = 4.5;
-/// A hill lower than this share of both its neighbours is a wiggle between them.
+/// A peak lower than this share of both its neighbours is noise between them.
 const WIGGLE: f32 = 0.15;
-/// A valley that lies above this share of the lower of its two hills is a dent in one.
+/// A valley above this share of the lower of its two peaks is a dent in one peak.
 const DENT: f32 = 0.75;
 
-/// Up to this reach a mean is a sum of all its pixels, beyond one of which the ends move on.
+/// Up to this reach a mean is a sum of all its pixels; beyond, a sliding sum.
 const SUMMED_REACH: usize = 3;
 
 /// A maximum between two minima, as indices of pixels.
@@ -31,8 +31,8 @@ impl Peak {
         light[self.top as usize] - light[self.before as usize].max(light[self.after as usize])
     }
 
-    /// The hill on the light itself, when it was found on the running mean over `reach` pixels to either side: extremes are
-    /// at most that far away.
+    /// The peak on the unfiltered light, for a peak that was found on the running mean over `reach` pixels to either
+    /// side: extrema are at most that far away.
     pub(super) fn refined(self, light: &[f32], reach: usize) -> Self {
         let extreme = |x: u32, sign: f32| {
             let from = (x as usize).saturating_sub(reach);
@@ -51,8 +51,8 @@ impl Peak {
     }
 }
 
-/// Finds the hills of a line. `noise_share`: σ of `light` over that of a pixel, less than one where it is smoothed.
-/// `turns` is working memory.
+/// Detects the peaks of a scanline. `noise_share`: σ of `light` over that of a pixel, less than one where it is
+/// smoothed. `turns` is working memory.
 pub(super) fn find(
     light: &[f32],
     noise: &Noise,
@@ -92,7 +92,7 @@ pub(super) fn find(
     merge(light, peaks);
 }
 
-/// Calls `visit` with every pixel at which the light begins or ceases to rise, in order: extremes are among them.
+/// Calls `visit` with every pixel at which the light begins or ceases to rise, in order: extrema are among them.
 fn each_turn(light: &[f32], marks: &mut Vec<u8>, mut visit: impl FnMut(usize)) {
     const BLOCK: usize = 64;
     let n = light.len();
@@ -137,7 +137,7 @@ fn fall(low: f32, high: f32, noise: &Noise, sigmas: f32) -> f32 {
     high - (FALL * (high - low)).max(sigmas * noise.sigma_of_total(high))
 }
 
-/// Takes out wiggles, and joins hills with a dent between them.
+/// Removes low peaks between two higher ones, and joins peaks with a dent between them.
 fn merge(light: &[f32], peaks: &mut Vec<Peak>) {
     let at = |x: u32| light[x as usize];
     let mut kept = 0;
@@ -168,7 +168,7 @@ fn merge(light: &[f32], peaks: &mut Vec<Peak>) {
     peaks.truncate(kept);
 }
 
-/// The running mean over `reach` pixels to either side, narrower at the ends, into `out`.
+/// Writes the running mean over `reach` pixels to either side, narrower at the ends, into `out`.
 pub(super) fn smooth(light: &[f32], reach: usize, out: &mut Vec<f32>) {
     let n = light.len();
     let width = 2 * reach + 1;
@@ -177,7 +177,7 @@ pub(super) fn smooth(light: &[f32], reach: usize, out: &mut Vec<f32>) {
     if n >= width {
         let inner = &mut out[reach..n - reach];
         if reach <= SUMMED_REACH {
-            // Whole rows, which the compiler takes several pixels at a time.
+            // Whole rows, so that the compiler vectorises the loop.
             for shift in 0..width {
                 for (o, v) in inner.iter_mut().zip(&light[shift..]) {
                     *o += v;
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn hills_of_any_width_and_height_are_found() {
+    fn peaks_of_any_width_and_height_are_found() {
         let mut light = vec![0.05; 4];
         light.extend([0.9; 3]);
         light.extend([0.05; 2]);
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn dents_wiggles_and_level_light_are_no_stripes() {
+    fn dents_noise_and_level_light_are_no_peaks() {
         assert!(peaks(&[0.5; 50]).is_empty());
         assert!(peaks(&[]).is_empty());
         // A step up, or down, is no stripe.

@@ -1,10 +1,10 @@
-//! Arithmetic of linear RGB. Written out channel by channel: mapping closures over arrays is not always inlined, and is
+//! Arithmetic of linear RGB, written channel by channel: closures mapped over arrays are not always inlined, and are
 //! then several times as slow.
 
 /// Red, green and blue.
 pub(super) type Rgb = [f32; 3];
 
-/// All channels together: the scalar in which stripes of all hues stand out.
+/// The sum over the channels: the scalar in which stripes of all hues stand out.
 #[inline]
 pub(super) fn total(c: Rgb) -> f32 {
     c[0] + c[1] + c[2]
@@ -42,14 +42,14 @@ pub(super) fn dot(a: Rgb, b: Rgb) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// What is negative (noise about a dark band) taken as none.
+/// Negative values (noise about a dark band) set to zero.
 #[inline]
 pub(super) fn positive(c: Rgb) -> Rgb {
     let positive = |x: f32| if x > 0.0 { x } else { 0.0 };
     [positive(c[0]), positive(c[1]), positive(c[2])]
 }
 
-/// The direction of what is positive of a colour; `None` where there is none.
+/// The direction of the positive part of a colour; `None` where there is none.
 #[inline]
 pub(super) fn unit(c: Rgb) -> Option<Rgb> {
     let c = positive(c);

@@ -1,19 +1,19 @@
-//! The photograph as lines across the stripes, in linear light.
+//! The photograph as scanlines across the stripes, in linear light.
 
 use super::config::{DecodeInput, ScanDirection};
 use crate::error::{Error, Result};
 use crate::photo::{Encoding, LinearTable, PhotoView, Samples};
 
-/// Share of full light below which a pixel of the white frame says nothing about the surface's colour.
+/// Share of full light below which a pixel of the white frame does not show the surface's colour.
 const MIN_WHITE: f32 = 1e-2;
 
-/// One line: the light of each pixel, its sum over the channels, and room for the companions' lines.
+/// One scanline: the light of each pixel, its sum over the channels, and buffers for the black and the white frame.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scanline {
     pub(super) rgb: Vec<[f32; 3]>,
     /// The scalar in which stripes of all hues stand out.
     pub(super) total: Vec<f32>,
-    /// Which pixels the photograph clips, when companions have changed their light.
+    /// The pixels that the photograph clips, when the black or white frame has changed their light.
     clipped: Vec<bool>,
     black: Vec<[f32; 3]>,
     white: Vec<[f32; 3]>,
@@ -56,7 +56,7 @@ impl Tables {
     }
 }
 
-/// Reads lines of a photograph and its dark and lit companions.
+/// Reads scanlines of a photograph and of its black and white frames.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ScanlineReader<'a> {
     frames: &'a DecodeInput<'a>,
@@ -64,7 +64,7 @@ pub(super) struct ScanlineReader<'a> {
     pub(super) scan: ScanDirection,
 }
 
-/// Refuses frames that cannot belong together and photographs without colour.
+/// Refuses frames of different sizes and photographs without colour.
 pub(super) fn check(frames: &DecodeInput<'_>) -> Result<()> {
     let (w, h) = (frames.photo.width(), frames.photo.height());
     if !frames.photo.layout().has_color() {
@@ -93,19 +93,19 @@ impl<'a> ScanlineReader<'a> {
         Self { frames, tables, scan }
     }
 
-    /// Pixels of a line.
+    /// Pixels of a scanline.
     pub(super) fn length(&self) -> usize {
         let p = &self.frames.photo;
         if self.scan == ScanDirection::Rows { p.width() } else { p.height() }
     }
 
-    /// Number of lines.
+    /// Number of scanlines.
     pub(super) fn count(&self) -> usize {
         let p = &self.frames.photo;
         if self.scan == ScanDirection::Rows { p.height() } else { p.width() }
     }
 
-    /// The `k`-th of `n` lines spread evenly over the photograph.
+    /// The `k`-th of `n` scanlines spread evenly over the photograph.
     pub(super) fn spread(&self, k: usize, n: usize) -> usize {
         (2 * k + 1) * self.count() / (2 * n.max(1))
     }
@@ -119,8 +119,8 @@ impl<'a> ScanlineReader<'a> {
         }
     }
 
-    /// The projector's light on a line, all channels together: what [`LineReader::read`] gives, but where it is quicker
-    /// without the colours.
+    /// The projector's light on a scanline, summed over the channels: the total of [`ScanlineReader::read`], without
+    /// the colours where that is faster.
     pub(super) fn read_total(&self, line: usize, out: &mut Scanline) {
         let photo = &self.frames.photo;
         match (self.scan, self.tables.of(photo)) {
@@ -133,19 +133,19 @@ impl<'a> ScanlineReader<'a> {
         }
     }
 
-    /// The projector's light on a pixel of the row or column `y` that was read into `line`, with or without its colours.
+    /// The projector's light on a pixel of scanline `y`, which was read into `line` with or without its colours.
     pub(super) fn light(&self, y: usize, at: usize, line: &Scanline) -> [f32; 3] {
         let photo = &self.frames.photo;
         match (line.rgb.get(at), self.tables.of(photo)) {
             (Some(light), _) => *light,
-            // Rows of a photograph by itself are the only ones that are read without.
+            // Only rows of a photograph without black and white frames are read without colours.
             (None, Some(table)) if at < photo.width() && y < photo.height() => photo.linear_rgb(at, y, table),
             _ => [0.0; 3],
         }
     }
 
-    /// The projector's light on a line: the black frame taken off and the white frame's colour divided out, where they
-    /// were given.
+    /// The projector's light on a scanline. The black frame is subtracted and the colour of the white frame divided
+    /// out, where given.
     pub(super) fn read(&self, line: usize, out: &mut Scanline) {
         self.load(&self.frames.photo, line, &mut out.rgb);
         out.clipped.clear();
@@ -191,7 +191,7 @@ impl<'a> ScanlineReader<'a> {
         [byte(r), byte(g), byte(b)]
     }
 
-    /// Whether noise of a companion adds to that of the photograph.
+    /// Whether the noise of a black or white frame adds to that of the photograph.
     pub(super) fn has_companion(&self) -> bool {
         self.frames.black.is_some() || self.frames.white.is_some()
     }

@@ -1,67 +1,68 @@
-//! Correspondence along one line: crossings × slits by dynamic programming.
+//! Sequence alignment along one scanline: crossings × slits by dynamic programming.
 //!
-//! After L. Zhang, B. Curless, S. M. Seitz, "Rapid shape acquisition using color structured light and multi-pass dynamic
-//! programming", 3DPVT 2002, with costs that are log-probabilities. A single ordered pass threads chance matches between the
-//! right ones on a line that an occlusion has put out of order; here a run may start at any slit, at a price that is
-//! higher behind the last one. A slit may be met twice: a line of the image need not be an epipolar line, and crosses the
-//! same slit on the object and again on the wall. Further passes hear the votes of the lines about (`labeling`).
+//! After L. Zhang, B. Curless, S. M. Seitz, "Rapid shape acquisition using color structured light and multi-pass
+//! dynamic programming", 3DPVT 2002, with costs that are log-probabilities. On a scanline that an occlusion has put out
+//! of order, a single ordered pass fills chance matches between the right ones. Here a run may start at any slit, at a
+//! price that is higher behind the last one. A slit may occur twice: a scanline need not be an epipolar line, and
+//! crosses the same slit on the object and again on the wall. Further passes use the votes of the neighbouring
+//! scanlines (`labeling`).
 
-/// ln of the odds that a crossing is a slit at all: what it gains by being matched with an uninformative colour.
+/// Log-odds that a crossing is a slit at all: the gain of matching it with an uninformative colour.
 const MATCH_GAIN: f32 = 1.0;
-/// Starting a run of slits anywhere: as many nats as there are places to start (about 60), and some for the surfaces
-/// that end. Two crossings alone do not pay for it, three neighbours with the right colours (the window of three) do.
+/// Cost of starting a run at any slit: the logarithm of the number of starts (about 60), and some for the surfaces that
+/// end. Two crossings alone do not pay for it; three neighbours with the right colours (the window of three) do.
 const JUMP_COST: f32 = 6.0;
-/// The same, when the run starts at an earlier slit than the last one ended with: a near surface has hidden a part and
-/// moved another.
+/// The same, when the run starts at an earlier slit than the last one ended with: a near surface has hidden one part
+/// and displaced another.
 const JUMP_BACK_COST: f32 = 8.0;
-/// One slit that was not seen.
+/// Cost of one slit that was not detected.
 const MISSING_SLIT: f32 = 2.5;
-/// One crossing between two slits that is none.
+/// Cost of one crossing between two slits that is no slit.
 const EXTRA_CROSSING: f32 = 1.0;
-/// Going on with the next slit where the surface seems to have changed: the crossings are more than `FAR` times as far
-/// apart as their widths suggest, or one sends more than `BRIGHTER` times as much light as the other; more than twice as
-/// much says so twice.
+/// Cost of continuing with the next slit across an apparent change of surface: the crossings are more than `FAR` times
+/// as far apart as their widths suggest, or their light differs by more than a factor of `BRIGHTER`. Twice that factor
+/// costs twice as much.
 const BREAK_COST: f32 = 2.5;
 const FAR: f32 = 1.7;
 pub(super) const BRIGHTER: f32 = 2.0;
-/// A gap of one slit is this many periods wide, to one more.
+/// A gap of one slit is between this many periods wide and one more.
 const NEAR_TWO: f32 = 1.5;
 /// Fewer neighbouring crossings on neighbouring slits than this are no evidence: two colours occur in many places.
 const MIN_RUN: usize = 3;
-/// Share of the log-odds of perfect colours that a run must have: a run of three with one wrong colour fits elsewhere, too;
-/// and one or two at the end of a run, behind a change of light.
+/// Share of the log-odds of perfect colours that a run must have: a run of three with one wrong colour fits elsewhere,
+/// too. The second share holds for one or two crossings at the end of a run, behind a change of light.
 const MIN_RUN_ODDS: f32 = 0.55;
 const MIN_REST_ODDS: f32 = 0.9;
-/// What all votes for a slit along the curve of a crossing are worth, in nats.
+/// Gain of a unanimous vote for a slit along the track of a crossing, in nats.
 const VOTE_GAIN: f32 = 4.0;
 
-/// Marks a slit or crossing that is not matched.
+/// Marks a slit or crossing without a match.
 pub(super) const NONE: u16 = u16::MAX;
 
 /// Every row of scores begins with as many entries of −∞ as steps reach back.
 const PAD: usize = 2;
 
-/// What alignment looks at in a crossing.
+/// The features of a crossing that enter the alignment.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CrossingFeatures {
-    /// Position along the line, px.
+    /// Position along the scanline, px.
     pub(super) u: f32,
     /// Width, px.
     pub(super) width: f32,
-    /// Light, over what is usual for its hue.
+    /// Light relative to what is usual for its class.
     pub(super) light: f32,
-    /// Slit that earlier rounds have found, or [`NONE`], and the share of the votes along its curve.
+    /// The slit found by earlier passes, or [`NONE`], and its share of the votes along the track.
     pub(super) prior: (u16, f32),
 }
 
-/// Aligns lines with the pattern; keeps its tables.
+/// Aligns scanlines with the pattern; keeps its tables.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Aligner {
-    /// Best score of a path that ends with crossing i on slit j, row by row; two rows and [`PAD`] entries before each row
-    /// are −∞.
+    /// Best score of a path that ends with crossing i on slit j, row by row; two rows and [`PAD`] entries before each
+    /// row are −∞.
     score: Vec<f32>,
     gain: Vec<f32>,
-    /// Log-odds of a crossing's hues; as many as there are values of the index, so that none needs a check.
+    /// Log-odds of a crossing's classes; one for each value of the index, so that no bounds check is needed.
     odds: ClassOdds,
     /// The best score among the crossings before, at a slit before each, and at any.
     best: Vec<f32>,
@@ -72,8 +73,8 @@ pub(super) struct Aligner {
 }
 
 impl Aligner {
-    /// Gives each crossing of a line the position of its slit in `slits` (hues in the order in which the line meets them),
-    /// or [`NONE`], and returns the score in nats. `odds` holds the log-odds of the hues, crossing by crossing.
+    /// Assigns each crossing of a scanline the position of its slit in `slits` (classes in the order of the scanline),
+    /// or [`NONE`], and returns the score in nats. `odds` holds the log-odds of the classes, crossing by crossing.
     pub(super) fn align(
         &mut self,
         slits: &[u8],
@@ -102,7 +103,7 @@ impl Aligner {
         let (n, k) = (features.len(), slits.len());
         let hues = odds.len() / n.max(1);
         let row = k + PAD;
-        // What is left from another line is written over row by row.
+        // Values of an earlier scanline are overwritten row by row.
         let size = (n + 2) * row;
         self.score.resize(self.score.len().max(size), 0.0);
         self.score[..2 * row].fill(f32::NEG_INFINITY);
@@ -145,8 +146,8 @@ impl Aligner {
         top
     }
 
-    /// Follows the best path back from the end, whose score is `top`. How it came to a cell is not noted down for all of
-    /// them but found again for the few on the path.
+    /// Follows the best path back from the end, whose score is `top`. The step that led to a cell is not stored but
+    /// recomputed for the few cells on the path.
     fn trace(&mut self, top: f32, slits: &[u8], features: &[CrossingFeatures], odds: &[f32]) {
         let k = slits.len();
         let (row, hues) = (k + PAD, odds.len() / features.len().max(1));
@@ -172,7 +173,7 @@ impl Aligner {
         }
     }
 
-    /// The best cell among the first `n` crossings and `k` slits, with its score: looked for instead of noted down, since
+    /// The best cell among the first `n` crossings and `k` slits, with its score. It is searched for, not stored, since
     /// jumps are few.
     fn best_cell(&self, n: usize, k: usize) -> Option<(f32, usize, usize)> {
         let row = self.gain.len() + PAD;
@@ -191,9 +192,9 @@ impl Aligner {
         best
     }
 
-    /// Labels the runs of neighbouring crossings on neighbouring slits that are long enough and whose colours fit, and what
-    /// earlier rounds have agreed on. A run goes on across a moderate change of light, a shadow or a fold, but what stands
-    /// behind it must fit by itself: the next hues occur in other places, too.
+    /// Labels the runs of neighbouring crossings on neighbouring slits that are long enough and whose colours fit, and
+    /// the labels on which earlier passes have agreed. A run continues across a moderate change of light (a shadow or a
+    /// fold), but the part behind it must fit by itself, since the next colours occur in other places, too.
     fn keep_runs(
         &self,
         slits: &[u8],
@@ -236,7 +237,7 @@ impl Aligner {
     }
 }
 
-/// Cuts a path wherever two neighbours on it do not belong together.
+/// Splits a path wherever two neighbours on it do not belong together.
 fn split(
     path: &[(u32, u16)],
     together: impl Fn(&[(u32, u16)]) -> bool,
@@ -253,7 +254,7 @@ impl Default for ClassOdds {
     }
 }
 
-/// What the ways to the cells of a row cost.
+/// Costs of the steps to the cells of a row.
 #[derive(Debug, Clone, Copy)]
 struct RowCosts {
     /// Score of a jump back to any slit.
@@ -263,8 +264,8 @@ struct RowCosts {
     extra: f32,
 }
 
-/// One row of the table from the two before it. Plain loops over slices of one length, so that the compiler can take
-/// several slits at a time.
+/// One row of the table from the two before it. Plain loops over slices of one length, so that the compiler vectorises
+/// them.
 fn fill_row(steps: &RowCosts, rows: (&[f32], &[f32]), best_before: &[f32], gain: &[f32], score: &mut [f32]) {
     let k = gain.len();
     let (last, second) = rows;
@@ -277,8 +278,8 @@ fn fill_row(steps: &RowCosts, rows: (&[f32], &[f32]), best_before: &[f32], gain:
     }
 }
 
-/// Carries the scores of a row on to the slits behind each: `best[j + 1]` becomes the best of what it was and of the
-/// scores up to slit j. Few scores of a row are better than all before, so that most blocks are only compared.
+/// Carries the scores of a row on to the slits behind each: `best[j + 1]` becomes the maximum of its value and of the
+/// scores up to slit j. Few scores of a row exceed all before, so that most blocks are only compared.
 fn raise_best(best: &mut [f32], scores: &[f32]) {
     const BLOCK: usize = 8;
     let best = &mut best[1..];
@@ -308,26 +309,26 @@ fn carry(best: &mut [f32], from: usize, scores: &[f32]) {
     }
 }
 
-/// The larger of two numbers: one instruction, where `f32::max` looks for NaN.
+/// The larger of two numbers: one instruction, where `f32::max` checks for NaN.
 #[inline]
 fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// What it costs to go on from one crossing to another.
+/// The cost of a step from one crossing to another.
 struct StepCost {
     /// With the next slit.
     next: f32,
-    /// With the one after that.
+    /// With the slit after the next.
     missed: f32,
-    /// What the light and the distance say of the surface in between.
+    /// Whether light and distance suggest one continuous surface.
     continuity: Continuity,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Continuity {
     Continuous,
-    /// Lit otherwise: a shadow, a fold, another one.
+    /// The light differs: a shadow, a fold, or another surface.
     Uncertain,
     Broken,
 }
@@ -338,12 +339,12 @@ pub(super) fn differ_by_factor(a: f32, b: f32, by: f32) -> bool {
 }
 
 /// Whether the light of two neighbours differs by more than a factor. Where a surface turns away from the projector, a
-/// slit's light is spread over more of it: then light times width changes less than light.
+/// slit's light spreads over more of it; light times width then changes less than light.
 pub(super) fn differ_in_light(a: &CrossingFeatures, b: &CrossingFeatures, by: f32) -> bool {
     differ_by_factor(a.light, b.light, by) && differ_by_factor(a.light * a.width, b.light * b.width, by)
 }
 
-/// The step from the crossing `back` before `i`.
+/// The step to crossing `i` from the one `back` before it.
 fn step(features: &[CrossingFeatures], i: usize, back: usize, period_per_width: f32) -> StepCost {
     let Some(a) = i.checked_sub(back).map(|i| &features[i]) else {
         return StepCost { next: 0.0, missed: 0.0, continuity: Continuity::Continuous };
@@ -393,7 +394,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_of_the_pattern_is_found_where_it_is() {
+    fn a_part_of_the_pattern_is_found_at_its_place() {
         assert_eq!(align(&slits(3..9, 0.0)), [3, 4, 5, 6, 7, 8]);
         assert!(align(&[]).is_empty());
     }
@@ -409,7 +410,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_that_an_occlusion_put_out_of_order_is_found() {
+    fn parts_put_out_of_order_by_an_occlusion_are_found() {
         let mut seen = slits(6..12, 0.0);
         seen.extend(slits(0..5, 48.0));
         assert_eq!(align(&seen), [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4]);
@@ -418,7 +419,7 @@ mod tests {
         assert_eq!(align(&twice), [3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8]);
     }
 
-    /// The best score of any path, by trying all of them: every crossing is left out or given any slit.
+    /// The best score of any path, by brute force: every crossing is left out or given any slit.
     fn brute_force(slits: &[u8], features: &[CrossingFeatures], odds: &[f32]) -> f32 {
         fn go(
             slits: &[u8],
@@ -460,7 +461,7 @@ mod tests {
     }
 
     #[test]
-    fn dynamic_programming_finds_what_trying_all_paths_finds() {
+    fn dynamic_programming_agrees_with_brute_force() {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
         for _ in 0..60 {
             let (n, k) = (rng.random_range(1..6), rng.random_range(1..7));

@@ -1,4 +1,5 @@
-//! The pattern as lines meet it: where the edges of slits lie on the panel, and what follows for every photograph alike.
+//! The geometry of the pattern in the order of a scanline: the edges of the slits on the panel, and weights that are
+//! the same for every photograph.
 
 /// Slits on the panel, in projector px.
 #[derive(Debug, Clone, Default)]
@@ -11,10 +12,10 @@ pub(super) struct SlitLayout {
     cubics: Vec<Cubic>,
 }
 
-/// What the cubic through a slit's edges and the next ones on either side makes of them at the slit's centre.
+/// The cubic through a slit's edges and the next ones on either side, evaluated at the slit's centre.
 #[derive(Debug, Clone, Copy)]
 struct Cubic {
-    /// Shares of its left and right edge, the one before and the one after.
+    /// Weights of its left and right edge, the one before and the one after.
     weights: [f32; 4],
     /// σ over that of an edge.
     gain: f32,
@@ -24,14 +25,14 @@ struct Cubic {
 const MIN_GAP_PX: f32 = 1e-3;
 
 impl SlitLayout {
-    /// `gaps_px`: distances of neighbouring slits' centres, in the order in which lines meet them.
+    /// `gaps_px`: distances between the centres of neighbouring slits, in the order of a scanline.
     pub(super) fn set(&mut self, gaps_px: impl Iterator<Item = f32>, half_px: f32) {
         self.gaps_px.clear();
         self.gaps_px.extend(gaps_px);
         self.set_half_width(half_px);
     }
 
-    /// Takes the slits as wide as they were seen.
+    /// Sets the width of the slits as measured in the photograph.
     pub(super) fn set_half_width(&mut self, half_px: f32) {
         self.half_px = half_px;
         self.per_gap.clear();
@@ -52,7 +53,7 @@ impl SlitLayout {
         self.half_px
     }
 
-    /// Distance to the slit before (side 0) or after (1); some number beyond the ends of the pattern.
+    /// Distance to the slit before (side 0) or after (1); four half-widths beyond the ends of the pattern.
     pub(super) fn gap_px(&self, label: usize, side: usize) -> f32 {
         let at = if side == 0 { label.wrapping_sub(1) } else { label };
         self.gaps_px.get(at).copied().unwrap_or(4.0 * self.half_px)
@@ -63,7 +64,8 @@ impl SlitLayout {
         self.per_gap.get(label + side).copied().unwrap_or(0.5 / self.half_px)
     }
 
-    /// Where the cubic through a slit's own edges and the next ones on either side has its centre, and σ over that of an edge.
+    /// The cubic through a slit's own edges and the next ones on either side at its centre, and its σ over that of an
+    /// edge.
     pub(super) fn cubic(&self, label: usize, own: (f32, f32), before: f32, after: f32) -> (f32, f32) {
         let Some(Cubic { weights: [l, r, b, a], gain }) = self.cubics.get(label) else {
             return (0.5 * (own.0 + own.1), std::f32::consts::FRAC_1_SQRT_2);
@@ -72,7 +74,7 @@ impl SlitLayout {
     }
 }
 
-/// Lagrange's polynomial through (projector px, image px) at zero, and σ of it over σ of the image positions.
+/// Lagrange's polynomial through (projector px, image px) at zero, and its σ over that of the image positions.
 pub(super) fn polynomial_at_zero<const N: usize>(nodes: &[(f32, f32); N]) -> (f32, f32) {
     let (mut u, mut variance) = (0.0, 0.0);
     for (i, &(x, at)) in nodes.iter().enumerate() {

@@ -1,9 +1,10 @@
-//! Where a slit's centre lies between the edges of its stripe, and which stripes are cut so that it cannot be told.
+//! The position of a slit's centre between the edges of its stripe, and which stripes are truncated so that it is
+//! unknown.
 //!
-//! Projector columns between edges are known: half a slit to either side of its own centre, and the edges of the
-//! neighbouring slits beyond. The polynomial through these edges, taken at the centre, allows for perspective and
-//! curvature, which move the centre away from the middle of the two edges. No polynomial follows a fold; where the scale says
-//! that there is one, the centre lies on the plane before or behind it.
+//! The projector columns of the edges are known: half a slit to either side of its own centre, and the edges of the
+//! neighbouring slits. The polynomial through these edges, evaluated at the centre, accounts for perspective and
+//! curvature, which move the centre away from the midpoint of the two edges. No polynomial follows a fold. Where the
+//! scale shows a fold, the centre lies on the plane before or behind it.
 
 use super::labeling::VotedLabel;
 use super::sequence_alignment::NONE;
@@ -15,52 +16,53 @@ use crate::solve::median_f32;
 /// Scales (image px per projector px) of a stripe and of the gap beside it differ by less than this factor on one
 /// surface.
 const MAX_SCALE_RATIO: f32 = 1.8;
-/// A stripe narrower than its gaps and neighbours let expect by this share is cut: by a twelfth, its middle is off by a
-/// third of a projector pixel in a slit of eight.
+/// A stripe narrower by this share than predicted from its gaps and neighbours is truncated. Narrowed by a twelfth, its
+/// midpoint is off by a third of a projector pixel in a slit of eight.
 const MIN_NARROWING: f32 = 0.08;
-/// The same where only one side is there to tell.
+/// The same where only one side predicts the width.
 const MIN_NARROWING_AT_END: f32 = 0.12;
-/// Stripes wider than expected are not cut; where light fades along them they may seem so, by this share and no more.
+/// Stripes wider than predicted are not truncated. Where light fades along them they may be wider, by this share at
+/// most.
 const MAX_WIDE_SHARE: f32 = 0.15;
-/// Scatter of widths in units of which a cut must stand out.
+/// A truncation must exceed this many σ of the widths.
 const TRUNCATION_SIGMAS: f32 = 4.0;
-/// What sampling and blur may make of the width of a stripe, px; much of a narrow one.
+/// Effect of sampling and blur on the width of a stripe, px; large for a narrow one.
 const EDGE_SLACK_PX: f32 = 0.15;
-/// Share of the change of scale from one side to the other by which the expected width is uncertain.
+/// Share of the change of scale from one side to the other by which the predicted width is uncertain.
 const CURVATURE_SLACK: f32 = 0.5;
-/// What noise of σ 1 in the edges makes of the difference of two steps of scale, times the width of the slits: four edges a
-/// slit's width apart count 1, 3, 3 and 1 times.
+/// σ of the difference of two steps of scale, for σ = 1 of the edges, times the width of the slits: four edges a slit's
+/// width apart have the weights 1, 3, 3 and 1.
 const STEP_NOISE: f32 = 4.47;
-/// A fold shows from this many times what noise makes of the change of scale, and is certain at twice that.
+/// A fold is detected from this many σ of the change of scale, and is certain at twice that.
 const FOLD_SIGMAS: f32 = 3.0;
-/// A step of scale so many times those beside it is a fold, or a bend narrower than a period, which stripes cannot tell
-/// from one.
+/// A step of scale this many times those beside it is a fold, or a bend narrower than a period, which stripes cannot
+/// distinguish from one.
 const SMOOTH_GROWTH: f32 = 8.0;
 
-/// Variance of a centre less the cubic through its four neighbours, over that of a centre: 1 + (1 + 16 + 16 + 1)/36 = 1.94 if
-/// centres were independent, 2.29 by the edges that they share.
+/// Variance of a centre minus the cubic through its four neighbours, over that of a centre: 1 + (1 + 16 + 16 + 1)/36 =
+/// 1.94 for independent centres, 2.29 with the edges that they share.
 const CUBIC_VARIANCE: f32 = 2.286;
-/// What sampling does to neighbouring stripes alike, which no difference shows, px.
+/// Error from sampling that neighbouring stripes have in common, which no difference shows, px.
 const COMMON_PX: f32 = 0.003;
-/// What the whole photograph says of σ counts as much as this many centres.
+/// The estimate of σ over the whole photograph has the weight of this many centres.
 const PRIOR_WEIGHT: f64 = 10.0;
-/// A squared miss counts at most this many times what is usual.
+/// A squared residual counts at most this many times the usual one.
 const MAX_RATIO: f32 = 1000.0;
-/// Every so many lines tell a median as well as all.
+/// Every fourth scanline is enough for a median.
 const SAMPLED: usize = 4;
 
-/// Position of a slit's centre on a line.
+/// Position of a slit's centre on a scanline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct StripeCenter {
-    /// Sub-pixel position, px; NaN for a crossing without a number or one that is cut.
+    /// Sub-pixel position, px; NaN for a crossing that is unlabelled or truncated.
     pub(super) u: f32,
-    /// 1σ as predicted from the noise of pixels, px.
+    /// 1σ as predicted from pixel noise, px.
     pub(super) sigma: f32,
-    /// Whether an outline or a shadow cuts the stripe.
+    /// Whether an outline or a shadow truncates the stripe.
     pub(super) truncated: bool,
 }
 
-/// A crossing and what stands beside it on the same surface.
+/// A crossing and its neighbours on the same surface.
 #[derive(Debug, Clone, Copy)]
 struct StripeNeighbors {
     own: StripeEdges,
@@ -69,7 +71,8 @@ struct StripeNeighbors {
     after: Option<StripeEdges>,
 }
 
-/// Image px per projector px of the parts about a crossing; `None` where there is nothing on the same surface.
+/// Local scale of the parts about a crossing, image px per projector px; `None` where there is nothing on the same
+/// surface.
 struct LocalScales {
     own: f32,
     gap: [Option<f32>; 2],
@@ -85,7 +88,7 @@ impl StripeNeighbors {
         Self { own: tracks.crossings[i], label: usize::from(label), before, after }
     }
 
-    /// Scales of what is on the same surface; a neighbour behind a gap unlike itself is forgotten.
+    /// Scales of the parts on the same surface. A neighbour behind a gap of another scale is removed.
     fn scales(&mut self, layout: &SlitLayout) -> LocalScales {
         let per_stripe = 0.5 / layout.half_px();
         let scale = |image: f32, per_projector: f32| (image * per_projector).max(1e-6);
@@ -111,22 +114,22 @@ impl StripeNeighbors {
     }
 }
 
-/// The difference over the mean; nearly the logarithm of the ratio, and much quicker.
+/// The difference over the mean: nearly the logarithm of the ratio, and much faster.
 fn relative(a: f32, b: f32) -> f32 {
     2.0 * (a - b) / (a + b)
 }
 
-/// Which neighbours bear out the width of a stripe.
+/// Which neighbours confirm the width of a stripe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Confirmation {
     Both,
-    /// One side, and how much of what is tolerated it took, 0–1.
+    /// One side, and its misfit as a share of the tolerance, 0–1.
     Side(usize, f32),
 }
 
 impl LocalScales {
-    /// By how much the width is more than the expected one, as a share, and how far it may be off for the change of scale
-    /// about, by interpolation between the gaps.
+    /// Interpolation between the gaps: the width minus the predicted one, as a share, and the tolerance for the local
+    /// change of scale.
     fn between(&self) -> Option<(f32, f32)> {
         let [a, b] = [self.gap[0]?, self.gap[1]?];
         Some((relative(self.own, 0.5 * (a + b)), CURVATURE_SLACK * 0.5 * relative(a, b).abs()))
@@ -138,9 +141,9 @@ impl LocalScales {
         Some((relative(self.own, gap * gap / stripe), CURVATURE_SLACK * 2.0 * relative(gap, stripe).abs()))
     }
 
-    /// How certain it is, 0–1, that the surface has a fold in the stripe or in a gap beside it, where noise makes `noise` of the
-    /// difference of two steps of scale. A fold leaves the scale as it was on one side at least; where the surface is curved,
-    /// the scale changes from part to part throughout.
+    /// Confidence, 0–1, that the surface has a fold in the stripe or in a gap beside it, where `noise` is the effect of
+    /// noise on the difference of two steps of scale. A fold leaves the scale unchanged on one side at least; on a
+    /// curved surface the scale changes from part to part throughout.
     fn fold(&self, noise: f32) -> f32 {
         let [Some(a), Some(b)] = self.gap else { return 0.0 };
         let least = FOLD_SIGMAS * noise;
@@ -148,7 +151,7 @@ impl LocalScales {
             return 0.0;
         }
         let [Some(before), Some(after)] = self.stripe else { return 0.0 };
-        // Steps along the line; those the way of the whole change are positive.
+        // Steps along the line; those in the direction of the whole change are positive.
         let sign = if after > before { 1.0 } else { -1.0 };
         let [first, left, right, last] =
             [a - before, self.own - a, b - self.own, after - b].map(|s| sign * s);
@@ -160,9 +163,10 @@ impl LocalScales {
         (beside.max(within) / least - 1.0).clamp(0.0, 1.0)
     }
 
-    /// Who bears out that the stripe is whole; on a surface with a fold in the gap beside it, only the other side can.
+    /// Which neighbours confirm that the stripe is complete. On a surface with a fold in the gap beside it, only the
+    /// other side can.
     fn confirmation(&self, scatter: f32, width_px: f32) -> Option<Confirmation> {
-        // How much of what is tolerated a misfit takes.
+        // The misfit as a share of the tolerance.
         let misfit_share = |(misfit, slack): (f32, f32), least: f32| {
             let narrow = least.max(TRUNCATION_SIGMAS * scatter) + slack + EDGE_SLACK_PX / width_px;
             if misfit < 0.0 { -misfit / narrow } else { misfit / (narrow + MAX_WIDE_SHARE) }
@@ -177,8 +181,7 @@ impl LocalScales {
     }
 }
 
-/// Half the width of the stripes as photographed, in projector px: light that spills over makes them wider than they
-/// were drawn.
+/// Half the width of the stripes as photographed, in projector px. Light that spills over makes them wider than drawn.
 pub(super) fn measure_half_width(
     tracks: &Tracks,
     votes: &[VotedLabel],
@@ -191,7 +194,7 @@ pub(super) fn measure_half_width(
         for i in line.clone().filter(|&i| votes[i].label != NONE) {
             let n = StripeNeighbors::at(tracks, votes, line.clone(), i);
             if let (Some(a), Some(b)) = (n.before, n.after) {
-                // From the middles of the gaps on either side, the stripe's share of a period.
+                // The stripe's share of a period, measured from the middles of the gaps on either side.
                 let period = 0.5 * (b.left + n.own.right - a.right - n.own.left);
                 let projector = 0.5 * (layout.gap_px(n.label, 0) + layout.gap_px(n.label, 1));
                 scratch.push(0.5 * projector * n.own.width() / period);
@@ -203,7 +206,7 @@ pub(super) fn measure_half_width(
     if half.is_finite() { half.clamp(0.5 * drawn, 1.7 * drawn) } else { drawn }
 }
 
-/// Centres of all numbered crossings, into `out`, one per crossing.
+/// Locates the centres of all labelled crossings, into `out`, one per crossing.
 pub(super) fn locate(
     tracks: &Tracks,
     votes: &[VotedLabel],
@@ -229,7 +232,7 @@ pub(super) fn locate(
     out.resize(tracks.crossings.len(), StripeCenter { u: f32::NAN, sigma: 0.0, truncated: false });
     let step_noise = STEP_NOISE / (2.0 * layout.half_px());
     each(1, &mut |i, n, scales| {
-        // A stripe alone on its surface may be cut or not: nothing tells.
+        // Nothing shows whether a stripe alone on its surface is truncated.
         let Some(confirmation) = scales.confirmation(scatter, n.own.width()) else {
             out[i].truncated = true;
             return;
@@ -245,7 +248,7 @@ pub(super) fn locate(
     });
 }
 
-/// The polynomial through the edges at the slit's centre, and σ of it over σ of an edge.
+/// The polynomial through the edges at the slit's centre, and its σ over that of an edge.
 fn interpolate(n: &StripeNeighbors, layout: &SlitLayout) -> (f32, f32) {
     let half = layout.half_px();
     let own = [(-half, n.own.left), (half, n.own.right)];
@@ -259,8 +262,8 @@ fn interpolate(n: &StripeNeighbors, layout: &SlitLayout) -> (f32, f32) {
     }
 }
 
-/// The centre where the surface is folded as certainly as `fold` says: on one of the two planes that the edges on either side
-/// lie on, as far as there is a fold, and else where it would be on a smooth surface.
+/// The centre on a surface that is folded with the confidence `fold`. With a fold it lies on one of the two planes
+/// through the edges on either side, without one on the smooth surface; the confidence interpolates between the two.
 fn on_fold(n: &StripeNeighbors, fold: f32, smooth: (f32, f32), layout: &SlitLayout) -> (f32, f32) {
     let (Some(before), Some(after)) = (n.before, n.after) else { return smooth };
     let (half, gaps) = (layout.half_px(), [layout.gap_px(n.label, 0), layout.gap_px(n.label, 1)]);
@@ -272,13 +275,13 @@ fn on_fold(n: &StripeNeighbors, fold: f32, smooth: (f32, f32), layout: &SlitLayo
     (smooth.0 + fold * (plane.0 - smooth.0), smooth.1 + fold * (plane.1 - smooth.1))
 }
 
-/// The centre of the last stripe of a surface: its outer edge may be an outline. The more its width strains what the
-/// inner edges let expect, the more these alone decide.
+/// The centre of the last stripe of a surface, whose outer edge may be an outline. The larger the misfit of its width,
+/// the more the inner edges alone decide.
 fn at_end(n: &StripeNeighbors, side: usize, misfit_share: f32, layout: &SlitLayout) -> (f32, f32) {
     let (Some(other), sign) =
         (if side == 0 { n.before } else { n.after }, if side == 0 { -1.0 } else { 1.0 })
     else {
-        // Beside a fold not even the neighbour that bears the width out has an edge to add.
+        // Beside a fold not even the neighbour that confirms the width adds an edge.
         return interpolate(&StripeNeighbors { before: None, after: None, ..*n }, layout);
     };
     let (half, gap) = (layout.half_px(), layout.gap_px(n.label, side));
@@ -294,9 +297,10 @@ fn at_end(n: &StripeNeighbors, side: usize, misfit_share: f32, layout: &SlitLayo
     (with.0 + misfit_share * (without.0 - with.0), with.1 + misfit_share * (without.1 - with.1))
 }
 
-/// Makes σ what the scatter of the centres says: each is compared with the cubic through the two slits on either side,
-/// which tells noise, what sampling and blur do to edges, and detail finer than the stripes alike. The scatter over ±
-/// `reach` lines along the curve, and with less weight over the whole photograph, scales the prediction.
+/// Scales σ to the measured scatter of the centres. Each centre is compared with the cubic through the two slits on
+/// either side, which shows noise, the effect of sampling and blur on edges, and detail finer than the stripes. The
+/// scatter over ± `reach` scanlines along the track, and with less weight over the whole photograph, scales the
+/// prediction.
 pub(super) fn measure_sigma(
     tracks: &Tracks,
     votes: &[VotedLabel],
@@ -330,7 +334,8 @@ pub(super) fn measure_sigma(
             }
         }
     }
-    // The median of the square of a normal variable; some prediction must do where no five slits stand side by side.
+    // The median of the square of a normal variable. The prediction must suffice where no five slits stand side by
+    // side.
     let usual = median_f32(scratch).map_or(1.0, |m| (m / 0.455).clamp(0.01, 100.0));
     for track in tracks.iter() {
         sums.clear();
@@ -339,7 +344,7 @@ pub(super) fn measure_sigma(
         for &i in track {
             let ratio = ratios[i as usize];
             if ratio.is_finite() {
-                // One that is cut unnoticed shall not speak for all.
+                // A truncated stripe that was not detected must not dominate.
                 sum += f64::from(ratio.min(MAX_RATIO * usual));
                 n += 1.0;
             }

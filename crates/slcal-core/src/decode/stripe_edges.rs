@@ -1,67 +1,68 @@
-//! Stripes on one line: hills whose two edges are measured to sub-pixel.
+//! Stripes on one scanline: peaks whose two edges are located to sub-pixel.
 
 use super::noise::Noise;
 use super::peaks::{self, Peak};
 use super::rgb::{Rgb, mean, minus, plus, positive, scaled, total, unit};
 use super::scanlines::Scanline;
 
-/// A stripe crossed by a line.
+/// A crossing: one stripe on one scanline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct StripeEdges {
-    /// Sub-pixel positions of its two edges along the line, px.
+    /// Sub-pixel positions of its two edges along the scanline, px.
     pub(super) left: f32,
     pub(super) right: f32,
-    /// Light above the dark bands beside it, all channels together.
+    /// Light above the dark bands beside it, summed over the channels.
     pub(super) height: f32,
     /// Predicted 1σ of an edge, px.
     pub(super) edge_sigma: f32,
-    /// About its colour, from a pixel of it and one beside it: enough to tell it from another stripe.
+    /// Approximate colour, from one pixel of the stripe and one beside it. It is good enough to tell neighbouring
+    /// stripes apart.
     pub(super) approximate_color: Rgb,
 }
 
-/// The colour of a crossing.
+/// The measured colour of a crossing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct StripeColor {
     /// Direction of the core's light above the dark bands beside it, in linear RGB; zero where it has none.
     pub(super) unit: Rgb,
-    /// All channels of it together.
+    /// Its sum over the channels.
     pub(super) light: f32,
-    /// 1σ of the direction by noise, rad.
+    /// 1σ of the direction from pixel noise, rad.
     pub(super) sigma: f32,
     /// Whether the core is clipped in some channel.
     pub(super) saturated: bool,
 }
 
 impl StripeEdges {
-    /// The middle between the edges, px.
+    /// The midpoint between the edges, px.
     pub(super) fn middle(&self) -> f32 {
         0.5 * (self.left + self.right)
     }
 
-    /// Distance of the edges, px.
+    /// Distance between the edges, px.
     pub(super) fn width(&self) -> f32 {
         self.right - self.left
     }
 }
 
-/// Lengths that depend on the photograph, px.
+/// Half-widths of the filters, which depend on the photograph, px.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct FilterRadii {
-    /// The line is averaged over this many pixels to either side before hills are sought.
+    /// The scanline is averaged over this many pixels to either side before peaks are detected.
     pub(super) smoothing: usize,
-    /// An edge is measured over this many pixels to either side.
+    /// An edge is located over this many pixels to either side.
     pub(super) edge: usize,
 }
 
-/// An edge must carry this share of the hill's height.
+/// An edge must have this share of the peak's height.
 const MIN_EDGE_SHARE: f32 = 0.4;
-/// A hill's top is level where it has this share of its highest light: rounding to 8 bit takes as much.
+/// The top of a peak is level where it has this share of the maximum: rounding to 8 bits takes as much.
 const LEVEL: f32 = 0.99;
-/// The edges of a clipped stripe tell its hue when they have this share of its light.
+/// The edges of a clipped stripe show its hue where they have this share of its light.
 const MIN_FLANK: f32 = 0.15;
-/// Edges closer than this are one.
+/// Edges closer than this are one edge.
 const MIN_WIDTH_PX: f32 = 0.5;
-/// Height over the noise of a pixel below which a stripe is dropped.
+/// Ratio of height to pixel noise below which a stripe is rejected.
 const MIN_CONTRAST: f32 = 3.0;
 
 /// Working memory of [`find`].
@@ -72,7 +73,7 @@ pub(super) struct Scratch {
     peaks: Vec<Peak>,
 }
 
-/// The hills of a line, smoothed as asked.
+/// The peaks of a scanline, smoothed as requested.
 pub(super) fn peaks_of<'s>(
     light: &[f32],
     smoothing: usize,
@@ -89,8 +90,8 @@ pub(super) fn peaks_of<'s>(
     &scratch.peaks
 }
 
-/// Appends the stripes of a line to `crossings`, in ascending position, and their colours to `colors` when it is given;
-/// returns how many hills were none.
+/// Appends the stripes of a scanline to `crossings`, in ascending position, and their colours to `colors` if given.
+/// Returns the number of peaks that were rejected.
 pub(super) fn find(
     line: &Scanline,
     radii: FilterRadii,
@@ -139,7 +140,7 @@ fn measure(
     if right - left <= MIN_WIDTH_PX || height <= MIN_CONTRAST * sigma {
         return None;
     }
-    // The darker side is the dark band, more surely than the other.
+    // The darker side is more likely to be the dark band.
     let dark = if light[before] < light[after] { before } else { after };
     let lit = ((left + right) * 0.5 + 0.5) as usize;
     Some(StripeEdges {
@@ -154,11 +155,11 @@ fn measure(
 fn color_of(line: &Scanline, peak: Peak, c: &StripeEdges, noise: &Noise) -> StripeColor {
     let width = c.width();
     let core = mean_between(&line.rgb, c.left + 0.25 * width, c.right - 0.25 * width);
-    // A gap about as wide as the stripe: a narrow one has a single dark pixel.
+    // The gap is about as wide as the stripe: a narrow gap has a single dark pixel.
     let reach = (0.2 * width).min(1.0);
     let beside = |x: u32| mean_between(&line.rgb, x as f32 - reach, x as f32 + reach);
     let (left, right) = (beside(peak.before), beside(peak.after));
-    // A side that is as bright as the stripe is no dark band (an outline, or a neighbour that is too close).
+    // A side as bright as the stripe is no dark band (an outline, or a neighbour that is too close).
     let half = 0.5 * total(core);
     let dark = match (total(left) < half, total(right) < half) {
         (true, false) => left,
@@ -169,7 +170,7 @@ fn color_of(line: &Scanline, peak: Peak, c: &StripeEdges, noise: &Noise) -> Stri
     let color = above(core);
     let light = total(color).max(f32::MIN_POSITIVE);
     let saturated = line.is_clipped((c.middle() + 0.5).max(0.0) as usize);
-    // A clipped core has lost its hue; the edges, where the light comes up from the dark, still have it.
+    // A clipped core has lost its hue; the edges, where the light rises from the dark, still have it.
     let lit = |c: &Rgb| total(*c) > MIN_FLANK * light;
     let hue = if saturated { flanks(line, c.left, c.right).map(above).filter(lit) } else { None };
     let pixels = (0.5 * width).max(1.0);
@@ -198,27 +199,27 @@ struct Edge {
     /// Distance from the top, px.
     from_top: f32,
     height: f32,
-    /// (σ of the position over σ of a pixel's light as a share of the height)².
+    /// (σ of the position over the relative σ of a pixel's light, as a share of the height)².
     variance: f32,
 }
 
-/// The first pixel, counted from a hill's top, at which the light falls below half of what it does to the valley `length`
-/// pixels away. `at` tells the light of a pixel.
+/// The first pixel, counted from the top of a peak, at which the light falls below half of its drop to the valley
+/// `length` pixels away. `at` returns the light of a pixel.
 #[inline]
 fn below_half(length: usize, at: impl Fn(isize) -> f32) -> Option<usize> {
     let half = 0.5 * (at(0) + at(length as isize));
     (1..=length).find(|&i| at(i as isize) < half)
 }
 
-/// The edge of a hill that is `below` half its height so many pixels from the top, on the way to the valley `length` pixels
-/// from it. The area under the light over `reach` pixels to either side gives the place at which a sharp step would have the
-/// same area: exact for any blur within those pixels. On the hill they end at its top or, where that is level, at the
-/// latest `inner` pixels from the edge.
+/// The edge of a peak whose light falls below half its height `below` pixels from the top, on the way to the valley
+/// `length` pixels from it. The area under the light over `reach` pixels to either side gives the position of a sharp
+/// step with the same area. This is exact for any blur within those pixels. On the side of the peak the pixels end at
+/// its top or, where that is level, at most `inner` pixels from the edge.
 #[inline]
 fn edge(below: usize, length: usize, inner: usize, reach: usize, at: impl Fn(isize) -> f32) -> Option<Edge> {
     let (below, length) = (below as isize, length as isize);
     let last = (below + reach as isize - 1).min(length);
-    // Within the hill it may go on beyond the top where this is level: the top may then be anywhere.
+    // The window may extend beyond the top where it is level, since the top may then be anywhere.
     let (wanted, middle) = (below - reach as isize - 1, below - inner as isize);
     let mut innermost = 0;
     while innermost > wanted.max(middle) && at(innermost - 1) >= LEVEL * at(0) {
@@ -247,7 +248,7 @@ fn edge(below: usize, length: usize, inner: usize, reach: usize, at: impl Fn(isi
 
 fn mean_between(line: &[Rgb], from: f32, to: f32) -> Rgb {
     let last = line.len() - 1;
-    // Half a pixel more and truncated: rounded, without a call of the system's library for each.
+    // Adding half a pixel and truncating rounds without a library call.
     let a = ((from + 0.5).max(0.0) as usize).min(last);
     let b = ((to + 0.5).max(0.0) as usize).clamp(a, last);
     mean(&line[a..=b])

@@ -1,4 +1,4 @@
-//! What is measured before anything else: which way the stripes run, how wide they are, how sharp.
+//! Estimates before detection: the direction of the stripes, their width and their sharpness.
 
 use super::config::ScanDirection;
 use super::noise::Noise;
@@ -7,26 +7,26 @@ use super::scanlines::{Scanline, ScanlineReader};
 use super::stripe_edges::{FilterRadii, Scratch, peaks_of};
 use crate::solve::median_f32;
 
-/// Lines looked at.
+/// Scanlines that are sampled.
 const LINES: usize = 12;
-/// Neighbouring stripes are about as far apart as the next ones: within this ratio, blur and slant included.
+/// Neighbouring stripes are about equally far apart: within this ratio, blur and slant included.
 const REGULAR: f32 = 1.7;
-/// The least smoothing that sees this share of what the best one sees is taken.
+/// The least smoothing is taken that finds this share of what the best one finds.
 const ENOUGH: f64 = 0.85;
 const GONE: f64 = 0.5;
-/// Smoothing over this share of a stripe's width leaves stripes of half the usual width visible.
+/// Smoothing over this share of a stripe's width keeps stripes of half the usual width visible.
 const SMOOTHING_SHARE: f32 = 0.33;
-/// Fewer hills than this per line on average are no stripes.
+/// Fewer peaks than this per scanline on average are no stripes.
 const MIN_PER_LINE: f64 = 2.0;
 
-/// What a look at a few lines tells.
+/// Estimates from a few scanlines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct StripeScale {
     pub(super) scan: ScanDirection,
     pub(super) radii: FilterRadii,
-    /// Half the usual distance of neighbouring stripes, px.
+    /// Half the usual distance between neighbouring stripes, px.
     pub(super) half_period_px: f32,
-    /// Length of the lines that regular hills cover, px: how much of the photograph looks like stripes.
+    /// Length of the scanlines that regular peaks cover, px: how much of the photograph looks like stripes.
     pub(super) covered_px: f64,
 }
 
@@ -39,7 +39,8 @@ pub(super) struct ScaleScratch {
     sharpness: Vec<f32>,
 }
 
-/// Looks at lines read along one direction; `None` where there is hardly a regular row of hills.
+/// Estimates direction, width and sharpness from scanlines of one direction; `None` where there is no regular row of
+/// peaks.
 pub(super) fn measure_scale(
     reader: &ScanlineReader<'_>,
     noise: &Noise,
@@ -63,7 +64,7 @@ pub(super) fn measure_scale(
         if best.is_none_or(|(_, most)| ENOUGH * covered > most) {
             best = Some((reach, covered));
         }
-        // Smoothed away: more smoothing brings nothing back.
+        // The stripes are smoothed away: more smoothing brings nothing back.
         if best.is_some_and(|(_, most)| covered < GONE * most) {
             break;
         }
@@ -89,7 +90,7 @@ pub(super) fn measure_scale(
     Some(StripeScale { scan: reader.scan, radii, half_period_px, covered_px })
 }
 
-/// Calls `each` with every hill that lies about as far from the next one as from the last, and that distance, px.
+/// Calls `each` with every peak about as far from the next one as from the previous one, and with that distance, px.
 fn regular(peaks: &[Peak], mut each: impl FnMut(Peak, f32)) {
     for w in peaks.windows(3) {
         let (a, b) = ((w[1].top - w[0].top) as f32, (w[2].top - w[1].top) as f32);
@@ -99,7 +100,7 @@ fn regular(peaks: &[Peak], mut each: impl FnMut(Peak, f32)) {
     }
 }
 
-/// Height over steepest step: how many pixels the edges before and after a hill take.
+/// Height over steepest step: the lengths of the edges before and after a peak, px.
 fn edge_lengths(light: &[f32], peak: Peak) -> [Option<f32>; 2] {
     let [before, top, after] = [peak.before, peak.top, peak.after].map(|x| x as usize);
     let length = |edge: &[f32], sign: f32| {

@@ -1,4 +1,4 @@
-//! Decoding of drawn photographs whose truth is a homography.
+//! Decoding of rendered photographs whose ground truth is a homography.
 
 mod color_classes;
 mod patterns;
@@ -27,7 +27,7 @@ fn slanted() -> Homography {
 
 fn photograph(pattern: &StripePattern, size: [u32; 2], h: &Homography) -> RgbImage {
     let mut photo = warp_image(&pattern.image().unwrap(), size, &(*h).into(), [0; 3]).unwrap();
-    // Ambient light, and a projector that is not as bright as the sensor can bear.
+    // Ambient light, and a projector that does not saturate the sensor.
     for p in photo.pixels_mut() {
         p.0 = p.0.map(|c| (20.0 + f64::from(c) * 0.8) as u8);
     }
@@ -39,8 +39,8 @@ fn decode_image(photo: RgbImage, pattern: &StripePattern) -> Result<Decoding> {
     decode(PhotoView::try_from(&photo).unwrap(), pattern, &DecodeConfig::default())
 }
 
-/// Errors of the column (row) in projector pixels, and the share of matches within half a period.
-fn judge(decoding: &Decoding, pattern: &StripePattern, h: &Homography) -> (f64, f64, f64) {
+/// The share of matches within half a period, and their bias and rms error in projector pixels.
+fn measure_errors(decoding: &Decoding, pattern: &StripePattern, h: &Homography) -> (f64, f64, f64) {
     let back = h.inverse().unwrap();
     let errors: Vec<f64> = decoding
         .matches
@@ -61,7 +61,7 @@ fn judge(decoding: &Decoding, pattern: &StripePattern, h: &Homography) -> (f64, 
 fn a_slanted_plane_is_decoded_without_bias() {
     let (pattern, h) = (pattern(Axis::Columns), slanted());
     let decoding = decode_image(photograph(&pattern, [1060, 200], &h), &pattern).unwrap();
-    let (right, bias, rms) = judge(&decoding, &pattern, &h);
+    let (right, bias, rms) = measure_errors(&decoding, &pattern, &h);
     assert!(right == 1.0 && bias.abs() < 0.01 && rms < 0.06, "{right} {bias} {rms}");
     let r = &decoding.report;
     assert_eq!((r.slits, r.decoded, r.reversed), (64, decoding.matches.items.len(), false));
@@ -70,7 +70,7 @@ fn a_slanted_plane_is_decoded_without_bias() {
 }
 
 #[test]
-fn noise_is_tolerated_and_told() {
+fn noise_is_tolerated_and_reported() {
     let (pattern, h) = (pattern(Axis::Columns), slanted());
     let mut photo = photograph(&pattern, [1000, 120], &h);
     let (mut rng, noise) = (rand_chacha::ChaCha8Rng::seed_from_u64(2), Normal::new(0.0, 5.0).unwrap());
@@ -78,7 +78,7 @@ fn noise_is_tolerated_and_told() {
         p.0 = p.0.map(|c| (f64::from(c) + noise.sample(&mut rng)).round() as u8);
     }
     let decoding = decode_image(photo, &pattern).unwrap();
-    let (right, bias, rms) = judge(&decoding, &pattern, &h);
+    let (right, bias, rms) = measure_errors(&decoding, &pattern, &h);
     assert!(right > 0.999 && bias.abs() < 0.01 && rms < 0.15, "{right} {bias} {rms}");
     // σ is in camera pixels, the error in projector pixels; their ratio is 0.7 to 1.1 over this photograph.
     let sigma =
@@ -91,28 +91,28 @@ fn stripes_along_rows_and_mirrored_ones_decode_as_well() {
     let rows = pattern(Axis::Rows);
     let h = Homography(Matrix3::new(1.0, 0.02, -300.0, 0.05, 1.2, 10.0, 1e-5, 1e-4, 1.0));
     let decoding = decode_image(photograph(&rows, [150, 900], &h), &rows).unwrap();
-    let (right, bias, _) = judge(&decoding, &rows, &h);
+    let (right, bias, _) = measure_errors(&decoding, &rows, &h);
     assert!(right == 1.0 && bias.abs() < 0.01, "{right} {bias}");
     assert!(decoding.matches.items.iter().all(|m| m.camera.x.fract() == 0.0 && m.projector_column.is_none()));
 
     let columns = pattern(Axis::Columns);
     let mirrored = Homography(Matrix3::new(-0.95, 0.0, 990.0, 0.0, 1.0, -200.0, 0.0, 0.0, 1.0));
     let decoding = decode_image(photograph(&columns, [1000, 100], &mirrored), &columns).unwrap();
-    let (right, bias, _) = judge(&decoding, &columns, &mirrored);
+    let (right, bias, _) = measure_errors(&decoding, &columns, &mirrored);
     assert!(right == 1.0 && bias.abs() < 0.01 && decoding.report.reversed, "{right} {bias}");
 }
 
-/// From a turned photograph's pixels to the upright one's.
+/// From a rotated photograph's pixels to the upright one's.
 type Back = fn(f64, f64) -> (f64, f64);
 
 #[test]
-fn a_turned_camera_sees_the_same_stripes() {
+fn a_rotated_camera_decodes_the_same_stripes() {
     let (pattern, h) = (pattern(Axis::Columns), slanted());
     let upright = photograph(&pattern, [900, 160], &h);
     let decode = |p: &RgbImage| decode_image(p.clone(), &pattern).unwrap();
     let reference = decode(&upright);
     assert!(!reference.report.turned && reference.report.lines == ScanDirection::Rows);
-    // No line of a plane meets a slit twice.
+    // No scanline of a plane crosses a slit twice.
     let expected: std::collections::BTreeMap<_, _> =
         reference.matches.items.iter().map(|m| ((m.camera.y as i64, m.slit), m.camera.x)).collect();
     let turned: [(RgbImage, Back, bool); 3] = [
@@ -123,7 +123,7 @@ fn a_turned_camera_sees_the_same_stripes() {
     for (photo, back, quarter) in turned {
         let decoding = decode(&photo);
         assert_eq!(decoding.report.turned, quarter);
-        // Lines are sampled from the other end, and edges found from the other side: a few differ.
+        // Scanlines are sampled from the other end, and edges found from the other side: a few differ.
         let same = decoding.matches.items.iter().filter(|m| {
             let (x, y) = back(m.camera.x, m.camera.y);
             expected.get(&(y.round() as i64, m.slit)).is_some_and(|u| (u - x).abs() < 0.01)
@@ -134,7 +134,7 @@ fn a_turned_camera_sees_the_same_stripes() {
 }
 
 #[test]
-fn black_and_white_frames_take_ambient_light_and_paint_away() {
+fn black_and_white_frames_remove_ambient_light_and_surface_colour() {
     let (pattern, h) = (pattern(Axis::Columns), slanted());
     let mut white = RgbImage::from_pixel(1000, 80, Rgb([0; 3]));
     for (x, y, p) in white.enumerate_pixels_mut() {
@@ -155,13 +155,13 @@ fn black_and_white_frames_take_ambient_light_and_paint_away() {
     let view = |i| PhotoView::try_from(i).unwrap();
     let input = DecodeInput { photo: view(&photo), black: Some(view(&black)), white: Some(view(&white)) };
     let decoding = decode_frames(&input, &pattern, &DecodeConfig::default()).unwrap();
-    let (right, bias, rms) = judge(&decoding, &pattern, &h);
+    let (right, bias, rms) = measure_errors(&decoding, &pattern, &h);
     assert!(right > 0.999 && bias.abs() < 0.02 && rms < 0.15, "{right} {bias} {rms}");
     assert!(decoding.matches.items.len() > 60 * 80);
 }
 
 #[test]
-fn what_holds_no_such_stripes_is_refused_with_what_was_seen() {
+fn photographs_without_such_stripes_are_refused_with_the_reason() {
     let columns = pattern(Axis::Columns);
     let not_found = |photo: RgbImage, pattern: &StripePattern| {
         let e = decode_image(photo, pattern).map(|d| d.report).unwrap_err();

@@ -1,36 +1,37 @@
-//! Stripes are curves: crossings linked from line to line.
+//! Tracks of stripes: crossings linked from scanline to scanline.
 
 use super::rgb::{Rgb, dot, minus, plus, unit};
 use super::stripe_edges::{StripeColor, StripeEdges};
 
-/// A crossing continues a curve when it lies within this share of the stripe's width of where the curve points.
+/// A crossing continues a track when it lies within this share of the stripe's width of the predicted position.
 const LINK_SHARE: f32 = 0.5;
-/// Cosine of the angle between the colours of linked crossings, squared.
+/// Squared cosine of the largest angle between the colours of linked crossings.
 const MIN_SQUARED_COSINE: f32 = 0.88 * 0.88;
-/// Ratio of the strengths and of the widths of linked crossings.
+/// Largest ratio of the heights and of the widths of linked crossings.
 const MAX_RATIO: f32 = 2.0;
-/// Weight of the newest step in a curve's direction.
+/// Weight of the newest step in a track's slope.
 const SLOPE_GAIN: f32 = 0.3;
 
 const END: u32 = u32::MAX;
 
-/// All crossings of a photograph, line after line, and the curves that they form.
+/// All crossings of a photograph, scanline after scanline, and the tracks that they form.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tracks {
     pub(super) crossings: Vec<StripeEdges>,
-    /// Crossings of line y: `lines[y]..lines[y + 1]`.
+    /// Crossings of scanline y: `lines[y]..lines[y + 1]`.
     pub(super) lines: Vec<u32>,
-    /// Colours of the crossings on every so many lines, line after line: a stripe has the same on the lines between.
+    /// Colours of the crossings on the aligned scanlines, line after line: a stripe has the same colour on the lines
+    /// between.
     pub(super) colors: Vec<StripeColor>,
     next: Vec<u32>,
     has_previous: Vec<bool>,
-    /// Middles of the crossings, and where the curves point on the next line.
+    /// Midpoints of the crossings, and the predicted positions on the next scanline.
     middles: Vec<f32>,
     slope: Vec<f32>,
     expected: Vec<f32>,
-    /// Indices of crossings, curve after curve, each from its first line to its last.
+    /// Indices of crossings, track after track, each from its first scanline to its last.
     order: Vec<u32>,
-    /// Where each curve starts in `order`, and the end.
+    /// Where each track starts in `order`, and the end.
     starts: Vec<u32>,
     sums: Vec<(usize, Rgb)>,
 }
@@ -43,22 +44,22 @@ impl Tracks {
         self.lines.push(0);
     }
 
-    /// Number of lines.
+    /// Number of scanlines.
     pub(super) fn line_count(&self) -> usize {
         self.lines.len().saturating_sub(1)
     }
 
-    /// The crossings of a line.
+    /// The crossings of a scanline.
     pub(super) fn of(&self, line: usize) -> std::ops::Range<usize> {
         self.lines[line] as usize..self.lines[line + 1] as usize
     }
 
-    /// Indices of crossings, curve by curve.
+    /// Indices of crossings, track by track.
     pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|w| &self.order[w[0] as usize..w[1] as usize])
     }
 
-    /// Links crossings of neighbouring lines.
+    /// Links crossings of neighbouring scanlines.
     pub(super) fn link(&mut self) {
         let n = self.crossings.len();
         self.next.clear();
@@ -93,7 +94,7 @@ impl Tracks {
         let mut j = below.start;
         for i in above.clone() {
             let miss = |i: usize, j: usize| (self.middles[j] - self.expected[i]).abs();
-            // The nearest one below; both lines ascend, so that the search goes on from the last place.
+            // The nearest one below. Both scanlines ascend, so that the search continues from the last place.
             while j > below.start && miss(i, j - 1) <= miss(i, j.min(below.end - 1)) {
                 j -= 1;
             }
@@ -103,7 +104,7 @@ impl Tracks {
             if j >= below.end {
                 return;
             }
-            // Mutual: nobody else above points closer to j.
+            // The choice must be mutual: no other prediction above is closer to j.
             let own = miss(i, j);
             let rival =
                 (i > above.start && miss(i - 1, j) < own) || (i + 1 < above.end && miss(i + 1, j) < own);
@@ -127,8 +128,8 @@ impl Tracks {
             && within(a.width(), b.width())
     }
 
-    /// The mean direction of colour over ± `reach` lines along the curve, for every painted crossing; `place` is where a
-    /// crossing stands among these, `u32::MAX` for the others.
+    /// Writes the mean direction of colour over ± `reach` scanlines along the track, for every crossing with a measured
+    /// colour. `place` is the index of a crossing among these, `u32::MAX` for the others.
     pub(super) fn smooth_units(&mut self, place: &[u32], reach: usize, out: &mut Vec<Rgb>) {
         out.clear();
         out.resize(self.colors.len(), [0.0; 3]);
@@ -145,7 +146,7 @@ impl Tracks {
                 sum = plus(sum, self.colors[place].unit);
             }
             self.sums.push((usize::MAX, sum));
-            // The first and one past the last within reach: both only move on.
+            // The first and one past the last within reach: both only increase.
             let (mut from, mut to) = (0, 0);
             for (at, place) in track.iter().enumerate().filter_map(|x| colored(&x)) {
                 while self.sums[from].0 + reach < at {

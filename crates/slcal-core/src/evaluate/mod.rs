@@ -1,8 +1,8 @@
-//! How well a cloud fits a plane or a sphere, though it may hold a wall as well.
+//! How well a cloud fits a plane or a sphere; it may contain a wall as well.
 //!
-//! Random samples propose surfaces (M. Fischler, R. Bolles, "Random sample consensus", CACM 24:381-395, 1981), the one with
-//! the best consensus is refined by least squares over its inliers, and the limit for inliers follows the scatter that
-//! is measured about it.
+//! RANSAC (M. Fischler, R. Bolles, "Random sample consensus", CACM 24:381-395, 1981) proposes surfaces from random
+//! samples. The one with the best consensus is refined by least squares over its inliers. The inlier limit follows the
+//! measured scatter.
 
 mod plane;
 mod ransac;

@@ -13,7 +13,7 @@ use crate::geometry::Plane;
 pub struct PlaneFit {
     /// The plane; its normal points to the camera.
     pub plane: Plane,
-    /// Figures over the inliers.
+    /// Statistics over the inliers.
     pub report: FitReport,
 }
 
@@ -39,7 +39,7 @@ pub fn fit_plane(cloud: &PointCloud, config: &FitConfig) -> Result<PlaneFit> {
 
 struct FoundPlane(Plane);
 
-/// Flattest triangle that is taken as a proposal: twice its area over its longest side squared.
+/// Flattest triangle that is accepted as a proposal: twice its area over its longest side squared.
 const MIN_SHAPE: f64 = 1e-3;
 
 /// Second-largest over largest standard deviation along the principal axes; 0 for points that coincide.

@@ -1,16 +1,15 @@
-//! Consensus and refinement, whatever the surface.
+//! Consensus and refinement, for any kind of surface.
 
 use nalgebra::Point3;
 
 use super::report::FitConfig;
 use crate::solve::median;
 
-/// Points that a proposal is judged by; enough to tell shares of the cloud to a few per cent.
+/// Points on which a proposal is scored; enough to estimate shares of the cloud to a few per cent.
 const JUDGES: usize = 2000;
-/// Rounds of refinement; the limit settles in a few.
+/// Rounds of refinement; the limit converges in a few.
 const ROUNDS: usize = 30;
-/// No scatter is taken to be less than this share of the distance from the camera: below lies what 32-bit coordinates
-/// can hold.
+/// Lower limit of the scatter as a share of the distance from the camera: the resolution of 32-bit coordinates.
 const LEAST_SCATTER: f64 = 1e-6;
 
 /// A surface that can be proposed, measured against and refined.
@@ -39,7 +38,7 @@ impl Random {
     }
 }
 
-/// The surface with the best consensus, refined, and the limit for its inliers, mm.
+/// The surface with the best consensus, refined, and the inlier limit, mm.
 pub(super) fn fit<S: FitModel>(
     points: &[Point3<f64>],
     camera: &Point3<f64>,

@@ -1,4 +1,4 @@
-//! Configuration and figures of a fit.
+//! Configuration and report of a fit.
 
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 use crate::cloud::PointCloud;
 use crate::error::{Error, Result};
 
-/// How to fit.
+/// Configuration of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FitConfig {
-    /// Random samples tried.
+    /// Number of random samples.
     pub samples: u32,
     /// Seed of the samples: the same seed gives the same fit.
     pub seed: u64,
@@ -88,7 +88,7 @@ pub(super) fn finite_points(cloud: &PointCloud, what: &str, least: usize) -> Res
     Ok(points)
 }
 
-/// Figures over the points within `limit` of the surface.
+/// Statistics over the points within `limit` of the surface.
 pub(super) fn report(
     points: &[Point3<f64>],
     camera: &Point3<f64>,

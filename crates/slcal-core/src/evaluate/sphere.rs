@@ -1,4 +1,4 @@
-//! The sphere that a cloud holds.
+//! The sphere that most points of a cloud lie on.
 
 use nalgebra::{Matrix3, Matrix4, Point3, Vector3, Vector4};
 
@@ -14,16 +14,16 @@ pub struct SphereFit {
     pub centre: Point3<f64>,
     /// Its radius, mm.
     pub radius_mm: f64,
-    /// Figures over the inliers.
+    /// Statistics over the inliers.
     pub report: FitReport,
 }
 
 /// Fits the sphere that most points lie on, among those that the camera sees from outside and whose radius is at most
-/// half of their distance (a wall is a sphere, too, of any radius that is large enough).
+/// half of their distance. (A wall is also a sphere, of any sufficiently large radius.)
 ///
 /// # Errors
-/// [`Error::Invalid`] for fewer than four finite points or a configuration out of range; [`Error::NotFound`] when no such
-/// sphere has points on it.
+/// [`Error::Invalid`] for fewer than four finite points or a configuration out of range; [`Error::NotFound`] when no
+/// such sphere has points on it.
 pub fn fit_sphere(cloud: &PointCloud, config: &FitConfig) -> Result<SphereFit> {
     config.validate()?;
     let points = finite_points(cloud, "sphere", 4)?;

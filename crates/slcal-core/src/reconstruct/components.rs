@@ -1,30 +1,30 @@
-//! Points that hang together by triangles, and which of them are surfaces.
+//! Connected components of the mesh, and which of them are surfaces.
 
 use super::triangle_metrics::doubled_area_px;
 use crate::cloud::PointCloud;
 
-/// Least area of an island in the image, in squares of the usual side of a triangle (the distance of two stripes): three
-/// stripes over about one and a half of their distances. What is smaller is a chance match.
+/// Least area of a component in the image, in squares of the usual side of a triangle (the distance between two
+/// stripes): three stripes over about one and a half of their distances. Smaller components are chance matches.
 const LEAST_AREA: f64 = 3.0;
 
-/// Below this area a strip two stripes wide is no surface: runs of wrong stripes are about as long as stripes are far apart
-/// or a few times that; a curve that is followed further has been confirmed by all of its lines.
+/// Below this area a strip two stripes wide is no surface. Runs of wrong stripes are about as long as the distance
+/// between stripes, or a few times that. A longer track has been confirmed by all of its scanlines.
 const LEAST_AREA_OF_STRIP: f64 = 12.0;
 
-/// Finds islands; keeps its buffers.
+/// Finds connected components; keeps its buffers.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Components {
     parent: Vec<u32>,
-    /// Triangles about each point: before, less those that stay.
+    /// Triangles about each point that have been removed.
     missing: Vec<u32>,
     area: Vec<f64>,
-    /// Whether some point of the island lies within it, triangles all round.
+    /// Whether some point of the component has triangles all round.
     wide: Vec<bool>,
     number: Vec<u32>,
 }
 
 impl Components {
-    /// Notes all triangles; `hull` are the points on the outer border, which have a side without triangles.
+    /// Counts all triangles. `hull` are the points on the outer border, which have a side without triangles.
     pub(super) fn before(&mut self, points: usize, triangles: &[[u32; 3]], hull: impl Iterator<Item = u32>) {
         self.missing.clear();
         self.missing.resize(points, 0);
@@ -36,11 +36,11 @@ impl Components {
         }
     }
 
-    /// Keeps the points of triangles in islands that are surfaces, renumbers, and returns how many points went. `usual_px`
-    /// is the usual side of a triangle in the image; where it is zero, every triangle is a surface.
+    /// Keeps the points of triangles in components that are surfaces, renumbers them, and returns the number of removed
+    /// points. `usual_px` is the usual side of a triangle in the image; where it is zero, every triangle is a surface.
     ///
-    /// A strip that is two stripes wide has no point within it, triangles all round: two wrong stripes beside each other
-    /// agree by chance, or because one mistake shifted both; a third one confirms them, or the length of the strip.
+    /// A strip two stripes wide has no point with triangles all round. Two wrong stripes beside each other agree by
+    /// chance, or because one mistake displaced both. A third stripe confirms them, or the length of the strip.
     pub(super) fn keep_surfaces(&mut self, cloud: &mut PointCloud, usual_px: f64) -> usize {
         let n = cloud.points.len();
         self.join(n, &cloud.triangles);
@@ -77,7 +77,7 @@ impl Components {
         n - cloud.points.len()
     }
 
-    /// Makes `parent` of every point the representative of its island.
+    /// Makes `parent` of every point the representative of its component.
     fn join(&mut self, points: usize, triangles: &[[u32; 3]]) {
         self.parent.clear();
         self.parent.extend(0..points as u32);
@@ -94,7 +94,7 @@ impl Components {
     }
 }
 
-/// The representative of an island; halves the path on the way.
+/// The representative of a component; halves the path on the way.
 fn root(parent: &mut [u32], mut i: u32) -> u32 {
     while parent[i as usize] != i {
         let up = parent[parent[i as usize] as usize];

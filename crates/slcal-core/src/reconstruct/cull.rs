@@ -1,5 +1,5 @@
-//! Triangles between points that are neighbours in the image, less those that span a jump of depth; a point that no
-//! triangle wants, or that lies in an island of a few of them, is an outlier.
+//! Removal of outliers: triangles between neighbours in the image, without those that span a jump of depth. A point
+//! without a triangle, or in a small component, is an outlier.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,41 +11,41 @@ use crate::cloud::PointCloud;
 use crate::error::{Error, Result};
 use crate::solve::median;
 
-/// Which triangles go.
+/// Which triangles are removed.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CullRule {
-    /// Those that are far more slanted than their neighbourhood, or far longer in the image.
+    /// Triangles that are far more slanted than their neighbourhood, or far longer in the image.
     #[default]
     Auto,
     /// None.
     Off,
-    /// Those of more than this area, mm².
+    /// Triangles of more than this area, mm².
     MaxAreaMm2(f64),
 }
 
-/// What was taken away.
+/// Counts of removed triangles and points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct CullReport {
     /// Triangles between the points.
     pub triangles: usize,
-    /// Of these, removed.
+    /// Removed triangles.
     pub triangles_removed: usize,
-    /// Points left without a triangle, or in an island too small to be a surface.
+    /// Removed points: without a triangle, or in a component too small to be a surface.
     pub outliers: usize,
 }
 
-/// A triangle is removed when its area in space over its area in the image is more than this many times what is usual
-/// about it: at a jump of depth the ratio is ten and more, on a curved surface it changes by less than two from one
-/// stripe to the next.
+/// A triangle is removed when its area in space over its area in the image exceeds the local median by this factor. At
+/// a jump of depth the ratio is ten and more; on a curved surface it changes by less than two from one stripe to the
+/// next.
 const MAX_SLANT_RATIO: f64 = 3.0;
-/// Longest side of a triangle in the image over the median of all: it bridges a part without light.
+/// Longest side of a triangle in the image over the median of all; beyond, it bridges a part without light.
 const MAX_LENGTH_RATIO: f64 = 2.5;
-/// The median length is that of about so many triangles, spread evenly.
+/// The median length is that of about this many triangles, spread evenly.
 const SAMPLE: usize = 8192;
 
 /// Triangulates the points in the image (Delaunay), removes triangles by `rule` and points without a triangle. The
-/// triangles that stay are the cloud's mesh, counter-clockwise as the camera sees them. With [`CullRule::Off`] all points
+/// remaining triangles are the cloud's mesh, counter-clockwise as seen by the camera. With [`CullRule::Off`] all points
 /// and triangles stay. See [`Culler`] for many clouds.
 ///
 /// # Errors
@@ -58,7 +58,7 @@ pub fn cull(cloud: &mut PointCloud, rule: CullRule) -> Result<CullReport> {
 #[derive(Debug, Clone, Default)]
 pub struct Culler {
     delaunay: Delaunay,
-    /// Of each triangle.
+    /// One per triangle.
     metrics: Vec<TriangleMetrics>,
     lengths: Vec<f64>,
     local_slant: LocalSlant,
@@ -94,7 +94,7 @@ impl Culler {
         Ok(report)
     }
 
-    /// All triangles between the points, as the cloud's.
+    /// Fills the cloud's triangles with all triangles between its points.
     fn triangulate(&mut self, cloud: &mut PointCloud) {
         self.delaunay.triangulate(&cloud.points);
         cloud.triangles.clear();
@@ -102,7 +102,7 @@ impl Culler {
         cloud.triangles.extend(self.delaunay.triangles().map(|[a, b, c]| [a, c, b]));
     }
 
-    /// Measures every triangle; the median of their longest sides in the image.
+    /// Measures every triangle. Returns the median of their longest sides in the image.
     fn measure(&mut self, cloud: &PointCloud) -> f64 {
         self.metrics.clear();
         self.metrics.extend(cloud.triangles.iter().map(|t| TriangleMetrics::of(cloud, t)));
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use crate::cloud::CloudPoint;
 
-    /// A camera of f = 1000 px looks at stripes every 12 px on a surface of the given depth.
+    /// A camera of f = 1000 px and stripes every 12 px on a surface of the given depth.
     fn cloud(depth: impl Fn(f64, f64) -> f64) -> PointCloud {
         let mut points = Vec::new();
         for v in 0..60 {
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_is_cut_and_its_points_stay() {
+    fn triangles_across_a_step_are_removed_and_its_points_stay() {
         let mut c = cloud(|x, _| if x < 180.0 { 1000.0 } else { 1300.0 });
         let report = cull(&mut c, CullRule::Auto).unwrap();
         assert_eq!(report.outliers, 0);
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_points_go() {
+    fn wrong_points_are_removed() {
         let mut c =
             cloud(|x, y| if (x as u32) / 12 == 14 && (20.0..31.0).contains(&y) { 1250.0 } else { 1000.0 });
         let report = cull(&mut c, CullRule::Auto).unwrap();
@@ -185,10 +185,10 @@ mod tests {
         assert!(c.points.iter().all(|p| (p.position.z - 1000.0).abs() < 1e-9));
     }
 
-    /// Two wrong stripes beside each other, over three of their distances: no third one confirms them. At twice and half
-    /// the resolution the same share of the points goes.
+    /// Two wrong stripes beside each other, over three of their distances, without a third one that confirms them. At
+    /// twice and half the resolution the same share of the points is removed.
     #[test]
-    fn two_wrong_stripes_go_at_any_resolution() {
+    fn two_wrong_stripes_are_removed_at_any_resolution() {
         for scale in [1_u32, 2, 4] {
             let (step, lines) = (6 * scale, 30 * scale);
             let mut c = PointCloud::default();
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_culled_does_not_depend_on_the_frame() {
+    fn culling_does_not_depend_on_the_frame() {
         let surface = |x: f64, y: f64| {
             let step = if x < 180.0 { 1000.0 + y } else { 1300.0 - 0.7 * x };
             if (x as u32) / 12 == 7 && (20.0..31.0).contains(&y) { 1250.0 } else { step }
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn an_area_may_be_given_and_odd_clouds_do_no_harm() {
+    fn an_area_limit_works_and_unusual_clouds_do_no_harm() {
         let mut c = cloud(|_, _| 1000.0);
         // Triangles of 12 mm × 1 mm / 2.
         assert_eq!(cull(&mut c.clone(), CullRule::MaxAreaMm2(7.0)).unwrap().outliers, 0);

@@ -1,38 +1,39 @@
 //! Delaunay triangulation of a cloud's points in the image, by `spade`.
 //!
-//! What costs time and memory in an incremental triangulation is the number of edges that every point flips. Points in the
-//! order of lines flip many: each takes over a fan of edges that spans the line before. So a few points go first, in
-//! rounds drawn by lot (N. Amenta, S. Choi, G. Rote, "Incremental constructions con BRIO", 2003): one in 256, and both
-//! ends of every run of a stripe, which have the most neighbours, since they look over the gaps. Then come every 512th
-//! line, say, every 256th between them, and so on: a point then lies between two of its own stripe and flips a handful.
+//! The cost of an incremental triangulation, in time and memory, is the number of edges that every point flips. Points
+//! in the order of scanlines flip many: each takes over a fan of edges that spans the previous line. So a few points
+//! come first, in random rounds (N. Amenta, S. Choi, G. Rote, "Incremental constructions con BRIO", 2003): one in 256,
+//! and both ends of every run of a stripe, which have the most neighbours across the gaps. Then come, for example,
+//! every 512th line and every 256th between them, and so on. A point then lies between two of its own stripe and flips
+//! a handful of edges.
 
 use spade::{DelaunayTriangulation, Point2, Triangulation as _};
 
 use crate::cloud::CloudPoint;
 
-/// Rounds, the first ones highest: levels of lines, and above them those drawn by lot.
+/// Rounds in descending order: levels of lines, and above them the random ones.
 const ROUNDS: usize = 32;
 const LOTS: usize = 16;
-/// Of so many points one goes first.
+/// One point in this many is in a random round.
 const ONE_IN: u32 = 256;
 const NEVER: u32 = u32::MAX;
 
-/// A triangulation and its order; keeps its buffers.
+/// A triangulation and its order of insertion; keeps its buffers.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Delaunay {
     spade: DelaunayTriangulation<Point2<f64>>,
-    /// The point of each vertex; of points at one place the first.
+    /// The point of each vertex; of points at the same place the first.
     point_of: Vec<u32>,
     order: Vec<u32>,
-    /// Where each line of the image begins among the points, and their number.
+    /// Index of the first point of each scanline, and the number of points.
     lines: Vec<u32>,
     rounds: Vec<u8>,
-    /// The last point of every slit, and its line.
+    /// The last point of every slit, and its scanline.
     last: Vec<[u32; 2]>,
 }
 
 impl Delaunay {
-    /// Triangulates; points that are not finite, or repeat another one, stay without a triangle.
+    /// Triangulates. Points that are not finite, or repeat another one, have no triangle.
     pub(super) fn triangulate(&mut self, points: &[CloudPoint]) {
         self.spade.clear();
         self.point_of.clear();
@@ -51,9 +52,9 @@ impl Delaunay {
         self.spade.inner_faces().map(|f| f.vertices().map(|v| self.point_of[v.index()]))
     }
 
-    /// The points of the outer border.
+    /// The points of the convex hull.
     pub(super) fn hull(&self) -> impl Iterator<Item = u32> {
-        // A cleared triangulation must not be asked for its border.
+        // `spade` must not be asked for the hull of a cleared triangulation.
         let inner = (self.spade.num_inner_faces() > 0).then_some(&self.spade);
         inner.into_iter().flat_map(|n| n.convex_hull()).map(|e| self.point_of[e.from().index()])
     }
@@ -79,7 +80,7 @@ impl Delaunay {
     }
 
     fn insert(&mut self, points: &[CloudPoint], i: u32) {
-        // What is too large or too small to compute with is no point of an image.
+        // Coordinates beyond the range of `spade` are no pixels of an image.
         let Some(Ok(vertex)) = place(&points[i as usize]).map(|p| self.spade.insert(p)) else { return };
         match self.point_of.get_mut(vertex.index()) {
             Some(first) => *first = i.min(*first),
@@ -87,7 +88,7 @@ impl Delaunay {
         }
     }
 
-    /// Sorts the points by rounds; within a round, line by line to and fro.
+    /// Sorts the points by rounds; within a round, scanline by scanline in alternating direction.
     fn put_in_order(&mut self, points: &[CloudPoint]) {
         self.find_lines(points);
         self.choose_rounds(points);
@@ -113,7 +114,7 @@ impl Delaunay {
         }
     }
 
-    /// Points that follow each other are on one line while a coordinate stays the same.
+    /// Consecutive points are on one scanline while a coordinate stays the same.
     fn find_lines(&mut self, points: &[CloudPoint]) {
         self.lines.clear();
         self.lines.push(0);
@@ -154,17 +155,17 @@ fn place(p: &CloudPoint) -> Option<Point2<f64>> {
     p.position.iter().all(|x| x.is_finite()).then(|| Point2::new(p.pixel.x, p.pixel.y))
 }
 
-/// How often a line's number can be halved.
+/// The number of times that a line's index can be halved.
 fn level(line: usize) -> u8 {
     line.trailing_zeros().min(LOTS as u32 - 1) as u8
 }
 
-/// A round drawn by lot: each has a quarter of the points of the following one.
+/// A random round: each has a quarter of the points of the following one.
 fn lot(i: u32) -> u8 {
     LOTS as u8 + (scramble(i).trailing_zeros() / 2).min(15) as u8
 }
 
-/// A number without any order from one that counts (the last steps of MurmurHash3).
+/// A hash of an index (the finaliser of `MurmurHash3`).
 fn scramble(i: u32) -> u32 {
     let x = i.wrapping_add(1);
     let x = (x ^ x >> 16).wrapping_mul(0x85eb_ca6b);
@@ -197,7 +198,7 @@ mod tests {
         kept.map(|(v, s)| [14.0 * s + 3.0 * (0.3 * v + s).sin() + 5.0, v]).collect()
     }
 
-    /// Every point is inserted, once, whatever the order of lines; triangles fill the hull (Euler: 2n − 2 − h).
+    /// Every point is inserted once, for any order of scanlines; triangles fill the hull (Euler: 2n − 2 − h).
     #[test]
     fn every_point_is_a_vertex_once() {
         let at = stripes();
@@ -218,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_points_give_the_same_triangles_in_used_buffers() {
+    fn reused_buffers_give_the_same_triangles() {
         let points = cloud(&stripes());
         let (mut fresh, mut used) = (Delaunay::default(), Delaunay::default());
         fresh.triangulate(&points);
@@ -229,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_points_at_one_place_the_first_is_taken_and_odd_ones_are_left_out() {
+    fn of_coincident_points_the_first_is_kept_and_invalid_ones_are_left_out() {
         let mut delaunay = Delaunay::default();
         let corners =
             [[0.0, 0.0], [0.0, 0.0], [9.0, 0.0], [f64::NAN, 1.0], [0.0, 9.0], [9.0, 0.0], [1e300, 0.0]];
@@ -252,7 +253,7 @@ mod tests {
         }
         delaunay.triangulate(&cloud(&[[4.0, 4.0]; 5]));
         assert_eq!(delaunay.triangles().count(), 0);
-        // Nearly all.
+        // Nearly all points on one line.
         let mut at: Vec<[f64; 2]> = (0..10_000).map(|i| [f64::from(i), 3.0]).collect();
         at.push([5.0, 4.0]);
         delaunay.triangulate(&cloud(&at));

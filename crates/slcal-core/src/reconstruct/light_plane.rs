@@ -1,6 +1,6 @@
-//! Where a camera's ray meets the light of a projector column or row.
+//! The intersection of a camera's ray with the light plane of a projector column or row.
 
-// Without a call between match and point; left alone, the compiler hands every hit over in memory.
+// Inlined from match to point; otherwise the compiler passes every intersection through memory.
 #![allow(clippy::inline_always)]
 
 use std::cmp::Ordering;
@@ -9,7 +9,7 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 
 use crate::geometry::{Camera, Pose};
 
-/// Why a match is no point.
+/// Why a match gives no point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rejection {
     Invalid,
@@ -20,10 +20,10 @@ pub(super) enum Rejection {
     OutsideDepth,
 }
 
-/// Newton's iteration has converged when a step is below this share of the inverse depth; as every step squares the
-/// error, what is left is rounding.
+/// Newton's iteration has converged when a step is below this share of the inverse depth. As every step squares the
+/// error, the remaining one is rounding.
 const CONVERGED: f64 = 1e-8;
-/// Three or four steps do for any lens; more are needed where column and row contradict each other.
+/// Three or four steps suffice for any lens; more are needed where column and row contradict each other.
 const MAX_STEPS: usize = 30;
 
 /// The projector as a source of light, in the camera's frame.
@@ -34,11 +34,11 @@ pub(super) struct ProjectorLight {
     bent: bool,
     least_sin2: f64,
     panel: [std::ops::RangeInclusive<f64>; 2],
-    /// How far column and row may lie from the light of their point, px.
+    /// Largest distance of column and row from the projection of their point, px.
     margin: [f64; 2],
 }
 
-/// A coordinate on the panel as a function of the point, to first order: its gradient by the point in the projector's
+/// A coordinate on the panel as a function of the point, to first order. Its gradient by the point in the projector's
 /// frame is `h`/(depth), and `h` is perpendicular to the ray from the projector.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coordinate {
@@ -46,19 +46,20 @@ pub(super) struct Coordinate {
     pub(super) axis: usize,
     /// Gradient times depth, px.
     pub(super) h: Vector3<f64>,
-    /// Change with the inverse depth at a fixed ray, px·mm.
+    /// Derivative by the inverse depth along a fixed ray, px·mm.
     pub(super) slope: f64,
-    /// Change of the result, the inverse depth, with this coordinate, 1/(px·mm): the inverse of the slope, or its share by
-    /// least squares where column and row are both known (none for a coordinate that does not tell depth at all).
+    /// Derivative of the result, the inverse depth, by this coordinate, 1/(px·mm). It is the inverse of the slope, or
+    /// its least-squares weight where column and row are both known (zero for a coordinate that does not depend on
+    /// depth).
     pub(super) gain: f64,
 }
 
-/// A point of light on a ray.
+/// The illuminated point of a ray.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hit {
     /// 1/z in the camera's frame, 1/mm.
     pub(super) inverse_depth: f64,
-    /// Where the light leaves the projector: ideal normalized point.
+    /// Its ideal normalized point in the projector.
     pub(super) ideal: Vector2<f64>,
     /// Depth in the projector over depth in the camera.
     pub(super) depth_ratio: f64,
@@ -88,13 +89,14 @@ impl ProjectorLight {
         }
     }
 
-    /// The point of the ray `q` (the camera's (x, y, 1) turned into the projector's frame) that is lit by the given
+    /// The point of the ray `q` (the camera's (x, y, 1) rotated into the projector's frame) that is lit by the given
     /// column, row, or both.
     ///
-    /// Of an ideal column c the light is the plane h·X = 0 through the projector's centre with h = (fx, s, cx − c), so that
-    /// h·(z·q + t) = 0 gives the depth z in closed form (paper, eq. 17–19, solved on the ray). Where the lens bends it, or
-    /// column and row overdetermine the depth, Newton (Gauss–Newton on the residuals in px) goes on from there. The unknown
-    /// is 1/z, in which a coordinate on the panel is nearly linear, and which passes through zero at infinity.
+    /// The light plane of an ideal column c is h·X = 0 through the projector's centre with h = (fx, s, cx − c), so that
+    /// h·(z·q + t) = 0 gives the depth z in closed form (paper, eq. 17–19, solved on the ray). Where the lens bends it,
+    /// or column and row overdetermine the depth, Newton's method (Gauss–Newton on the residuals in px) starts from
+    /// there. The unknown is 1/z, in which a coordinate on the panel is nearly linear, and which passes through zero at
+    /// infinity.
     #[inline(always)]
     pub(super) fn meet(&self, q: &Vector3<f64>, wanted: [Option<f64>; 2]) -> Result<Hit, Rejection> {
         let mut inverse_depth = self.start(q, wanted);
@@ -124,7 +126,8 @@ impl ProjectorLight {
         Ok(hit)
     }
 
-    /// Behind, grazing, outside the panel, and column and row that contradict each other.
+    /// Rejects points behind a device, at grazing angles or outside the panel, and column and row that contradict each
+    /// other.
     #[inline(always)]
     fn check(&self, q: &Vector3<f64>, hit: &Hit, wanted: [Option<f64>; 2]) -> Result<(), Rejection> {
         let least = self.least_sin2 * q.norm_squared();
@@ -159,7 +162,7 @@ impl ProjectorLight {
         if axis == 0 { Vector2::new(k.fx, k.skew) } else { Vector2::new(0.0, k.fy) }
     }
 
-    /// 1/z without distortion, by the coordinate that shows it better.
+    /// 1/z without distortion, from the coordinate that is more sensitive to it.
     #[inline(always)]
     fn start(&self, q: &Vector3<f64>, wanted: [Option<f64>; 2]) -> f64 {
         let centre = self.projector.intrinsics.principal_point();
@@ -177,7 +180,7 @@ impl ProjectorLight {
         inverse_depth
     }
 
-    /// What is seen from the projector of the ray's point at an inverse depth.
+    /// The projection into the projector of the ray's point at an inverse depth.
     #[inline(always)]
     fn at(&self, q: &Vector3<f64>, inverse_depth: f64, wanted: [Option<f64>; 2]) -> Result<Hit, Rejection> {
         let t = &self.pose.translation;
@@ -190,7 +193,7 @@ impl ProjectorLight {
         let bend = if self.bent { self.projector.distortion.jacobian(ideal) } else { Matrix2::identity() };
         let turned_over = self.bent && bend.determinant().partial_cmp(&0.0) != Some(Ordering::Greater);
         if turned_over {
-            // Beyond the fold of the model: no light leaves there.
+            // Beyond the fold of the distortion model: no light leaves there.
             return Err(Rejection::OutsidePanel);
         }
         let coordinate = |axis: usize| {
@@ -209,7 +212,7 @@ impl ProjectorLight {
         Ok(Hit { inverse_depth, ideal, depth_ratio: p.z, of })
     }
 
-    /// The step of 1/z that brings the coordinates nearest to those observed.
+    /// The step of 1/z that minimises the distance from the observed coordinates.
     fn step(&self, hit: &Hit, wanted: [Option<f64>; 2]) -> f64 {
         let lit = self.pixel(hit.ideal);
         let off = |axis: usize| {

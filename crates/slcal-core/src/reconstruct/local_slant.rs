@@ -1,15 +1,16 @@
-//! How slanted a surface usually is, here and there in the image.
+//! The usual slant of a surface in each part of the image.
 
 use super::triangle_metrics::TriangleMetrics;
 use crate::solve::median;
 
-/// Side of the cells that make up a neighbourhood, in median sides of triangles: some five stripes.
+/// Side of the cells that make up a neighbourhood, in median sides of triangles: about five stripes.
 const CELL_SIDES: f64 = 5.0;
-/// Cells along either side of the image at most; what lies beyond belongs to the last one.
+/// Largest number of cells along either side of the image; what lies beyond belongs to the last one.
 const MOST_CELLS: usize = 1024;
-/// A surface that faces the camera is about as little slanted as a tenth of all triangles.
+/// The slant of a surface that faces the camera is about this quantile of all triangles.
 const LEAST_QUANTILE: f64 = 0.1;
-/// A neighbourhood of wrong triangles alone must not call them usual: four times as slanted as the least is 75°.
+/// Upper limit for a neighbourhood of wrong triangles alone: four times the slant of a surface that faces the camera is
+/// 75°.
 const MOST_SLANTED: f64 = 4.0;
 
 /// The median slant of the triangles in every cell of a grid over the image; keeps its buffers.
@@ -17,7 +18,7 @@ const MOST_SLANTED: f64 = 4.0;
 pub(super) struct LocalSlant {
     cell_px: f64,
     size: [usize; 2],
-    /// Where each cell's triangles begin in `slants`, and one more.
+    /// Where each cell's triangles begin in `slants`, and the end.
     starts: Vec<u32>,
     slants: Vec<f64>,
     all: Vec<f64>,
@@ -36,7 +37,7 @@ impl LocalSlant {
         y.min(self.size[1] - 1) * self.size[0] + x.min(self.size[0] - 1)
     }
 
-    /// Learns from the triangles that are not longer than `longest_px`; `usual_px` is their usual length.
+    /// Computes the medians from the triangles that are not longer than `longest_px`; `usual_px` is their usual length.
     pub(super) fn learn(&mut self, shapes: &[TriangleMetrics], usual_px: f64, longest_px: f64) {
         let fine = |s: &&TriangleMetrics| s.slant.is_finite() && s.longest_px <= longest_px;
         self.cell_px = if usual_px > 0.0 { CELL_SIDES * usual_px } else { 1.0 };
@@ -45,7 +46,7 @@ impl LocalSlant {
             let at = self.column_and_row(s);
             self.size = [0, 1].map(|k| self.size[k].max(at[k] + 1));
         }
-        // Sorted by cell, by counting.
+        // Counting sort by cell.
         self.starts.clear();
         self.starts.resize(self.size[0] * self.size[1] + 1, 0);
         let mut n = 0;
@@ -76,10 +77,11 @@ impl LocalSlant {
         }
     }
 
-    /// What is usual about a triangle.
+    /// The usual slant about a triangle.
     pub(super) fn usual_slant(&self, s: &TriangleMetrics) -> f64 {
         let here = self.usual.get(self.cell(s)).copied().unwrap_or(self.least);
-        // No neighbourhood is less slanted than a surface can be: a cell of a single odd triangle judges nothing.
+        // No neighbourhood is less slanted than a surface can be: a cell with a single wrong triangle carries no
+        // evidence.
         here.clamp(self.least, MOST_SLANTED * self.least)
     }
 }

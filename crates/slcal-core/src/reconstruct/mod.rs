@@ -309,7 +309,7 @@ mod tests {
     use crate::pattern::StripeConfig;
 
     #[test]
-    fn what_does_not_belong_together_is_refused() {
+    fn inputs_that_do_not_belong_together_are_refused() {
         let rig = test_rig();
         let stripes = StripePattern::new([1024, 768], &StripeConfig::default()).unwrap();
         let other = StripePattern::new([1280, 800], &StripeConfig::default()).unwrap();

@@ -1,21 +1,21 @@
-//! A triangle of a cloud: its size in space and in the image, and how slanted it is.
+//! Measures of a triangle of a cloud: its size in space and in the image, and its slant.
 
 use crate::cloud::{CloudPoint, PointCloud};
 
-/// What is looked at of a triangle.
+/// Measures of a triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TriangleMetrics {
-    /// Area in space over the area in the image at the triangle's own distance; one over the cosine of the slant, up to a
+    /// Area in space over the area in the image, normalised by the distance: one over the cosine of the slant, up to a
     /// factor that is the same for all.
     pub(super) slant: f64,
-    /// In the image, px.
+    /// Longest side in the image, px.
     pub(super) longest_px: f64,
-    /// In the image, px.
+    /// Centroid in the image, px.
     pub(super) middle: nalgebra::Point2<f64>,
 }
 
 impl TriangleMetrics {
-    /// Of a triangle of a cloud.
+    /// Measures a triangle of a cloud.
     pub(super) fn of(cloud: &PointCloud, t: &[u32; 3]) -> Self {
         let [a, b, c] = corners(&cloud.points, t).map(|p| p.pixel);
         let distance2 = |p: &CloudPoint| (p.position - cloud.camera_centre).norm_squared();
@@ -29,12 +29,12 @@ impl TriangleMetrics {
     }
 }
 
-/// Those of a triangle.
+/// The corners of a triangle.
 pub(super) fn corners<'a>(points: &'a [CloudPoint], t: &[u32; 3]) -> [&'a CloudPoint; 3] {
     t.map(|i| &points[i as usize])
 }
 
-/// In space, mm².
+/// Area in space, mm².
 pub(super) fn area_mm2(points: &[CloudPoint], t: &[u32; 3]) -> f64 {
     let [a, b, c] = corners(points, t).map(|p| p.position);
     0.5 * (b - a).cross(&(c - a)).norm()

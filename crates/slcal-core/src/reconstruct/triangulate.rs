@@ -1,6 +1,6 @@
-//! Camera ray ∩ light of the projector.
+//! Triangulation: the intersection of camera rays with light planes of the projector.
 
-// Without a call between match and point; left alone, the compiler hands every hit over in memory.
+// Inlined from match to point; otherwise the compiler passes every intersection through memory.
 #![allow(clippy::inline_always)]
 
 use nalgebra::{Matrix2, Point3, Vector2};
@@ -15,24 +15,25 @@ use crate::matches::{Match, Matches};
 use crate::rig::{Projector, Rig};
 use crate::solve::median;
 
-/// Which intersections are taken.
+/// Which intersections are accepted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TriangulateConfig {
-    /// Smallest angle between the camera's ray and the plane of light, rad; below, the point slides along the ray.
+    /// Smallest angle between the camera's ray and the light plane, rad. Below it the position along the ray is
+    /// undetermined.
     pub min_angle_rad: f64,
-    /// 1σ of the projected position of a slit's centre, projector px, beside the noise of the match; different from slit to
-    /// slit. Zero unless it is known: the drawn centre is exact, and what the optics do belongs to the rig.
+    /// 1σ of the projected position of a slit's centre, projector px, in addition to the noise of the match;
+    /// independent from slit to slit. Zero unless known: the drawn centre is exact, and the optics belong to the rig.
     pub projector_sigma_px: f64,
-    /// How far outside the panel, as a share of its sides, the light of a point may come from before the match must be
-    /// wrong; where column and row are both known, also how far they may lie from that light.
+    /// Largest distance outside the panel, as a share of its sides, from which the light of a point may come before the
+    /// match is rejected. Where column and row are both known, also their largest distance from that light.
     pub panel_margin: f64,
     /// Points at a smaller depth are left out, mm along the camera's optical axis. `None` for no limit.
     pub near_mm: Option<f64>,
     /// Points at a greater depth are left out, mm along the camera's optical axis. `None` for no limit.
     pub far_mm: Option<f64>,
-    /// Whether to use several threads (where the crate was built with its feature `rayon`; without it, one thread does
-    /// the same). No bit of the result depends on it.
+    /// Whether to use several threads (with the feature `rayon`; without it, one thread). The result is the same, bit
+    /// for bit.
     pub parallel: bool,
 }
 
@@ -84,17 +85,17 @@ impl TriangulateConfig {
     }
 }
 
-/// Points made, and matches that became no point, by reason.
+/// Number of points, and rejected matches by reason.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TriangulateReport {
-    /// Points made.
+    /// Triangulated points.
     pub points: usize,
-    /// Neither column nor row known, or not finite numbers, or a pixel that the lens's model does not reach.
+    /// Neither column nor row is known, a number is not finite, or the lens's model does not reach the pixel.
     pub invalid: usize,
-    /// The ray lies (nearly) in the plane of light.
+    /// The ray lies (nearly) in the light plane.
     pub grazing: usize,
-    /// They meet behind the camera or the projector.
+    /// The ray meets the light plane behind the camera or the projector.
     pub behind: usize,
     /// The light would come from outside the panel.
     pub outside_panel: usize,
@@ -102,7 +103,8 @@ pub struct TriangulateReport {
     pub contradicting: usize,
     /// The point is nearer than `near_mm` or farther than `far_mm`.
     pub outside_depth: usize,
-    /// Whether the rig has a covariance, so that its share is part of the points' σ; otherwise σ is noise alone.
+    /// Whether the rig has a covariance, so that its uncertainty is part of the points' σ. Otherwise σ is the noise of
+    /// the matches alone.
     pub rig_sigma_known: bool,
     /// Median 1σ of a point along the camera's ray, mm.
     pub median_sigma_mm: f64,
@@ -133,21 +135,21 @@ impl TriangulateReport {
     }
 }
 
-/// Matches that are worked on in one go; what is carried from match to match never crosses the end of such a part, so that
-/// threads change nothing.
+/// Matches that are processed together. What is carried from match to match never crosses the end of such a part, so
+/// that the result does not depend on threads.
 const PART: usize = 4096;
-/// The rig's share of σ is computed anew for a slit once its crossing has moved by this share of the image's longer side.
+/// The rig's share of σ is recomputed for a slit once its crossing has moved by this share of the image's longer side.
 const SAME_SHARE: f64 = 1.0 / 128.0;
-/// Slits whose last share is remembered; patterns have fewer, and others only compute it more often.
+/// Slits whose last share is cached; patterns have fewer, and others only recompute it more often.
 const REMEMBERED: usize = 128;
-/// The median σ is that of about so many points, spread evenly.
+/// The median σ is that of about this many points, spread evenly.
 const SAMPLE: usize = 1024;
-/// Coordinates of neighbouring slits tell the surface's slope when those to the left and to the right of a crossing agree
-/// to this factor; otherwise one of them lies on another surface.
+/// The surface's slope follows from neighbouring slits when those to the left and to the right of a crossing agree to
+/// this factor. Otherwise one of them lies on another surface.
 const SAME_SLOPE: f64 = 1.5;
 
-/// Intersects every match's camera ray with the light of its projector column, row, or both, in the camera's frame. See
-/// [`Triangulator`] for many frames.
+/// Intersects every match's camera ray with the light plane of its projector column, row, or both, in the camera's
+/// frame. See [`Triangulator`] for many frames.
 ///
 /// # Errors
 /// As [`Triangulator::new`].
@@ -172,7 +174,7 @@ pub struct Triangulator {
     light: ProjectorLight,
     depth_mm: std::ops::RangeInclusive<f64>,
     rig: Option<RigSigma>,
-    /// Whether matches were looked for on lines of pixels, see [`across`].
+    /// Whether matches were detected on scanlines, see [`across`].
     on_lines: bool,
     same_px: f64,
     sample: Vec<f64>,
@@ -220,23 +222,23 @@ impl Triangulator {
         })
     }
 
-    /// The same for matches whose whole coordinates mean nothing, as nobody looked for them on lines of pixels.
+    /// The same for matches that were not detected on scanlines, whose integer coordinates have no meaning.
     pub(super) fn off_lines(rig: &Rig, config: TriangulateConfig) -> Result<Self> {
         Ok(Self { on_lines: false, ..Self::new(rig, config)? })
     }
 
     /// Replaces the content of `cloud` by the points of the matches, in the camera's frame and in their order.
     ///
-    /// The camera's two equations and the projector's one form a 3×3 linear system per point (paper, eq. 17–19), which the
-    /// ray solves: a point at depth z on it satisfies the first two. Lens distortion is undone first; that of the projector
-    /// by Newton's method, since it depends on the coordinate that is not known. With column and row the point on the ray
-    /// is taken that lies nearest to both in projector pixels.
+    /// The camera's two equations and the projector's one form a 3×3 linear system per point (paper, eq. 17–19), which
+    /// is solved on the ray: a point at depth z on it satisfies the first two. Lens distortion is removed first. That
+    /// of the projector takes Newton's method, since it depends on the unknown coordinate. With column and row, the
+    /// result is the point on the ray whose projection is nearest to both in projector pixels.
     ///
-    /// σ of a point has two parts. That of the match is the noise of the camera position, carried to the panel by how fast
-    /// the projector's coordinate changes along the image there (measured between neighbouring slits of a line; where there
-    /// are none, as on a surface at constant depth) and from there along the ray. That of the rig follows from the
-    /// covariance of its parameters to first order; without a covariance it is left out and
-    /// [`TriangulateReport::rig_sigma_known`] is false.
+    /// σ of a point has two parts. The first is the noise of the camera position. It is propagated to the panel by the
+    /// derivative of the projector's coordinate along the image, and from there along the ray. The derivative is
+    /// measured between neighbouring slits of a scanline; where there are none, it is that of a surface at constant
+    /// depth. The second follows from the covariance of the rig's parameters to first order. Without a covariance it is
+    /// left out and [`TriangulateReport::rig_sigma_known`] is false.
     pub fn triangulate(&mut self, matches: &Matches, cloud: &mut PointCloud) -> TriangulateReport {
         cloud.frame = Frame::Camera;
         cloud.camera_centre = Point3::origin();
@@ -379,7 +381,7 @@ impl Triangulator {
     }
 
     /// 1σ along the ray from the rig over the square of the depth, 1/mm. It changes little along a slit, whose light is
-    /// (nearly) a plane: the last one is taken where it was computed close by.
+    /// (nearly) a plane: the last value is used where it was computed close by.
     #[inline(always)]
     fn rig_share(&self, m: &Match, ray: &CameraRay, hit: &Hit, shares: &mut [Share; REMEMBERED]) -> f64 {
         let Some(rig) = &self.rig else { return 0.0 };
@@ -398,7 +400,7 @@ impl Triangulator {
         last.scaled
     }
 
-    /// The median of some quantity over a sample of the points; 0 for none.
+    /// The median of a quantity over a sample of the points; 0 for none.
     fn middle(&mut self, points: &[CloudPoint], what: impl Fn(&CloudPoint) -> f64) -> f64 {
         self.sample.clear();
         self.sample.extend(points.iter().step_by(points.len().div_ceil(SAMPLE).max(1)).map(what));
@@ -406,11 +408,11 @@ impl Triangulator {
     }
 }
 
-/// The image coordinate that was measured: stripes are found on lines of pixels, so that the other one is an integer. Where
-/// both are or neither is, the one by which the panel's coordinate changes faster.
+/// The image coordinate that was measured. Stripes are detected on scanlines, so that the other one is an integer.
+/// Where both are or neither is, it is the one by which the panel's coordinate changes faster.
 #[inline(always)]
 fn across(m: &Match, facing: impl Fn(usize) -> f64) -> usize {
-    // By casts, which need no call where `fract` does.
+    // By casts, which need no library call where `fract` does.
     let whole = |x: f64| x as i64 as f64 == x;
     match (whole(m.camera.x), whole(m.camera.y)) {
         (false, true) => 0,
@@ -425,7 +427,7 @@ fn faster(facing: impl Fn(usize) -> f64) -> usize {
     usize::from(facing(1).abs() > facing(0).abs())
 }
 
-/// How fast the panel's coordinate changes along a line of the image, px per px, from the neighbouring slits on it.
+/// Derivative of the panel's coordinate along a scanline, px per px, from the neighbouring slits on it.
 #[inline(always)]
 fn surface_slope(matches: &[Match], i: usize, axis: usize, across: usize) -> Option<f64> {
     let m = &matches[i];
@@ -446,7 +448,7 @@ fn surface_slope(matches: &[Match], i: usize, axis: usize, across: usize) -> Opt
         (Some((a, da)), Some((b, db)))
             if a * b > 0.0 && a * a <= SAME_SLOPE * a * b && b * b <= SAME_SLOPE * a * b =>
         {
-            // Of the parabola through all three, here.
+            // The derivative of the parabola through all three at the middle one.
             Some((a * db + b * da) / (da + db))
         }
         (Some(_), Some(_)) => None,

@@ -50,7 +50,7 @@ fn see(rig: &Rig, x: &Point3<f64>) -> Match {
 }
 
 #[test]
-fn points_come_back_from_column_row_or_both_for_any_lens() {
+fn points_are_recovered_from_column_row_or_both_for_any_lens() {
     let config = TriangulateConfig { panel_margin: 5.0, ..TriangulateConfig::default() };
     for rig in [test_rig(), distorted()] {
         let exact: Vec<Match> = world().iter().map(|x| see(&rig, x)).collect();
@@ -66,10 +66,10 @@ fn points_come_back_from_column_row_or_both_for_any_lens() {
     }
 }
 
-/// Beside each other and parallel, every row of the projector is seen as the same row of the camera at any depth: it tells
-/// nothing, and takes nothing from what the column tells.
+/// With parallel devices beside each other, the camera sees every row of the projector in the same row at any depth.
+/// Such a row adds no information and removes none.
 #[test]
-fn a_row_that_tells_no_depth_does_no_harm() {
+fn a_row_without_depth_information_does_no_harm() {
     let mut rig = test_rig();
     let names = ["camera.focal_px", "projector.cy_px", "projector_from_camera.ty_mm"];
     let parameters = names.map(String::from).to_vec();
@@ -90,12 +90,12 @@ fn a_row_that_tells_no_depth_does_no_harm() {
 }
 
 #[test]
-fn column_and_row_that_contradict_each_other_are_refused_and_counted() {
+fn contradicting_columns_and_rows_are_rejected_and_counted() {
     let config = TriangulateConfig { panel_margin: 0.05, ..TriangulateConfig::default() };
     for rig in [test_rig(), distorted()] {
         let at = see(&rig, &Point3::new(0.0, 0.0, 1000.0));
         let shifted = |by: f64| Match { projector_row: at.projector_row.map(|r| r + by), ..at };
-        // A row a few pixels off is noise or the rig's; one that is 200 px off is another point's.
+        // A row a few pixels off is noise or the rig's; one that is 200 px off belongs to another point.
         let items = vec![at, shifted(3.0), shifted(-200.0), shifted(200.0)];
         let (_, report) = triangulate(&rig, &Matches { items }, &config).unwrap();
         assert_eq!(report.points + report.contradicting + report.outside_panel + report.invalid, 4);
@@ -125,17 +125,17 @@ fn sigma_is_the_scatter_of_noisy_matches() {
     let variance =
         cloud.points.iter().map(|p| (p.position - x).dot(&direction).powi(2)).sum::<f64>() / 4000.0;
     let predicted = cloud.points[0].sigma_mm;
-    // 4000 draws know a σ to 1.1 %.
+    // 4000 draws estimate a σ to 1.1 %.
     assert!((variance.sqrt() / predicted - 1.0).abs() < 0.05, "{} for {predicted}", variance.sqrt());
 }
 
 #[test]
-fn what_cannot_be_is_refused_and_counted() {
+fn impossible_matches_are_rejected_and_counted() {
     let rig = test_rig();
     let good = Match { projector_row: None, ..see(&rig, &Point3::new(0.0, 0.0, 1000.0)) };
     let none = Match { projector_column: None, ..good };
     let nan = Match { camera: Point2::new(f64::NAN, 0.0), ..good };
-    // A column on the other side: the light meets the ray behind the camera.
+    // A column on the other side: the light plane meets the ray behind the camera.
     let behind = Match { projector_column: good.projector_column.map(|c| c + 600.0), ..good };
     let noisy = Match { sigma_px: f64::NAN, ..good };
     let endless = Match { projector_column: Some(f64::INFINITY), ..good };
@@ -183,13 +183,13 @@ fn depth_limits_must_be_finite_and_in_order() {
     assert_eq!(read, TriangulateConfig { near_mm: Some(500.0), ..TriangulateConfig::default() });
 }
 
-/// The camera's ray of a match meets the plane here.
+/// The intersection of a match's camera ray with the plane.
 fn on_plane(rig: &Rig, plane: &Plane, pixel: Point2<f64>) -> Point3<f64> {
     let direction = rig.camera.model.bearing(pixel).unwrap();
     Ray { origin: Point3::origin(), direction }.meet(plane).unwrap()
 }
 
-/// The crossings of 64 slits with the lines of the camera's image, on a plane.
+/// The crossings of 64 slits with the scanlines of the camera's image, on a plane.
 fn stripes_on(rig: &Rig, plane: &Plane, lines: std::ops::Range<u32>) -> Vec<Match> {
     let column_at = |u: f64, v: f64| {
         let x = on_plane(rig, plane, Point2::new(u, v));
@@ -225,7 +225,7 @@ fn stripes_on(rig: &Rig, plane: &Plane, lines: std::ops::Range<u32>) -> Vec<Matc
 
 /// The error along the ray, over σ, is normal: 68.3 % within one, 95.4 % within two, on planes of any slant.
 #[test]
-fn errors_on_planes_are_as_large_as_their_sigma_says() {
+fn errors_on_planes_match_their_sigma() {
     let rig = test_rig();
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     for normal in [[0.0, 0.0, 1.0], [0.6, 0.1, 1.0], [-0.6, 0.0, 1.0], [0.1, 0.7, 1.0]] {
@@ -305,10 +305,10 @@ fn moved(rig: &Rig, d: &DVector<f64>) -> Rig {
     out
 }
 
-/// σ of the rig's share is the scatter of the points when the rig is drawn from its covariance, for any lens, from columns,
+/// The rig's share of σ is the scatter of the points over rigs drawn from its covariance, for any lens, from columns,
 /// rows and both.
 #[test]
-fn the_rigs_share_is_the_scatter_over_rigs() {
+fn the_rigs_share_of_sigma_is_the_scatter_over_rigs() {
     let config = TriangulateConfig { panel_margin: 5.0, ..TriangulateConfig::default() };
     let draws = 1500;
     for (bent, rig) in [(false, test_rig()), (true, distorted())] {
@@ -316,7 +316,7 @@ fn the_rigs_share_is_the_scatter_over_rigs() {
         let exact: Vec<Match> = world().iter().step_by(6).map(|x| see(&rig, x)).collect();
         let column = exact.iter().map(|m| Match { projector_row: None, ..*m });
         let row = exact.iter().map(|m| Match { projector_column: None, ..*m });
-        // A row says too little about depth where the baseline is horizontal: the other way round.
+        // A row has too little information about depth where the baseline is horizontal; so these points use both.
         let items: Vec<Match> = column.chain(row).chain(exact.iter().copied()).collect();
         let matches = Matches { items };
         let (cloud, report) = triangulate(&rig, &matches, &config).unwrap();
@@ -333,7 +333,7 @@ fn the_rigs_share_is_the_scatter_over_rigs() {
         for (sum, p) in squares.iter().zip(&cloud.points) {
             let found = (sum / f64::from(draws)).sqrt();
             let said = (p.sigma_mm.powi(2) - p.noise_mm.powi(2)).sqrt();
-            // The draws know a σ to 1.8 %.
+            // The draws estimate a σ to 1.8 %.
             assert!((said / found - 1.0).abs() < 0.07, "bent {bent}: {said} for {found} at {}", p.position);
         }
     }
@@ -341,7 +341,7 @@ fn the_rigs_share_is_the_scatter_over_rigs() {
 
 /// Reusing a slit's share where it hardly changes keeps it within two per cent.
 #[test]
-fn a_share_that_is_carried_along_a_slit_stays_true() {
+fn a_share_reused_along_a_slit_stays_accurate() {
     let (rig, _) = with_covariance(distorted());
     let plane =
         Plane::from_point_normal(&Point3::new(0.0, 0.0, 1000.0), Vector3::new(0.4, 0.3, 1.0)).unwrap();
@@ -358,7 +358,7 @@ fn a_share_that_is_carried_along_a_slit_stays_true() {
 }
 
 #[test]
-fn a_covariance_that_cannot_be_used_is_said() {
+fn an_unusable_covariance_is_reported() {
     let (rig, _) = with_covariance(test_rig());
     let matches = Matches { items: world().iter().map(|x| see(&rig, x)).collect() };
     let known = |change: &dyn Fn(&mut Covariance)| {
@@ -375,7 +375,7 @@ fn a_covariance_that_cannot_be_used_is_said() {
     assert!(!known(&|c| c.parameters.clear()));
 }
 
-/// Buffers are used again and nothing of the frame before remains.
+/// Buffers are reused and nothing of the previous frame remains.
 #[test]
 fn one_triangulator_serves_many_frames() {
     let (rig, _) = with_covariance(distorted());

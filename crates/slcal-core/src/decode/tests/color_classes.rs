@@ -1,4 +1,4 @@
-//! Hues and crosstalk against colours that are drawn.
+//! Colour classes and crosstalk against rendered colours.
 
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
@@ -11,7 +11,7 @@ use super::super::rgb::unit;
 use crate::pattern::{StripeConfig, StripePattern};
 use crate::photo::Encoding;
 
-/// A camera that sees a fifth of the light of a channel in those beside it, and is out of balance.
+/// A camera whose channels see a fifth of the light of the adjacent ones, and that is out of balance.
 fn camera() -> Matrix3<f32> {
     let mixed = Matrix3::new(1.0, 0.2, 0.0, 0.2, 1.0, 0.2, 0.0, 0.2, 1.0);
     Matrix3::from_diagonal(&Vector3::new(1.3, 1.0, 0.75)) * mixed
@@ -20,12 +20,12 @@ fn camera() -> Matrix3<f32> {
 struct Drawn {
     palette: Vec<[f32; 3]>,
     sequence: Vec<u8>,
-    /// Light of each hue as the camera sees it.
+    /// Light of each hue in the camera.
     light: Vec<[f32; 3]>,
     samples: Vec<ColorSample>,
 }
 
-/// Forty lines across a pattern whose left part lies on a surface three times as bright as the other.
+/// Forty scanlines across a pattern whose left part lies on a surface three times as bright as the other.
 fn draw(hues: u32, order: u32, noise: f32) -> Drawn {
     let config = StripeConfig { hues, order, ..StripeConfig::default() };
     let pattern = StripePattern::new([1024, 768], &config).unwrap();
@@ -55,7 +55,7 @@ fn angle(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 #[test]
-fn hues_are_learned_as_the_camera_sees_them() {
+fn classes_are_learned_as_the_camera_sees_them() {
     for (hues, order) in [(3, 4), (4, 3), (5, 3)] {
         let d = draw(hues, order, 0.01);
         let mut learned = ColorClasses::default();
@@ -79,7 +79,7 @@ fn hues_are_learned_as_the_camera_sees_them() {
 }
 
 #[test]
-fn brightness_of_hues_is_that_of_neighbours_on_one_surface() {
+fn brightness_of_classes_comes_from_neighbours_on_one_surface() {
     for (hues, order) in [(3, 4), (4, 3), (5, 3)] {
         let d = draw(hues, order, 0.005);
         let mut learned = ColorClasses::default();
@@ -106,7 +106,7 @@ fn nothing_is_learned_from_nothing() {
 }
 
 #[test]
-fn a_given_crosstalk_comes_back() {
+fn a_given_crosstalk_is_recovered() {
     let d = draw(4, 3, 0.01);
     let units: Vec<[f32; 3]> = d.light.iter().map(|&c| unit(c).unwrap()).collect();
     let sums: Vec<f32> = d.light.iter().map(|c| c.iter().sum()).collect();
@@ -119,7 +119,7 @@ fn a_given_crosstalk_comes_back() {
             assert!((m[row][k] - expected).abs() < 1e-5, "{m:?}");
         }
     }
-    // Two colours do not tell three primaries apart; nor do colours in one plane.
+    // Two colours do not distinguish three primaries; nor do colours in one plane.
     assert!(crosstalk(&d.palette[..2], &units[..2], &sums[..2]).is_none());
     assert!(
         crosstalk(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]], &units[..3], &sums[..3]).is_none()

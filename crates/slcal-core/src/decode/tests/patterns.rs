@@ -1,9 +1,9 @@
-//! Patterns from elsewhere and photographs of other sizes, through the whole decoder.
+//! Patterns of other programs and photographs of other sizes, through the whole decoder.
 
 use image::{DynamicImage, RgbImage};
 use nalgebra::Matrix3;
 
-use super::{decode_image, judge, pattern, photograph, slanted};
+use super::{decode_image, measure_errors, pattern, photograph, slanted};
 use crate::decode::{DecodeConfig, Decoding, decode};
 use crate::geometry::Homography;
 use crate::pattern::{Axis, StripeConfig, StripePattern};
@@ -11,11 +11,11 @@ use crate::photo::PhotoView;
 use crate::{Error, ErrorClass};
 
 fn scaled(scale: f64, shift: f64) -> Homography {
-    // The stripes lean a little: every line meets them at another phase.
+    // The stripes lean a little: every scanline crosses them at another phase.
     Homography(Matrix3::new(scale, 0.05 * scale, shift, 0.0, scale, -200.0 * scale, 2e-5, 0.0, 1.0))
 }
 
-/// Matches of slits that a line across the whole photograph meets, as a share of those that it should meet.
+/// The number of matches over the expected number of crossings of scanlines with completely visible slits.
 fn found(decoding: &Decoding, pattern: &StripePattern, size: [u32; 2], h: &Homography) -> f64 {
     let back = h.inverse().unwrap();
     let mut expected = 0;
@@ -33,7 +33,7 @@ fn three_hues_of_order_four_on_uneven_rows_decode() {
     let config =
         StripeConfig { hues: 3, order: 4, slits: Some(61), axis: Axis::Rows, ..StripeConfig::default() };
     let mut rows = StripePattern::new([800, 854], &config).unwrap();
-    // Another program's slits: of another width, and up to a pixel and a half from where they would be even.
+    // Another program's slits: of another width, and displaced by up to a pixel and a half.
     rows.width_px = 6.0;
     for (k, c) in rows.centres_px.iter_mut().enumerate() {
         *c += [0.0, 1.5, -1.0, 0.5, -1.5][k % 5];
@@ -41,33 +41,33 @@ fn three_hues_of_order_four_on_uneven_rows_decode() {
     rows.validate().unwrap();
     let h = Homography(Matrix3::new(1.0, 0.03, -300.0, 0.04, 1.25, 10.0, 1e-5, 1e-4, 1.0));
     let decoding = decode_image(photograph(&rows, [140, 1000], &h), &rows).unwrap();
-    let (right, bias, rms) = judge(&decoding, &rows, &h);
+    let (right, bias, rms) = measure_errors(&decoding, &rows, &h);
     assert!(right == 1.0 && bias.abs() < 0.02 && rms < 0.08, "{right} {bias} {rms}");
     assert!(decoding.report.slits >= 59 && decoding.matches.items.len() > 57 * 140, "{:?}", decoding.report);
     assert!(decoding.matches.items.iter().all(|m| m.projector_column.is_none()));
 }
 
-/// Decodes a part of a photograph and holds it against the whole pattern.
+/// Decodes a part of a photograph with the whole pattern.
 fn check_part(from: u32, width: u32) {
     let (columns, h) = (pattern(Axis::Columns), slanted());
     let whole = photograph(&columns, [1060, 120], &h);
     let part = image::imageops::crop_imm(&whole, from, 0, width, 120).to_image();
     let shifted = Homography(Matrix3::new(1.0, 0.0, -f64::from(from), 0.0, 1.0, 0.0, 0.0, 0.0, 1.0) * h.0);
     let decoding = decode_image(part, &columns).unwrap();
-    let (right, bias, rms) = judge(&decoding, &columns, &shifted);
+    let (right, bias, rms) = measure_errors(&decoding, &columns, &shifted);
     assert!(right == 1.0 && bias.abs() < 0.01 && rms < 0.06, "{right} {bias} {rms}");
     let found = found(&decoding, &columns, [width, 120], &shifted);
     assert!(found > 0.95, "{found} from {from}: {:?}", decoding.report);
 }
 
 #[test]
-fn a_photograph_of_a_part_decodes_as_that_part() {
+fn a_photograph_of_a_part_of_the_pattern_decodes() {
     check_part(330, 250);
     check_part(700, 360);
 }
 
 #[test]
-fn a_part_in_which_one_hue_prevails_decodes_as_that_part() {
+fn a_part_in_which_one_hue_prevails_decodes() {
     check_part(0, 400);
 }
 
@@ -90,11 +90,11 @@ fn sixteen_bits_decode_as_eight_do() {
 #[test]
 fn stripes_of_sixty_pixels_and_of_three_decode() {
     let columns = pattern(Axis::Columns);
-    // The first is a strip of a photograph of 24 megapixels of which a lens sees two fifths of the pattern.
+    // The first is a strip of a photograph of 24 megapixels through a lens that sees two fifths of the pattern.
     for (scale, shift, size) in [(7.5, -1800.0, [3000, 90]), (0.375, 4.0, [400, 90])] {
         let h = scaled(scale, shift);
         let decoding = decode_image(photograph(&columns, size, &h), &columns).unwrap();
-        let (right, bias, rms) = judge(&decoding, &columns, &h);
+        let (right, bias, rms) = measure_errors(&decoding, &columns, &h);
         assert!(right > 0.999 && bias.abs() < 0.02 && rms < 0.1, "{scale}: {right} {bias} {rms}");
         let found = found(&decoding, &columns, size, &h);
         assert!(found > 0.95, "{scale}: {found}");
@@ -128,7 +128,7 @@ fn a_mirrored_photograph_of_the_mirrored_pattern_decodes_the_same() {
     assert!(same as f64 > 0.99 * all as f64, "{same} of {all} and {}", there.len());
 }
 
-/// A pattern of so many hues, of an order, and slits, for the same panel.
+/// A pattern with other hues, order and slits, for the same panel.
 fn of(hues: u32, order: u32, slits: Option<u32>) -> StripePattern {
     StripePattern::new([1024, 768], &StripeConfig { hues, order, slits, ..StripeConfig::default() }).unwrap()
 }
@@ -149,7 +149,7 @@ fn a_pattern_that_shares_parts_of_the_code_is_refused_and_its_own_photograph_dec
     for other in others {
         let (hues, slits) = (other.palette.len(), other.sequence.len());
         let decoding = decode_image(photograph(&other, [1060, 100], &h), &other).unwrap();
-        let (right, ..) = judge(&decoding, &other, &h);
+        let (right, ..) = measure_errors(&decoding, &other, &h);
         assert!(right > 0.999, "{hues} hues, {slits} slits: {right}");
         let refused = decode_image(photo.clone(), &other).map(|d| d.report).unwrap_err();
         assert_eq!(refused.class(), ErrorClass::NotFound, "{hues} hues, {slits} slits: {refused}");
@@ -158,10 +158,10 @@ fn a_pattern_that_shares_parts_of_the_code_is_refused_and_its_own_photograph_dec
 }
 
 #[test]
-fn stripes_that_go_on_beyond_the_code_are_told() {
+fn stripes_that_continue_beyond_the_code_are_refused() {
     let (columns, h) = (pattern(Axis::Columns), slanted());
     let photo = photograph(&columns, [1060, 100], &h);
-    // The first 60 of the 64 slits, where they were projected: all but the last four fit.
+    // The first 60 of the 64 slits, at their places: all but the last four fit.
     let mut shorter = columns.clone();
     shorter.sequence.truncate(60);
     shorter.centres_px.truncate(60);
@@ -176,7 +176,7 @@ fn stripes_that_go_on_beyond_the_code_are_told() {
 }
 
 #[test]
-fn a_single_row_or_column_of_pixels_is_refused_for_what_it_is() {
+fn a_single_row_or_column_of_pixels_is_refused() {
     let (columns, h) = (pattern(Axis::Columns), slanted());
     let photo = photograph(&columns, [1060, 100], &h);
     let row = image::imageops::crop_imm(&photo, 0, 50, 1060, 1).to_image();

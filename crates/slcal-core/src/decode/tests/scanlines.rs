@@ -1,4 +1,4 @@
-//! Edges, scale and noise against lines drawn by closed form.
+//! Edges, scale and noise against scanlines rendered in closed form.
 
 use image::{DynamicImage, Rgb, RgbImage};
 use rand::{Rng, SeedableRng};
@@ -45,7 +45,7 @@ fn noise_of(sigma: f64) -> Noise {
     noise
 }
 
-/// The stripes of a line, and how many hills were none.
+/// The stripes of a scanline, and the number of rejected peaks.
 fn crossings(line: &Scanline, edge: usize, noise: f64) -> (Vec<StripeEdges>, usize) {
     let (radii, mut found) = (FilterRadii { smoothing: 0, edge }, Vec::new());
     let color = |x: usize| line.rgb.get(x).copied().unwrap_or([0.0; 3]);
@@ -54,7 +54,7 @@ fn crossings(line: &Scanline, edge: usize, noise: f64) -> (Vec<StripeEdges>, usi
 }
 
 #[test]
-fn edges_are_measured_without_bias_whatever_blur_and_phase() {
+fn edges_are_located_without_bias_for_any_blur_and_phase() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for (width, sigma, edge) in [(8.0, 0.4, 3), (8.0, 0.8, 3), (12.0, 1.2, 5), (20.0, 2.0, 7), (40.0, 3.0, 9)]
     {
@@ -81,14 +81,14 @@ fn edges_are_measured_without_bias_whatever_blur_and_phase() {
 }
 
 #[test]
-fn the_predicted_sigma_of_an_edge_is_what_noise_makes_of_it() {
+fn the_predicted_sigma_of_an_edge_is_its_scatter() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let (stripes, noise) = ([[20.3, 32.3], [44.3, 56.3]], 0.01);
     let (mut squares, mut predicted, mut n) = (0.0, 0.0, 0.0);
     for _ in 0..500 {
         let line = line(80, &stripes, 0.8, &mut rng, noise);
         let (mut found, _) = crossings(&line, 3, noise);
-        // A wiggle of the dark between them is no matter here.
+        // Noise peaks in the dark between them do not count here.
         found.retain(|c| c.height > 0.4);
         assert_eq!(found.len(), 2);
         for (c, truth) in found.iter().zip(&stripes) {
@@ -142,7 +142,7 @@ fn noise_is_measured_between_the_stripes() {
 }
 
 #[test]
-fn a_look_tells_direction_and_scale_of_any_stripes() {
+fn direction_and_scale_are_estimated_for_any_stripes() {
     for (width, levels) in [(3.0, 1.0), (5.0, 4.0), (8.5, 4.0), (16.0, 6.0), (30.0, 6.0), (60.0, 6.0)] {
         let photo = photograph(width, [1500, 60], levels, 11);
         let (seen, other) = read(&photo, |rows, columns| {
@@ -154,7 +154,7 @@ fn a_look_tells_direction_and_scale_of_any_stripes() {
         let seen = seen.expect("stripes");
         let half = f64::from(seen.half_period_px);
         assert!((half / width - 1.0).abs() < 0.1, "{half} for {width}");
-        // Smoothing leaves stripes half as wide visible, and an edge is no longer than the blur makes it.
+        // Smoothing keeps stripes of half the width visible, and an edge is no longer than the blur.
         assert!(2 * seen.radii.smoothing < width as usize, "{:?} for {width}", seen.radii);
         assert!((2..=6).contains(&seen.radii.edge), "{:?} for {width}", seen.radii);
         assert!(other.is_none_or(|o| o.covered_px < 0.1 * seen.covered_px), "{other:?}");

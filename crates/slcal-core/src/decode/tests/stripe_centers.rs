@@ -1,4 +1,4 @@
-//! Centres against maps from projector to image that are known.
+//! Stripe centres against known maps from projector to image.
 
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
@@ -24,7 +24,7 @@ fn crossing(left: f64, right: f64) -> StripeEdges {
     }
 }
 
-/// The edges of `n` slits where `u` maps projector columns to.
+/// The edges of `n` slits where `u` maps projector columns to the image.
 fn edges(n: usize, u: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
     (0..n).map(|k| PERIOD * k as f64).map(|x| [u(x - HALF), u(x + HALF)]).collect()
 }
@@ -35,8 +35,8 @@ fn layout(gaps: &[f32]) -> SlitLayout {
     layout
 }
 
-/// All crossings of lines, the k-th of each being slit k, and their centres.
-struct Scene {
+/// All crossings of scanlines, the k-th of each being slit k, and their centres.
+struct LabeledCrossings {
     tracks: Tracks,
     votes: Vec<VotedLabel>,
     gaps: Vec<f32>,
@@ -44,7 +44,7 @@ struct Scene {
     centers: Vec<StripeCenter>,
 }
 
-fn scene(lines: &[Vec<[f64; 2]>]) -> Scene {
+fn labeled(lines: &[Vec<[f64; 2]>]) -> LabeledCrossings {
     let (mut tracks, mut votes) = (Tracks::default(), Vec::new());
     tracks.clear();
     for line in lines {
@@ -58,10 +58,10 @@ fn scene(lines: &[Vec<[f64; 2]>]) -> Scene {
     let layout = layout(&gaps);
     let half_px = measure_half_width(&tracks, &votes, &layout, &mut scratch);
     locate(&tracks, &votes, &layout, &mut scratch, &mut centers);
-    Scene { tracks, votes, gaps, half_px, centers }
+    LabeledCrossings { tracks, votes, gaps, half_px, centers }
 }
 
-/// Largest errors of the centres and of the middles of the edges, over all slits but those at either end.
+/// Largest errors of the centres and of the midpoints of the edges, over all slits but those at either end.
 fn worst(seen: &[[f64; 2]], centers: &[StripeCenter], u: impl Fn(f64) -> f64) -> (f64, f64) {
     let inner = 1..seen.len() - 1;
     let error = |k: usize, at: f64| (at - u(PERIOD * k as f64)).abs();
@@ -73,11 +73,11 @@ fn worst(seen: &[[f64; 2]], centers: &[StripeCenter], u: impl Fn(f64) -> f64) ->
 fn the_centre_is_exact_to_third_order() {
     let u = |x: f64| 30.0 + 1.5 * x + 2e-3 * x * x + 4e-6 * x.powi(3);
     let seen = edges(20, u);
-    let s = scene(std::slice::from_ref(&seen));
+    let s = labeled(std::slice::from_ref(&seen));
     let (polynomial, middle) = worst(&seen, &s.centers, u);
-    // What is left is the rounding of positions to 24 bits.
+    // The remaining error is the rounding of positions to 24 bits.
     assert!(polynomial < 2e-4 && middle > 0.08, "{polynomial} {middle}");
-    // At either end edges are there on one side only.
+    // At either end there are edges on one side only.
     for k in [0, 19] {
         let error = f64::from(s.centers[k].u) - u(PERIOD * k as f64);
         assert!(!s.centers[k].truncated && error.abs() < 0.02, "{error}");
@@ -85,24 +85,24 @@ fn the_centre_is_exact_to_third_order() {
 }
 
 #[test]
-fn on_a_strongly_curved_surface_it_is_far_better_than_the_middle_of_the_edges() {
+fn on_a_strongly_curved_surface_it_beats_the_midpoint_of_the_edges() {
     // A cylinder seen from the side: its scale falls to a third towards its outlines.
     let u = |x: f64| 500.0 + 400.0 * ((x - 304.0) / 250.0).sin();
     let seen = edges(39, u);
-    let s = scene(std::slice::from_ref(&seen));
+    let s = labeled(std::slice::from_ref(&seen));
     assert!(s.centers.iter().all(|c| !c.truncated));
     let (polynomial, middle) = worst(&seen, &s.centers, u);
     assert!(polynomial < 2e-3 && middle > 0.04, "{polynomial} {middle}");
 }
 
 #[test]
-fn a_stripe_that_an_outline_cuts_is_told_whichever_side_it_lacks() {
+fn a_truncated_stripe_is_detected_whichever_side_is_missing() {
     let whole = edges(15, |x| 20.0 + 2.0 * x);
     for lost in [1.5, 2.5, 4.0, 6.0, 9.0] {
         for side in [0, 1] {
             let mut seen = whole.clone();
             seen[7][side] += if side == 0 { lost } else { -lost };
-            let s = scene(std::slice::from_ref(&seen));
+            let s = labeled(std::slice::from_ref(&seen));
             let truncated: Vec<usize> = (0..15).filter(|&k| s.centers[k].truncated).collect();
             assert_eq!(truncated, [7], "{lost} px off side {side}");
             assert!(s.centers[7].u.is_nan());
@@ -111,14 +111,14 @@ fn a_stripe_that_an_outline_cuts_is_told_whichever_side_it_lacks() {
 }
 
 #[test]
-fn a_fold_in_a_gap_does_not_cut_the_stripes_beside_it() {
+fn a_fold_in_a_gap_does_not_truncate_the_stripes_beside_it() {
     // The scale doubles in the middle of the gap behind slit 6.
     let fold = 6.5 * PERIOD;
     let u = |x: f64| 20.0 + 1.5 * x + 1.5 * (x - fold).max(0.0);
     let seen = edges(14, u);
-    let s = scene(std::slice::from_ref(&seen));
+    let s = labeled(std::slice::from_ref(&seen));
     assert!(s.centers.iter().all(|c| !c.truncated));
-    // Away from the fold all edges lie on one plane. Beside it, the narrower stripe is held against its own side.
+    // Away from the fold all edges lie on one plane. Beside it, the narrower stripe is compared with its own side.
     for k in (0..14).filter(|&k| k != 7) {
         let error = f64::from(s.centers[k].u) - u(PERIOD * k as f64);
         assert!(error.abs() < 1e-3, "{error} at {k}");
@@ -137,11 +137,12 @@ fn a_fold_moves_no_centre_wherever_it_lies() {
         for step in 0..64 {
             let fold = 7.0 * PERIOD + 0.25 * f64::from(step);
             let u = folded(fold, bend);
-            let s = scene(&[edges(16, &u)]);
+            let s = labeled(&[edges(16, &u)]);
             for k in (1..15).filter(|&k| !s.centers[k].truncated) {
                 let error = (f64::from(s.centers[k].u) - u(PERIOD * k as f64)).abs() / 12.0;
-                // Cubics through edges on both sides are off by up to a fifth of a pixel with the fold in a gap, and half a
-                // pixel in a stripe. What is left here is perspective beside straight lines, and the noise that is expected.
+                // Cubics through edges on both sides are off by up to a fifth of a pixel with the fold in a gap, and
+                // half a pixel in a stripe. The remaining error comes from perspective beside straight lines, and from
+                // the expected noise.
                 assert!(error < 0.02, "{error} projector px at {k}: bend {bend} at {fold}");
             }
             assert!(s.centers.iter().filter(|c| c.truncated).count() <= 1, "bend {bend} at {fold}");
@@ -151,29 +152,29 @@ fn a_fold_moves_no_centre_wherever_it_lies() {
 
 #[test]
 fn a_rounded_edge_wider_than_a_period_is_no_fold() {
-    // The scale goes over from 1 to 1.6 as a logistic curve; its integral.
+    // The scale changes from 1 to 1.6 as a logistic curve; this is its integral.
     for width in [10.0, 14.0, 20.0] {
         for shift in 0..16 {
             let at = 7.0 * PERIOD + f64::from(shift);
             let u = |x: f64| 12.0 * (x + 0.6 * width * ((x - at) / width).exp().ln_1p());
-            let s = scene(&[edges(16, u)]);
+            let s = labeled(&[edges(16, u)]);
             let error = |k: usize| (f64::from(s.centers[k].u) - u(PERIOD * k as f64)).abs() / 12.0;
             let worst = (1..15).map(error).fold(0.0, f64::max);
-            // What the cubic leaves; a fold's two planes would be off by a quarter of a pixel.
+            // The error of the cubic; the two planes of a fold would be off by a quarter of a pixel.
             assert!(worst < 0.007, "{worst} projector px: {width} px wide at {at}");
         }
     }
 }
 
 #[test]
-fn what_is_done_about_folds_costs_no_accuracy_on_a_plane() {
+fn fold_detection_costs_no_accuracy_on_a_plane() {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(11);
     let noise = Normal::new(0.0, 0.05).unwrap();
     let u = |x: f64| 30.0 + 1.2 * x;
     let lines: Vec<_> = (0..400)
         .map(|_| edges(20, u).into_iter().map(|e| e.map(|x| x + noise.sample(&mut rng))).collect())
         .collect();
-    let s = scene(&lines);
+    let s = labeled(&lines);
     let errors: Vec<f64> = (0..s.centers.len())
         .filter(|i| (2..18).contains(&(i % 20)) && !s.centers[*i].truncated)
         .map(|i| f64::from(s.centers[i].u) - u(PERIOD * (i % 20) as f64))
@@ -189,14 +190,14 @@ fn the_width_of_the_slits_is_measured_as_photographed() {
     // Light spills over by 0.7 projector px to either side.
     let seen: Vec<[f64; 2]> =
         edges(12, |x| 3.0 * x).iter().map(|e| [e[0] - 3.0 * 0.7, e[1] + 3.0 * 0.7]).collect();
-    let half = scene(&[seen]).half_px;
+    let half = labeled(&[seen]).half_px;
     assert!((half - 4.7).abs() < 1e-3, "{half}");
-    // No slit has neighbours on both sides: what was drawn must do.
-    assert!((scene(&[edges(2, |x| 3.0 * x)]).half_px - 4.0).abs() < 1e-6);
+    // No slit has neighbours on both sides: the drawn width is used.
+    assert!((labeled(&[edges(2, |x| 3.0 * x)]).half_px - 4.0).abs() < 1e-6);
 }
 
 #[test]
-fn sigma_is_the_scatter_of_the_centres_whatever_was_predicted() {
+fn sigma_is_the_scatter_of_the_centres_for_any_prediction() {
     let u = |x: f64| 30.0 + 1.5 * x + 1e-3 * x * x;
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
     for truth in [0.02, 0.05, 0.12] {
@@ -204,7 +205,7 @@ fn sigma_is_the_scatter_of_the_centres_whatever_was_predicted() {
         let lines: Vec<_> = (0..150)
             .map(|_| edges(20, u).into_iter().map(|e| e.map(|x| x + noise.sample(&mut rng))).collect())
             .collect();
-        let mut s = scene(&lines);
+        let mut s = labeled(&lines);
         measure_sigma(&s.tracks, &s.votes, 12, &mut SigmaWork::default(), &mut s.centers);
         let ratios: Vec<f64> = s
             .centers
@@ -220,8 +221,8 @@ fn sigma_is_the_scatter_of_the_centres_whatever_was_predicted() {
 }
 
 #[test]
-fn what_has_no_number_has_no_centre() {
-    let mut s = scene(&[edges(5, |x| 2.0 * x)]);
+fn unlabelled_crossings_have_no_centre() {
+    let mut s = labeled(&[edges(5, |x| 2.0 * x)]);
     s.votes[2].label = NONE;
     let layout = layout(&s.gaps);
     locate(&s.tracks, &s.votes, &layout, &mut Vec::new(), &mut s.centers);
