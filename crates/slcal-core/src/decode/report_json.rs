@@ -1,4 +1,4 @@
-//! `slcal-decode/1`: what decoding saw and why it rejected some of it.
+//! `slcal-decode/1`: the report of decoding.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! `slcal-evaluate/1`: how far a cloud lies from a surface, and by which rule that was counted.
+//! `slcal-evaluate/1`: the distances of a cloud from a fitted surface, and the rule for its inliers.
 
 use serde::Serialize;
 
@@ -30,7 +30,7 @@ enum Fitted {
 }
 
 impl PlaneFit {
-    /// The record of this plane: its parameters and the figures over its inliers, as fitted with `config`.
+    /// The record of this plane: its parameters and the statistics over its inliers, as fitted with `config`.
     #[must_use]
     pub fn to_json(&self, config: &FitConfig) -> impl Serialize + use<> {
         let (normal, offset_mm) = (self.plane.normal.into_inner().into(), self.plane.offset_mm);
@@ -39,7 +39,7 @@ impl PlaneFit {
 }
 
 impl SphereFit {
-    /// The record of this sphere: its parameters and the figures over its inliers, as fitted with `config`.
+    /// The record of this sphere: its parameters and the statistics over its inliers, as fitted with `config`.
     #[must_use]
     pub fn to_json(&self, config: &FitConfig) -> impl Serialize + use<> {
         let fitted = Fitted::Sphere { centre_mm: self.centre.into(), radius_mm: self.radius_mm };

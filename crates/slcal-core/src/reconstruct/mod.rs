@@ -33,12 +33,12 @@ use crate::pattern::StripePattern;
 use crate::photo::PhotoView;
 use crate::rig::Rig;
 
-/// Matches whose ray does not meet light from the panel before the devices, as a share of all, above which pattern, rig
-/// and photograph do not belong together: a right pattern leaves a few in a thousand (numbers that are wrong by chance);
-/// a wrong one that decodes all the same leaves a tenth.
+/// Largest share of matches whose ray does not meet light from the panel in front of the devices. Above it pattern, rig
+/// and photograph do not belong together. The right pattern leaves a few in a thousand (labels that are wrong by
+/// chance); a wrong one that decodes nevertheless leaves a tenth.
 const MAX_IMPOSSIBLE: f64 = 0.05;
 
-/// How to reconstruct.
+/// Configuration of the reconstruction.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReconstructConfig {
@@ -46,29 +46,29 @@ pub struct ReconstructConfig {
     pub decode: DecodeConfig,
     /// Matches → points.
     pub triangulate: TriangulateConfig,
-    /// Which triangles and outliers go.
+    /// Which triangles and outliers are removed.
     pub cull: CullRule,
-    /// Whose coordinates the cloud has.
+    /// Coordinate frame of the cloud.
     pub frame: Frame,
     /// Whether the cloud keeps its triangles.
     pub mesh: bool,
 }
 
-/// A cloud and what happened on the way.
+/// A cloud and the reports of its stages.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reconstruction {
-    /// The points, and triangles if asked for.
+    /// The points, and triangles if requested.
     pub cloud: PointCloud,
-    /// What was seen in the photograph; `None` when the matches were given.
+    /// Report of decoding; `None` when the matches were given.
     pub decode: Option<DecodeReport>,
-    /// Matches that became no point.
+    /// Counts of matches that gave no point.
     pub triangulate: TriangulateReport,
-    /// What was removed.
+    /// Counts of removed triangles and points.
     pub cull: CullReport,
 }
 
-/// Reconstructs one photograph after another with the same rig and pattern. After the first photographs no
-/// buffer grows any more (see "Cost" in the documentation of the architecture).
+/// Reconstructs one photograph after another with the same rig and pattern. After the first photographs no buffer grows
+/// any more (see "Cost" in the documentation of the architecture).
 #[derive(Debug, Clone)]
 pub struct Reconstructor {
     /// Width and height of its photographs, px.
@@ -92,15 +92,17 @@ impl Reconstructor {
         Ok(Self { camera, decoder, stages, result: Reconstruction::default() })
     }
 
-    /// The cloud of one photograph. It is the reconstructor's own, valid until the next photograph; clone it to keep it.
+    /// The cloud of one photograph. It belongs to the reconstructor and is valid until the next photograph; clone it to
+    /// keep it.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a photograph of another size than the rig's camera; what [`crate::decode::decode`] says.
+    /// [`Error::Invalid`] for a photograph of another size than the rig's camera; the errors of
+    /// [`crate::decode::decode`].
     pub fn reconstruct(&mut self, photo: PhotoView<'_>) -> Result<&Reconstruction> {
         self.reconstruct_frames(&DecodeInput { photo, black: None, white: None })
     }
 
-    /// The cloud of one scene with photographs of the dark and the white projector beside the striped one.
+    /// The cloud of one scene, with optional photographs of the dark and the white projector beside the striped one.
     ///
     /// # Errors
     /// As [`Reconstructor::reconstruct`].
@@ -121,8 +123,8 @@ impl Reconstructor {
         Ok(&self.result)
     }
 
-    /// What the last photograph gave, moved out of the buffers instead of copied; the next one makes new ones. Empty when
-    /// there was none, or it failed.
+    /// The result of the last photograph, moved out of the buffers instead of copied; the next one allocates new ones.
+    /// Empty when there was none, or it failed.
     #[must_use]
     pub fn take_last(&mut self) -> Reconstruction {
         std::mem::take(&mut self.result)
@@ -144,7 +146,7 @@ pub fn reconstruct(
     Ok(scanner.take_last())
 }
 
-/// The cloud of matches from any decoder: triangulated, culled, in the frame asked for.
+/// The cloud of matches from any decoder: triangulated, culled, in the requested frame.
 ///
 /// # Errors
 /// [`Error::Invalid`] as for [`triangulate`] and [`in_frame`]; [`Error::NotFound`] when no point is left.
@@ -158,14 +160,14 @@ pub fn cloud_from_matches(
     Ok(result)
 }
 
-/// What comes after decoding, with its buffers.
+/// The stages after decoding, with their buffers.
 #[derive(Debug, Clone)]
 struct Stages {
     triangulator: Triangulator,
     culler: Culler,
     rule: CullRule,
     mesh: bool,
-    /// The transform into the frame asked for, when that is not the camera's.
+    /// The transform into the requested frame, unless that is the camera's.
     sheet_from_camera: Option<Pose>,
 }
 
@@ -224,7 +226,7 @@ fn no_surface(matches: usize, report: &TriangulateReport, culled: &CullReport) -
     }
 }
 
-/// Positions and the camera's centre in other coordinates.
+/// Transforms positions and the camera's centre.
 fn turn(cloud: &mut PointCloud, pose: &Pose) {
     for p in &mut cloud.points {
         p.position = pose.transform(&p.position);
@@ -232,7 +234,7 @@ fn turn(cloud: &mut PointCloud, pose: &Pose) {
     cloud.camera_centre = pose.transform(&cloud.camera_centre);
 }
 
-/// Refuses a cloud when many of its matches are impossible: what the rest says is chance, too.
+/// Refuses a cloud when many of its matches are impossible: the others are then chance, too.
 fn check_possible(report: &TriangulateReport, matches: usize) -> Result<()> {
     let impossible = report.behind + report.grazing + report.outside_panel + report.contradicting;
     if impossible as f64 <= MAX_IMPOSSIBLE * matches as f64 {
@@ -253,7 +255,7 @@ fn first_view(rig: &Rig) -> Result<&crate::rig::View> {
     })
 }
 
-/// A cloud given in the camera's frame, in the frame asked for.
+/// Transforms a cloud into another frame.
 ///
 /// # Errors
 /// [`Error::Invalid`] for the sheet's frame when the rig holds no view.
@@ -265,14 +267,14 @@ pub fn in_frame(mut cloud: PointCloud, rig: &Rig, frame: Frame) -> Result<PointC
     let to = if frame == Frame::Plane { camera_from_sheet.inverse() } else { camera_from_sheet };
     turn(&mut cloud, &to);
     if frame == Frame::Camera {
-        // Not what rounding makes of it.
+        // Exactly, without rounding errors.
         cloud.camera_centre = Point3::origin();
     }
     cloud.frame = frame;
     Ok(cloud)
 }
 
-/// A camera and a projector some 220 mm to its left and above, both looking at a point a metre away.
+/// A camera and a projector about 220 mm to its left and above, both looking at a point a metre away.
 #[cfg(test)]
 pub(crate) fn test_rig() -> Rig {
     use crate::geometry::{Camera, Distortion, Intrinsics};

@@ -1,22 +1,22 @@
-//! What became of one frame: an entry of `clouds` in `slcal-reconstruct/1`.
+//! The record of one frame: an entry of `clouds` in `slcal-reconstruct/1`.
 
 use serde::Serialize;
 
 use super::{CullReport, Reconstruction, TriangulateReport};
 use crate::decode::DecodeReport;
 
-/// A cloud in numbers.
+/// Counts of a cloud and reports of its stages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CloudReport {
     /// Points of the cloud.
     pub points: usize,
     /// Its triangles; none without a mesh.
     pub triangles: usize,
-    /// What was seen in the photograph; null when the matches were given.
+    /// Report of decoding; null when the matches were given.
     pub decode: Option<DecodeReport>,
-    /// Matches that became no point.
+    /// Counts of matches that gave no point.
     pub triangulate: TriangulateReport,
-    /// What was removed.
+    /// Counts of removed triangles and points.
     pub cull: CullReport,
 }
 

@@ -1,5 +1,5 @@
-//! The Cramér–Rao bound: what no unbiased estimator can do better. From the scene's own equations by central
-//! differences, independent of the estimators' Jacobians.
+//! The Cramér–Rao bound: the smallest variance of any unbiased estimator. It comes from the scene's own equations by
+//! central differences, independent of the estimators' Jacobians.
 
 use nalgebra::{DMatrix, Point2, Rotation3, Vector3};
 use serde::Serialize;
@@ -19,12 +19,12 @@ pub struct Bound {
     pub translation_mm: f64,
 }
 
-/// What is known of the principal points beforehand, 1σ in px (camera x and y, projector x and y); zero: exactly.
+/// Prior σ of the principal points in px (camera x and y, projector x and y); zero: known exactly.
 pub type PrincipalPointSigma = [f64; 4];
 
-/// Step of the differences in the unknowns' natural units: errors of rounding and of curvature are both near 1e-10 then.
+/// Step of the differences in the unknowns' natural units, at which rounding and truncation errors are both near 1e-10.
 const STEP: f64 = 1e-5;
-/// Singular values below this part of the largest are none: the unknown is not determined, its σ without limit.
+/// Singular values below this share of the largest count as zero: the unknown is not determined and its σ is infinite.
 const SINGULAR: f64 = 1e-12;
 
 /// The unknowns' displacement applied to a scene: ln f and principal point of both, stereo pose, then the views.
@@ -56,7 +56,7 @@ fn moved(scene: &Scene, free: &[usize], delta: &[f64], units: &[f64]) -> Scene {
     }
 }
 
-/// Everything that is observed, each divided by its σ: corners of the sheet and projected corners.
+/// All observations, each divided by its σ: corners of the sheet and projected corners.
 fn whitened(scene: &Scene, noise: &NoiseModel) -> Option<Vec<f64>> {
     let mut all = Vec::new();
     for view in &scene.views {
@@ -73,8 +73,8 @@ fn whitened(scene: &Scene, noise: &NoiseModel) -> Option<Vec<f64>> {
     Some(all)
 }
 
-/// The bound for observations of the sheet's corners and the projected ones with this noise; distortion and everything
-/// that `principal_points` has as zero is known.
+/// The bound for observations of the sheet's corners and the projected ones with this noise. Distortion is known, and
+/// so is everything that `principal_points` has as zero.
 ///
 /// # Errors
 /// [`Error::Invalid`] for noise that is zero, edge points, or a scene of which part lies behind a device.
@@ -138,7 +138,7 @@ fn jacobian(
     Some(j)
 }
 
-/// The diagonal of (JᵀJ)⁻¹, with columns brought to one length for the numerics.
+/// The diagonal of (JᵀJ)⁻¹, with columns scaled to one length for the numerics.
 fn inverse_diagonal(mut j: DMatrix<f64>) -> Option<Vec<f64>> {
     let norms: Vec<f64> = j.column_iter().map(|c| c.norm()).collect();
     if !norms.iter().all(|n| n.is_finite() && *n > 0.0) {

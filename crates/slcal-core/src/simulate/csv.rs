@@ -1,4 +1,4 @@
-//! The experiment as a table for programs.
+//! The experiment as a CSV table.
 
 use std::fmt::Write as _;
 
@@ -16,7 +16,7 @@ const HEADER: &str = "level_px,method,draws,imaginary,refused,failed,cube_missed
     held_camera_focal,held_projector_focal,held_baseline";
 
 impl NoiseReport {
-    /// One row per level and method, with a header; what is undefined is an empty field.
+    /// One row per level and method, with a header; undefined values are empty fields.
     #[must_use]
     pub fn csv(&self) -> String {
         let mut text = format!("{HEADER}\n");

@@ -1,4 +1,4 @@
-//! The reference cube: what a calibration is worth in space.
+//! The reference cube: the accuracy of a calibration in space.
 
 use nalgebra::{Point2, Point3, Vector3};
 
@@ -10,8 +10,7 @@ use crate::matches::{Match, Matches};
 use crate::reconstruct::{TriangulateConfig, triangulate};
 use crate::rig::Rig;
 
-/// A cube that stands on the middle of the sheet, its edges along the sheet's sides: those corners of it that both
-/// devices see.
+/// A cube on the middle of the sheet, its edges along the sheet's sides: those of its corners that both devices see.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cube {
     edge_mm: f64,
@@ -21,12 +20,12 @@ pub struct Cube {
     edges: Vec<[usize; 2]>,
 }
 
-/// How far a triangulated cube is off, in per cent of its edge.
+/// The error of a triangulated cube, in per cent of its edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CubeError {
-    /// Mean distance of the corners from where they are, in the camera's frame.
+    /// Mean distance of the corners from their true positions, in the camera's frame.
     pub position_percent: f64,
-    /// Root mean square error of the lengths of its edges: what is left when the cube may be moved and turned.
+    /// Root mean square error of the lengths of its edges, which does not depend on the cube's pose.
     pub length_percent: f64,
 }
 
@@ -97,8 +96,8 @@ impl Cube {
         self.corners.len()
     }
 
-    /// Triangulates the visible corners with a rig, from camera pixels with noise and exact projector pixels; `None` when a
-    /// corner's rays do not meet.
+    /// Triangulates the visible corners with a rig, from camera pixels with noise and exact projector pixels; `None`
+    /// when a corner's rays do not meet.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a rig without a projector.

@@ -1,4 +1,4 @@
-//! Random numbers that are the same everywhere: ChaCha8, and normal deviates by the polar method on `libm`.
+//! Reproducible random numbers on every platform: ChaCha8, and normal deviates by the polar method on `libm`.
 
 use nalgebra::Vector2;
 use rand_chacha::ChaCha8Rng;

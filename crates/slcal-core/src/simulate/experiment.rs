@@ -1,4 +1,4 @@
-//! The published synthetic experiment: calibrate again and again under rising noise.
+//! The published synthetic experiment: repeated calibrations under increasing noise.
 
 use std::ops::ControlFlow;
 
@@ -15,26 +15,27 @@ use super::trial::{MethodName, MethodReport, Tally};
 use crate::calibrate::{CalibrateConfig, DistortionModel, Method, PrincipalPointRule};
 use crate::error::{Error, Result};
 
-/// Noise beyond this hides any corner, px.
+/// Largest noise, px: beyond it no corner is detectable.
 const MOST_LEVEL_PX: f64 = 100.0;
 const MOST_LEVELS: usize = 1000;
-/// Draws times levels: beyond it an experiment takes hours.
+/// Largest number of draws times levels: beyond it an experiment takes hours.
 const MOST_DRAWS: usize = 1_000_000;
-/// The reference cube when none is given: the first of these parts of the sheet's shorter side whose corners lie in the
-/// picture and on the panel.
+/// Edges of the reference cube when none is given, as shares of the sheet's shorter side: the first one whose corners
+/// lie in the picture and on the panel.
 const CUBE_SHARES: [f64; 4] = [0.25, 0.2, 0.15, 0.1];
-/// Level at which the bound is computed; it is proportional to the noise where nothing but the noise limits it.
+/// Smallest level at which the bound is computed; it is proportional to the noise where nothing but the noise limits
+/// it.
 const BOUND_AT_LEAST_PX: f64 = 1e-6;
 
-/// What the methods are told about principal points.
+/// Prior knowledge of the principal points that the methods get.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PrincipalPoints {
-    /// The truth, as in the published experiment.
+    /// The true values, as in the published experiment.
     #[default]
     Exact,
-    /// What is told by default: `ml` has its priors, `two-vp` takes the centres for exact. The truth is drawn from the
-    /// priors anew for every draw (the projector's row, which the default leaves unknown, is the one of its lens shift).
+    /// The default of the methods: `ml` has its priors, `two-vp` takes the centres as exact. The truth is drawn from
+    /// the priors for every draw. (The projector's row, which is unknown by default, is the one of its lens shift.)
     Prior,
 }
 
@@ -44,7 +45,7 @@ pub enum PrincipalPoints {
 pub struct NoiseConfig {
     /// The rig.
     pub rig: RigConfig,
-    /// How the sheet stands; default tilted by 25° and 28°.
+    /// The pose of the sheet; default tilted by 25° and 28°.
     pub pose: PoseConfig,
     /// 1σ of each coordinate of the sheet's corners and the projected corners, camera px; default 0 to 1 in steps of 0.1.
     pub levels_px: Vec<f64>,
@@ -52,9 +53,10 @@ pub struct NoiseConfig {
     pub draws: usize,
     /// Seed of the draws; default 1.
     pub seed: u64,
-    /// What the methods are told; default the truth.
+    /// Prior knowledge of the principal points; default the true values.
     pub principal_points: PrincipalPoints,
-    /// Edge of the reference cube, mm; default a quarter of the sheet's shorter side, or less where that is not seen whole.
+    /// Edge of the reference cube, mm; default a quarter of the sheet's shorter side, or less where that is not
+    /// completely visible.
     pub cube_mm: Option<f64>,
 }
 
@@ -98,7 +100,7 @@ impl NoiseConfig {
     }
 }
 
-/// What is compared with, in a report.
+/// The true values of an experiment.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TrueValues {
     /// Focal length of the camera, px.
@@ -129,7 +131,7 @@ pub struct LevelReport {
 /// The whole experiment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NoiseReport {
-    /// What is compared with.
+    /// The true values.
     pub truth: TrueValues,
     /// In the order of the configuration.
     pub levels: Vec<LevelReport>,
@@ -147,7 +149,7 @@ impl NoiseExperiment {
     /// Builds rig, sheet and cube.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for values out of range, and where sheet, pattern or cube are not seen.
+    /// [`Error::Invalid`] for values out of range, and where sheet, pattern or cube are not visible.
     pub fn new(config: NoiseConfig) -> Result<Self> {
         config.validate()?;
         let scene = Scene::new(&config.rig, &[config.pose])?;
@@ -166,13 +168,13 @@ impl NoiseExperiment {
         Ok(Self { config, cube: cube?, scene })
     }
 
-    /// The scene that is seen again and again.
+    /// The scene that is observed in every draw.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// What is compared with.
+    /// The true values.
     #[must_use]
     pub fn truth(&self) -> TrueValues {
         TrueValues {
@@ -185,14 +187,14 @@ impl NoiseExperiment {
         }
     }
 
-    /// Draws of all levels together.
+    /// Number of draws over all levels.
     #[must_use]
     pub fn total_draws(&self) -> usize {
         self.config.draws * self.config.levels_px.len()
     }
 
-    /// Runs all levels; `progress` is called before every draw, which takes milliseconds, with the number of those that are
-    /// done, and may stop the run: then there is no report.
+    /// Runs all levels. `progress` is called before every draw, which takes milliseconds, with the number of completed
+    /// draws, and may stop the run; then there is no report.
     ///
     /// # Errors
     /// [`Error::Invalid`] when a draw of the principal points puts something behind a device.
@@ -220,12 +222,12 @@ impl NoiseExperiment {
             if progress(draw).is_break() {
                 return Ok(None);
             }
-            // A stream of its own for every draw: nothing depends on what came before.
+            // Every draw has its own stream, so that it does not depend on the draws before.
             let mut draws = Draws::new(self.config.seed, ((index as u64) << 32) | draw as u64);
             let scene = self.drawn_scene(&mut draws);
             let observations = scene.observe(&noise, &mut draws)?;
             for (tally, method) in tallies.iter_mut().zip([Method::TwoVp, Method::Ml]) {
-                // Both see the same noise on the cube, too.
+                // Both methods get the same noise on the cube, too.
                 let mut of_cube = draws.clone();
                 let config = self.calibrate_config(method, &scene);
                 tally.add((&scene, &self.cube, level_px), &observations, &config, &mut of_cube);
@@ -246,7 +248,7 @@ impl NoiseExperiment {
         [camera, camera, projector, 0.0]
     }
 
-    /// The scene with principal points drawn from the priors, when those are what the methods are told.
+    /// The scene with principal points drawn from the priors, when the methods use those.
     fn drawn_scene(&self, draws: &mut Draws) -> Scene {
         let mut scene = self.scene.clone();
         if self.config.principal_points == PrincipalPoints::Prior {
@@ -272,7 +274,7 @@ impl NoiseExperiment {
             projector_pp,
             method,
             distortion: DistortionModel::None,
-            // Refusals are counted; leaving them out of the statistics would make these look better than they are.
+            // Refused rigs are counted and stay in the statistics: without them, the errors would be biased low.
             allow_degenerate: true,
             ..CalibrateConfig::default()
         }
@@ -284,7 +286,7 @@ impl NoiseExperiment {
             PrincipalPoints::Exact => [0.0; 4],
             PrincipalPoints::Prior => {
                 let [x, y, column, _] = self.prior_px();
-                // The row is unknown; a prior of many heights is as good as none.
+                // The row is unknown; a prior of several heights is as good as none.
                 [x, y, column, 4.0 * f64::from(self.scene.projector.height)]
             }
         };

@@ -1,4 +1,4 @@
-//! The experiment against what must come out of it.
+//! The experiment against closed-form expectations.
 
 use super::*;
 
@@ -34,7 +34,7 @@ fn maximum_likelihood_reaches_the_bound() {
     let level = &report.levels[0];
     let ml = level.methods[1];
     assert_eq!((ml.imaginary, ml.refused, ml.failed), (0, 0, 0));
-    // An rms of n values is known to 1/√(2n); four of those.
+    // An rms of n values has the relative σ 1/√(2n); the test takes four of those.
     let tolerance = 4.0 / (2.0 * draws as f64).sqrt();
     for (found, bound) in [
         (ml.camera_focal_px.rms, level.bound.camera_focal_px),
@@ -48,7 +48,7 @@ fn maximum_likelihood_reaches_the_bound() {
 
 /// Least squares leaves σ²·(equations − unknowns) of the residuals: 148 equations of 14 unknowns, 74 points.
 #[test]
-fn the_residuals_of_maximum_likelihood_are_those_of_its_degrees_of_freedom() {
+fn residuals_of_maximum_likelihood_match_its_degrees_of_freedom() {
     let report = run(at(0.2, 200));
     let ml = report.levels[0].methods[1];
     let expected = 0.2 * ((148.0 - 14.0) / 74.0_f64).sqrt();
@@ -58,7 +58,7 @@ fn the_residuals_of_maximum_likelihood_are_those_of_its_degrees_of_freedom() {
 }
 
 #[test]
-fn a_tilt_about_one_axis_alone_is_beyond_two_vanishing_points() {
+fn two_vanishing_points_fail_for_a_tilt_about_one_axis() {
     let report = run(NoiseConfig { pose: PoseConfig::tilted(30.0, 0.0), ..at(0.2, 60) });
     let [two_vp, ml] = report.levels[0].methods;
     assert!(two_vp.imaginary > 10, "{two_vp:?}");
@@ -68,7 +68,7 @@ fn a_tilt_about_one_axis_alone_is_beyond_two_vanishing_points() {
 }
 
 #[test]
-fn lens_shift_that_is_not_told_is_beyond_two_vanishing_points() {
+fn two_vanishing_points_fail_for_unknown_lens_shift() {
     let rig = RigConfig { lens_shift: 0.5, ..RigConfig::default() };
     let report = run(NoiseConfig { rig, principal_points: PrincipalPoints::Prior, ..at(0.1, 60) });
     let level = &report.levels[0];
@@ -104,7 +104,7 @@ fn a_run_can_be_stopped_between_draws() {
 }
 
 #[test]
-fn nonsense_is_refused() {
+fn invalid_values_are_refused() {
     let refused = |config: NoiseConfig, words: &str| {
         let error = NoiseExperiment::new(config).unwrap_err().to_string();
         assert!(error.contains(words), "no \"{words}\" in: {error}");

@@ -1,12 +1,11 @@
-//! Synthetic rigs with known truth: what they show under noise, and how near the estimators come to them.
+//! Synthetic rigs with ground truth: their observations under noise, and the accuracy of the estimators.
 //!
 //! [`RigConfig`] describes a camera, a projector and a sheet; [`Scene`] is that rig in given poses and makes
-//! [`Observations`](crate::Observations) with seeded noise; [`NoiseExperiment`] is the synthetic experiment of
-//! R. Orghidan, J. Salvi, M. Gordan, C. Florea, J. Batlle, "Structured light self-calibration with vanishing points",
-//! Machine Vision and Applications 25:489-500 (2014), Fig. 7–11, with the Cramér–Rao bound beside.
-//! [`Photographer`] takes photographs of a rig before surfaces, with the truth of every pixel; [`SceneSetup`] sets
-//! all of that up by a few numbers. Compiled with the feature
-//! `simulate`.
+//! [`Observations`](crate::Observations) with seeded noise. [`NoiseExperiment`] is the synthetic experiment of R.
+//! Orghidan, J. Salvi, M. Gordan, C. Florea, J. Batlle, "Structured light self-calibration with vanishing points",
+//! Machine Vision and Applications 25:489-500 (2014), Fig. 7–11, together with the Cramér–Rao bound. [`Photographer`]
+//! renders photographs of surfaces through a rig, with the ground truth of every pixel; [`SceneSetup`] sets all of that
+//! up with a few numbers. Compiled with the feature `simulate`.
 
 mod bound;
 mod csv;
@@ -27,8 +26,9 @@ pub use cube::{Cube, CubeError};
 pub use draws::Draws;
 pub use experiment::{LevelReport, NoiseConfig, NoiseExperiment, NoiseReport, PrincipalPoints, TrueValues};
 pub use photograph::{
-    PatternKind, Photographer, PixelTruth, Placing, ProjectedImage, RenderConfig, SceneReport, SceneSetup,
-    SceneStage, Shape, SimulatedScene, Subject, Surface, SurfaceKind, TriangleMesh, Truth, WallKind,
+    PatternKind, Photographer, PixelTruth, Placement, PreparedScene, ProjectedImage, RenderConfig,
+    SceneObject, SceneReport, SceneSetup, Shape, SimulatedScene, Surface, SurfaceKind, TriangleMesh, Truth,
+    WallKind,
 };
 pub use poses::PoseConfig;
 pub use rig_config::RigConfig;

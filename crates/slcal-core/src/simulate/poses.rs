@@ -1,4 +1,4 @@
-//! The pose of the sheet by a few numbers.
+//! The pose of the sheet as a few numbers.
 
 use std::f64::consts::PI;
 
@@ -9,12 +9,12 @@ use super::rig_config::RigConfig;
 use crate::error::{Error, Result};
 use crate::geometry::Pose;
 
-/// Edge-on the sheet is a line: tilts stay this far below 90°.
+/// Largest tilt: a sheet at 90° is a line.
 pub(super) const STEEPEST_RAD: f64 = 89.0 * PI / 180.0;
-/// Beyond this roll another corner would be the sheet's top left one.
+/// Largest roll: beyond it another corner would be the sheet's top left one.
 const MOST_ROLL_RAD: f64 = PI / 4.0;
 
-/// How the sheet stands: turned about its own middle, X_camera = Rx·Ry·Rz·X about the camera's axes.
+/// The pose of the sheet: rotated about its own middle, X_camera = Rx·Ry·Rz·X about the camera's axes.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PoseConfig {
@@ -22,11 +22,11 @@ pub struct PoseConfig {
     pub tilt_x_rad: f64,
     /// Tilt about its vertical axis, rad.
     pub tilt_y_rad: f64,
-    /// Turn in the sheet's own plane, rad.
+    /// Rotation in the sheet's own plane, rad.
     pub roll_rad: f64,
-    /// Where the middle stands beside the camera's axis, mm.
+    /// Offset of the middle from the camera's axis, mm.
     pub aside_mm: [f64; 2],
-    /// How much further than the rig's distance it stands, mm.
+    /// Distance in addition to the rig's, mm.
     pub farther_mm: f64,
 }
 
@@ -40,7 +40,8 @@ impl PoseConfig {
     /// Checks the values.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a sheet seen edge-on or from behind, or rolled so far that its corners change their names.
+    /// [`Error::Invalid`] for a sheet seen edge-on or from behind, or rolled so far that the names of its corners
+    /// change.
     pub fn validate(&self) -> Result<()> {
         for (name, angle, most) in [
             ("tilt about the horizontal axis", self.tilt_x_rad, STEEPEST_RAD),

@@ -1,4 +1,4 @@
-//! A camera, a projector that throws its pattern onto the middle of a sheet, and that sheet, by a few numbers.
+//! A camera, a projector whose pattern falls on the middle of a sheet, and that sheet, as a few numbers.
 
 use nalgebra::{Point2, Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -9,18 +9,18 @@ use crate::pattern::{CheckerConfig, CheckerPattern};
 
 /// Sides of images and panels, px: from a thumbnail to more than any sensor has.
 const SIDES_PX: [u32; 2] = [64, 100_000];
-/// Focal lengths in units of the longer side: what the estimators take for a lens (170° to 0.5° of view).
+/// Focal lengths in units of the longer side, as accepted by the estimators (170° to 0.5° of view).
 const FOCAL_SIDES: [f64; 2] = [0.05, 100.0];
-/// Lens shift in heights of the panel; the largest that is built is about 1.3.
+/// Lens shift in heights of the panel; the largest real one is about 1.3.
 const MOST_SHIFT: f64 = 3.0;
 /// Lengths, mm: no rig is smaller than a millimetre or larger than a kilometre.
 const LENGTHS_MM: [f64; 2] = [1.0, 1e6];
-/// Distortion coefficients beyond this are no lens.
+/// Largest plausible distortion coefficient.
 const MOST_DISTORTION: f64 = 2.0;
 
-/// A rig. The camera stands at the origin, the projector to its right at [`baseline_mm`](Self::baseline_mm), turned about
-/// its vertical axis only, so that the middle of its pattern falls on the middle of the sheet; a projector with lens
-/// shift stands lower and throws upwards.
+/// A rig. The camera is at the origin, the projector to its right at [`baseline_mm`](Self::baseline_mm). The projector
+/// is rotated about its vertical axis only, so that the middle of its pattern falls on the middle of the sheet. A
+/// projector with lens shift stands lower and projects upwards.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RigConfig {
@@ -28,7 +28,7 @@ pub struct RigConfig {
     pub camera: [u32; 2],
     /// Focal length of the camera, px; default 1500.
     pub camera_focal_px: f64,
-    /// The camera's principal point off the image's centre, px; default none.
+    /// Offset of the camera's principal point from the image's centre, px; default none.
     pub camera_offset_px: [f64; 2],
     /// The camera's k1, k2, p1, p2, k3; default none.
     pub distortion: [f64; 5],
@@ -36,9 +36,10 @@ pub struct RigConfig {
     pub projector: [u32; 2],
     /// Focal length of the projector, px; default 1700.
     pub projector_focal_px: f64,
-    /// The projector's principal point off the panel's middle column, px; default 0.
+    /// Offset of the projector's principal point from the panel's middle column, px; default 0.
     pub projector_offset_px: f64,
-    /// The projector's principal point below the panel's middle row, in heights of the panel; default 0, usual are 0.5 to 1.
+    /// Offset of the projector's principal point below the panel's middle row, in heights of the panel; default 0,
+    /// usually 0.5 to 1.
     pub lens_shift: f64,
     /// Horizontal distance of the projector from the camera, mm; default 250.
     pub baseline_mm: f64,
@@ -46,8 +47,8 @@ pub struct RigConfig {
     pub size: RectangleSize,
     /// Distance of the sheet's middle along the camera's axis, mm; default 1000.
     pub distance_mm: f64,
-    /// The checkerboard that is projected; default as `slcal pattern checker` draws it (its 70 inner corners are seen), with
-    /// smaller squares where those would not fall on the sheet.
+    /// The projected checkerboard; default as drawn by `slcal pattern checker` (70 inner corners), with smaller squares
+    /// where those would not fall on the sheet.
     pub checker: CheckerConfig,
 }
 

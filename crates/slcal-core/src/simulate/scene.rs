@@ -1,4 +1,4 @@
-//! A rig in given poses of its sheet: what its camera sees.
+//! A rig in given poses of its sheet, and the observations of its camera.
 
 use nalgebra::{Point2, Point3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -11,16 +11,16 @@ use crate::geometry::{Camera, Pose, RectangleSize};
 use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 use crate::rig::{Device, Projector, Rig, View};
 
-/// Observations without noise still need a σ: so small that nothing else matters, so large that rounding does not.
+/// Stated σ of observations without noise: small beside all real noise, large beside rounding.
 const SMALLEST_SIGMA_PX: f64 = 1e-6;
-/// Noise beyond this is no measurement of anything, px.
+/// Largest noise, px: beyond it nothing is measured.
 const MOST_NOISE_PX: f64 = 1000.0;
-/// Squares that do not fit on the sheet are made smaller by this factor.
+/// Squares that do not fit on the sheet are reduced by this factor.
 const SMALLER: f64 = 0.9;
-/// Most edge points per side that are drawn.
+/// Largest number of edge points per side.
 const MOST_EDGE_POINTS: usize = 10_000;
 
-/// Gaussian noise of what the camera sees; the projector's pixels are exact.
+/// Gaussian noise of the camera's observations; the projector's pixels are exact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct NoiseModel {
@@ -48,7 +48,7 @@ impl NoiseModel {
     /// Checks the values.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for negative or absurd numbers.
+    /// [`Error::Invalid`] for negative or implausibly large numbers.
     pub fn validate(&self) -> Result<()> {
         for (name, sigma) in
             [("noise of the sheet", self.sheet_px), ("noise of the pattern", self.pattern_px)]
@@ -70,14 +70,14 @@ impl NoiseModel {
     }
 }
 
-/// The truth: a rig, its sheet, and the poses in which that is seen.
+/// The ground truth: a rig, its sheet, and the poses of the sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// The camera.
     pub camera: Camera,
-    /// The projector; its distortion counts.
+    /// The projector, with its distortion.
     pub projector: Camera,
-    /// Between them.
+    /// The pose between them.
     pub projector_from_camera: Pose,
     /// The sheet.
     pub size: RectangleSize,
@@ -89,7 +89,8 @@ pub struct Scene {
     pub views: Vec<Pose>,
 }
 
-/// Where the light of projector pixel `q` falls on the sheet, in the camera frame; `None` when it misses its plane.
+/// The point of the sheet that projector pixel `q` illuminates, in the camera frame; `None` when its ray misses the
+/// plane.
 pub(super) fn lit_point(
     projector: &Camera,
     projector_from_camera: &Pose,
@@ -104,13 +105,13 @@ pub(super) fn lit_point(
 }
 
 impl Scene {
-    /// The rig with its sheet in these poses. Where the configuration leaves the size of the pattern's squares open, they are
-    /// made as small as it takes for all corners to fall on the sheet in all poses. The camera's picture may cut the sheet,
+    /// The rig with its sheet in these poses. Where the configuration leaves the size of the pattern's squares open,
+    /// they are reduced until all corners fall on the sheet in all poses. The camera's picture may truncate the sheet,
     /// see [`outside_picture`](Self::outside_picture).
     ///
     /// # Errors
-    /// [`Error::Invalid`] for values out of range, and where part of the sheet lies behind a device or the pattern beside
-    /// the sheet.
+    /// [`Error::Invalid`] for values out of range, and where part of the sheet lies behind a device or the pattern
+    /// beside the sheet.
     pub fn new(rig: &RigConfig, poses: &[PoseConfig]) -> Result<Self> {
         rig.validate()?;
         poses.iter().try_for_each(PoseConfig::validate)?;
@@ -153,7 +154,7 @@ impl Scene {
         lit_point(&self.projector, &self.projector_from_camera, view, q)
     }
 
-    /// Whether every view has the sheet in front of the camera and the whole pattern on it.
+    /// Checks that every view has the sheet in front of the camera and the whole pattern on it.
     fn check_views(&self) -> Result<()> {
         for view in &self.views {
             if self.size.corners().iter().any(|c| self.sheet_pixel(view, *c).is_none()) {
@@ -186,8 +187,8 @@ impl Scene {
         Ok(())
     }
 
-    /// How many corners of the sheet and projected corners, in all views, lie outside the camera's picture: what a photograph
-    /// shows of the former are the sides that meet there, and of the latter nothing.
+    /// Number of corners of the sheet and projected corners, over all views, outside the camera's picture. A photograph
+    /// shows the former through the sides that meet there, and the latter not at all.
     #[must_use]
     pub fn outside_picture(&self) -> usize {
         let [w, h] = [self.camera.width, self.camera.height].map(f64::from);
@@ -201,11 +202,10 @@ impl Scene {
         self.views.iter().map(of_view).sum()
     }
 
-    /// What the camera sees, with noise from `draws`. The noise is stated with every point; where it is zero, 1e-6 px is
-    /// stated.
+    /// The camera's observations with noise from `draws`. Every point states its noise, or 1e-6 px where it is zero.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for noise out of range, or poses of one's own that put something behind a device.
+    /// [`Error::Invalid`] for noise out of range, or own poses that put something behind a device.
     pub fn observe(&self, noise: &NoiseModel, draws: &mut Draws) -> Result<Observations> {
         noise.validate()?;
         let behind =

@@ -1,4 +1,4 @@
-//! A seeded spread of poses in which sheet and pattern are seen whole.
+//! Seeded poses spread over all tilt directions, in which sheet and pattern are completely visible.
 
 use std::f64::consts::TAU;
 
@@ -10,22 +10,22 @@ use super::rig_config::RigConfig;
 use super::scene::Scene;
 use crate::error::{Error, Result};
 
-/// Most poses that are drawn at once.
+/// Largest number of poses.
 const MOST_POSES: usize = 1000;
-/// Draws per pose until sheet and pattern are seen whole.
+/// Draws per pose until sheet and pattern are completely visible.
 const TRIES: usize = 300;
-/// Poses in which the pattern would have to be smaller than this part of its default are passed over.
+/// Poses are rejected in which the pattern would have to be smaller than this share of its default.
 const SMALLEST_SHARE: f64 = 0.5;
 
 /// How poses spread.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SpreadConfig {
-    /// Tilt from the camera's axis, rad; default 15° to 35°. Its direction goes round the clock.
+    /// Tilt from the camera's axis, rad; default 15° to 35°. Its directions cover the whole circle.
     pub tilt_rad: [f64; 2],
-    /// Largest turn in the sheet's plane, rad; default 10°.
+    /// Largest rotation in the sheet's plane, rad; default 10°.
     pub roll_rad: f64,
-    /// Largest way aside along the sheet's sides, as a share of them; default 0.05.
+    /// Largest offset along the sheet's sides, as a share of them; default 0.05.
     pub aside: f64,
     /// Largest change of the distance, as a share of it; default 0.1.
     pub farther: f64,
@@ -42,11 +42,10 @@ impl Default for SpreadConfig {
     }
 }
 
-/// `count` poses whose tilts point in directions spread over the whole circle, in all of which sheet and pattern are seen
-/// whole.
+/// `count` poses whose tilt directions cover the whole circle. Sheet and pattern are completely visible in all of them.
 ///
 /// # Errors
-/// [`Error::Invalid`] for a count or spread out of range, and when no such pose shows sheet and pattern whole.
+/// [`Error::Invalid`] for a count or spread out of range, and when no such pose shows sheet and pattern completely.
 pub fn spread_poses(
     rig: &RigConfig,
     count: usize,
@@ -107,7 +106,8 @@ fn draw_pose(
     draws: &mut Draws,
 ) -> PoseConfig {
     let tilt = draws.between(spread.tilt_rad[0], spread.tilt_rad[1]);
-    // One direction per sector; neighbours in the list stand in opposite halves, so that a short list is well spread, too.
+    // One direction per sector; neighbours in the list are in opposite halves, so that a short list is well spread,
+    // too.
     let sector = if i % 2 == 0 { i / 2 } else { i / 2 + count.div_ceil(2) };
     let direction = TAU * (sector as f64 + draws.uniform()) / count as f64;
     let mut either_way = |most: f64| draws.between(-most, most);

@@ -1,21 +1,21 @@
-//! Means, deviations and what else a table shows.
+//! Statistics of values and errors.
 
 use serde::Serialize;
 
 use crate::solve::median;
 
-/// Of values that are errors themselves (distances, rms). All `None` without a value.
+/// Statistics of non-negative errors (distances, rms). All `None` without a value.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Statistics {
     /// Mean.
     pub mean: Option<f64>,
     /// Standard deviation, with n − 1; `None` for fewer than two values.
     pub std: Option<f64>,
-    /// Median (of an even number the larger of the middle two): what outliers do not move.
+    /// Median (of an even number the larger of the middle two), which is robust to outliers.
     pub median: Option<f64>,
 }
 
-/// Of signed errors of a quantity that is known.
+/// Statistics of signed errors of a known quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct ErrorStatistics {
     /// Mean error (of a vector: the length of the mean).
@@ -24,12 +24,12 @@ pub struct ErrorStatistics {
     pub std: Option<f64>,
     /// Root mean square error.
     pub rms: Option<f64>,
-    /// Median of the absolute error: what outliers do not move.
+    /// Median of the absolute error, which is robust to outliers.
     pub median: Option<f64>,
 }
 
-/// How often ±1.96 of a rig's own σ held the truth, as a share of the rigs that have this σ; 0.95 where σ is true. `None`
-/// without such a rig.
+/// Coverage: the share of rigs whose ±1.96 σ contains the truth, among the rigs that have this σ; 0.95 where σ is
+/// right. `None` without such a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Coverage {
     /// Focal length of the camera.
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn closed_values() {
+    fn statistics_match_closed_values() {
         let s = Statistics::of(&[1.0, 2.0, 6.0, f64::NAN]);
         assert_eq!((s.mean, s.median), (Some(3.0), Some(2.0)));
         assert!((s.std.unwrap() - 7.0_f64.sqrt()).abs() < 1e-15);
@@ -107,13 +107,13 @@ mod tests {
     }
 
     #[test]
-    fn an_interval_holds_what_lies_within_it() {
+    fn coverage_counts_errors_within_their_interval() {
         assert_eq!(coverage(&[(1.9, 1.0), (-1.9, 1.0), (2.0, 1.0), (-3.9, 2.0)]), Some(0.75));
         assert_eq!(coverage(&[]), None);
     }
 
     #[test]
-    fn nothing_is_not_zero() {
+    fn statistics_without_values_are_none() {
         assert_eq!(Statistics::of(&[f64::INFINITY]), Statistics::default());
         assert_eq!(ErrorStatistics::of::<1>(&[]), ErrorStatistics::default());
         assert_eq!(Statistics::of(&[1.0]).std, None);

@@ -40,7 +40,7 @@ fn the_middle_of_the_pattern_falls_on_the_middle_of_the_sheet() {
     }
 }
 
-/// The pairs of a plane obey one homography, whose equations know nothing of poses and rays.
+/// The pairs of a plane obey one homography, whose equations use neither poses nor rays.
 #[test]
 fn without_noise_the_pairs_obey_a_homography_and_the_edges_are_straight() {
     let scene = Scene::new(&shifted(), &[PoseConfig::tilted(25.0, 28.0)]).unwrap();
@@ -58,7 +58,7 @@ fn without_noise_the_pairs_obey_a_homography_and_the_edges_are_straight() {
 }
 
 #[test]
-fn noise_has_the_sigma_that_is_asked_for() {
+fn noise_has_the_requested_sigma() {
     let scene = Scene::new(&RigConfig::default(), &vec![PoseConfig::tilted(25.0, 28.0); 100]).unwrap();
     let clean = scene.observe(&NoiseModel::uniform(0.0), &mut Draws::new(1, 0)).unwrap();
     let noise = NoiseModel { sheet_px: 0.3, pattern_px: 0.07, edge_points: None };
@@ -82,7 +82,7 @@ fn noise_has_the_sigma_that_is_asked_for() {
 }
 
 #[test]
-fn squares_shrink_until_they_fall_on_the_sheet_and_cut_sheets_are_counted() {
+fn squares_shrink_until_they_fall_on_the_sheet_and_truncated_sheets_are_counted() {
     let tilted = |x, y| [PoseConfig::tilted(x, y)];
     let default = Scene::new(&RigConfig::default(), &tilted(25.0, 28.0)).unwrap();
     assert_eq!((default.square_px, default.outside_picture()), (48.0, 0));
@@ -94,7 +94,7 @@ fn squares_shrink_until_they_fall_on_the_sheet_and_cut_sheets_are_counted() {
 }
 
 #[test]
-fn spread_poses_tilt_all_round_and_show_everything() {
+fn spread_poses_cover_all_tilt_directions_and_show_everything() {
     let rig = shifted();
     let poses = spread_poses(&rig, 8, &SpreadConfig::default(), 3).unwrap();
     assert_eq!(poses, spread_poses(&rig, 8, &SpreadConfig::default(), 3).unwrap());
@@ -110,9 +110,9 @@ fn spread_poses_tilt_all_round_and_show_everything() {
     }
 }
 
-/// The truth triangulates the cube exactly, and a rig that is too large triangulates it too large.
+/// The true rig triangulates the cube exactly, and a rig that is too large triangulates it too large.
 #[test]
-fn the_true_rig_sees_the_true_cube() {
+fn the_true_rig_triangulates_the_true_cube() {
     let scene = Scene::new(&shifted(), &[PoseConfig::tilted(25.0, 28.0)]).unwrap();
     let cube = Cube::new(&scene, 100.0).unwrap();
     assert!((4..=7).contains(&cube.visible()), "{}", cube.visible());
@@ -127,7 +127,7 @@ fn the_true_rig_sees_the_true_cube() {
     assert!((error.length_percent - 1.0).abs() < 1e-9, "{error:?}");
 }
 
-/// For σ → 2σ every bound doubles; and it is what the estimator says of itself, by Jacobians of another origin.
+/// For σ → 2σ every bound doubles. It agrees with the estimator's own σ, whose Jacobians are independent.
 #[test]
 fn the_bound_is_proportional_to_noise_and_equals_the_estimators_covariance() {
     let scene = Scene::new(&RigConfig::default(), &[PoseConfig::tilted(25.0, 28.0)]).unwrap();
@@ -154,7 +154,7 @@ fn the_bound_is_proportional_to_noise_and_equals_the_estimators_covariance() {
 }
 
 #[test]
-fn what_cannot_be_seen_is_refused_in_words() {
+fn invisible_scenes_are_refused_with_the_reason() {
     let tilted = [PoseConfig::tilted(25.0, 28.0)];
     let rig = |change: &dyn Fn(&mut RigConfig)| {
         let mut rig = RigConfig::default();

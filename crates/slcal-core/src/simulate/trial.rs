@@ -1,4 +1,4 @@
-//! One draw: calibrate from it by one method and compare with the truth.
+//! One draw: calibrate with one method and compare with the truth.
 
 use nalgebra::{Point2, Point3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ use crate::geometry::{Camera, Plane, Pose, Ray};
 use crate::observations::{Observations, SheetObservation};
 use crate::rig::{Projector, Rig, Verdict};
 
-/// Which estimator a row is about.
+/// The estimator of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MethodName {
@@ -23,28 +23,28 @@ pub enum MethodName {
     Ml,
 }
 
-/// One method at one level. Statistics are over the draws that gave a rig, refused ones included.
+/// One method at one level. Statistics are over the draws that gave a rig, including those refused as degenerate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MethodReport {
-    /// Which.
+    /// The estimator.
     pub method: MethodName,
     /// Draws of the noise.
     pub draws: usize,
     /// Draws without a real focal length.
     pub imaginary: usize,
-    /// Draws whose rig would be refused as degenerate by its own σ.
+    /// Draws whose rig is degenerate by its own σ.
     pub refused: usize,
     /// Draws that failed in another way.
     pub failed: usize,
-    /// Distance of the sheet's and the projected corners from the rig's prediction, rms per draw, camera px.
+    /// Reprojection error of the sheet's and the projected corners, rms per draw, camera px.
     pub camera_reprojection_px: Statistics,
-    /// The same of the projected corners, carried over the sheet into the projector, projector px.
+    /// Reprojection error of the projected corners, mapped over the sheet into the projector, projector px.
     pub projector_reprojection_px: Statistics,
-    /// Distance of the cube's corners from where they are, mean per draw, per cent of its edge.
+    /// Distance of the cube's corners from their true positions, mean per draw, per cent of its edge.
     pub cube_position_percent: Statistics,
     /// Error of the lengths of its edges, rms per draw, per cent.
     pub cube_length_percent: Statistics,
-    /// Rigs by which a corner of the cube has no place.
+    /// Rigs that do not give a position for a corner of the cube.
     pub cube_missed: usize,
     /// Focal length of the camera against the truth, px.
     pub camera_focal_px: ErrorStatistics,
@@ -57,7 +57,7 @@ pub struct MethodReport {
     pub coverage: Coverage,
 }
 
-/// What is collected over the draws of one method at one level.
+/// Results over the draws of one method at one level.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     draws: usize,
@@ -76,7 +76,7 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Calibrates from one draw and adds what comes of it.
+    /// Calibrates from one draw and adds the result.
     pub(super) fn add(
         &mut self,
         (scene, cube, sigma_px): (&Scene, &Cube, f64),
@@ -152,9 +152,8 @@ impl Tally {
     }
 }
 
-/// Root mean square distance of what was observed from what the rig predicts: of the sheet's and the projected corners in
-/// the camera's picture, and of the projected corners carried over the sheet into the projector's; NaN where the rig puts
-/// a point behind a device.
+/// Root mean square reprojection error: of the sheet's and the projected corners in the camera's picture, and of the
+/// projected corners mapped over the sheet into the projector's. NaN where the rig puts a point behind a device.
 fn reprojection(rig: &Rig, projector: &Camera, stereo: &Pose, observations: &Observations) -> (f64, f64) {
     let camera = &rig.camera.model;
     let mut in_camera = Vec::new();
@@ -178,7 +177,7 @@ fn reprojection(rig: &Rig, projector: &Camera, stereo: &Pose, observations: &Obs
     (rms(&in_camera), rms(&in_projector))
 }
 
-/// The point of the sheet that a camera pixel sees, in the camera frame.
+/// The point of the sheet at a camera pixel, in the camera frame.
 fn on_sheet(camera: &Camera, pose: &Pose, pixel: Point2<f64>) -> Option<Point3<f64>> {
     let plane = Plane::from_point_normal(&pose.translation.into(), pose.rotation * Vector3::z())?;
     Ray { origin: Point3::origin(), direction: camera.bearing(pixel)? }.meet(&plane)

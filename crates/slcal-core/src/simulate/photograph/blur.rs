@@ -1,14 +1,14 @@
 //! Gaussian blur of linear light.
 
-/// Gaussians are cut where they have fallen to 3e-4 of their height.
+/// Gaussians are truncated where they have fallen to 3e-4 of their height.
 const REACH: f64 = 4.0;
 
-/// What lies beyond the border of a picture that is blurred.
+/// Values beyond the border of a blurred picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Border {
-    /// Nothing.
+    /// Zero.
     Dark,
-    /// More of the same.
+    /// The value at the border.
     Repeat,
 }
 

@@ -1,4 +1,4 @@
-//! How a photograph is taken: light, lens blur, sensor.
+//! Configuration of a photograph: light, lens blur, sensor.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,13 +6,13 @@ use crate::error::{Error, Result};
 use crate::photo::Encoding;
 use crate::simulate::rig_config::within;
 
-/// Blur beyond this leaves nothing of any pattern, px.
+/// Largest blur, px: beyond it no pattern is visible.
 const MOST_BLUR_PX: f64 = 50.0;
-/// Noise beyond the whole range is no photograph, grey levels of 255.
+/// Largest noise, grey levels of 255: the whole range.
 const MOST_NOISE_LEVELS: f64 = 255.0;
-/// Exposure and ambient light beyond this saturate everything, or show nothing, whatever the scene.
+/// Largest exposure and ambient light: beyond them everything saturates, or nothing shows, in any scene.
 const MOST_LIGHT: f64 = 1000.0;
-/// More samples per side of a pixel than this change nothing that 16 bit would show.
+/// Largest number of samples per side of a pixel: more change nothing in 16 bits.
 const MOST_SAMPLES: u32 = 16;
 
 /// Light, lens and sensor. The default is a good photograph: sharp to a pixel, a grey level of noise.
@@ -36,7 +36,7 @@ pub struct RenderConfig {
     pub projector_black: f64,
     /// σ of the projector's Gaussian blur, panel px; default 0: its pixels are sharp squares.
     pub projector_blur_px: f64,
-    /// Light of each channel of the camera (rows) by channel of the light (columns); default the identity.
+    /// Response of each channel of the camera (rows) to each channel of the light (columns); default the identity.
     pub crosstalk: [[f64; 3]; 3],
     /// σ of the camera's Gaussian blur, px, on top of the square pixels themselves; default 0.6.
     pub blur_px: f64,
@@ -48,7 +48,7 @@ pub struct RenderConfig {
     pub encoding: Encoding,
     /// 8 or 16 bit per sample; default 8.
     pub bits: u8,
-    /// Rays per side of those pixels that hold an edge of something; smooth ones are averaged exactly. Default 4.
+    /// Rays per side of pixels that contain an edge; smooth ones are averaged exactly. Default 4.
     pub samples: u32,
 }
 
@@ -73,7 +73,7 @@ impl Default for RenderConfig {
 }
 
 impl RenderConfig {
-    /// No blur, no noise, no crosstalk, 16 bit: what the geometry alone makes.
+    /// No blur, no noise, no crosstalk, 16 bit: geometry alone.
     #[must_use]
     pub fn exact() -> Self {
         Self { blur_px: 0.0, noise_levels: 0.0, bits: 16, ..Self::default() }

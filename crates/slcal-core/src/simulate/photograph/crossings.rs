@@ -1,28 +1,29 @@
-//! Where the camera sees slits and corners of a pattern: matches without error.
+//! Exact correspondences: where the camera sees slits and corners of a pattern.
 
 use nalgebra::{Point2, Point3};
 
 use super::photographer::Photographer;
-use super::stage::Stage;
+use super::ray_tracer::RayTracer;
 use super::truth::StoredTruth;
 use crate::geometry::Ray;
 use crate::matches::{Match, Matches};
 use crate::pattern::{Axis, CheckerPattern, StripePattern};
 
-/// What the matches state as their σ, px: the smallest that files hold.
+/// Stated σ of the matches, px: the smallest that files hold.
 const SIGMA_PX: f64 = 1e-5;
-/// A crossing is found when the panel position is right to this, panel px.
+/// A crossing has converged when the panel position is right to this, panel px.
 const FOUND_PX: f64 = 1e-9;
-/// One that never comes nearer than this is a jump from one part of the surface to another, panel px.
+/// A crossing that never comes closer than this is a jump between parts of the surface, panel px.
 const JUMP_PX: f64 = 1e-6;
 /// The false position method halves at least every other step: more than doubles have bits.
 const MOST_STEPS: usize = 120;
-/// A point that a device sees this much further away than it is, as a share of its distance, is hidden.
+/// A point is occluded when a device sees a surface nearer by this share of its distance.
 const HIDDEN: f64 = 1e-7;
 
 impl Photographer {
-    /// The true crossings of every line of the photograph with the middle of every slit that is seen on it, ordered by line and
-    /// position. Lines are image rows or columns, whichever the stripes cross: rows for vertical slits and an upright camera.
+    /// The true crossings of every scanline of the photograph with the middle of every visible slit, ordered by line
+    /// and position. Scanlines are image rows or columns, whichever the stripes cross: rows for vertical slits and an
+    /// upright camera.
     #[must_use]
     pub fn stripe_matches(&self, pattern: &StripePattern) -> Matches {
         let truth = self.truth();
@@ -44,7 +45,7 @@ impl Photographer {
                 for slit in between(&pattern.centres_px, a.panel[k], b.panel[k]) {
                     let centre = pattern.centres_px[slit];
                     let at = |t: f64| place(line, i as f64 - 1.0 + t);
-                    let Some(t) = crossing(&self.stage, (a, b), k, centre, at) else { continue };
+                    let Some(t) = crossing(&self.tracer, (a, b), k, centre, at) else { continue };
                     let (column, row) = if k == 0 { (Some(centre), None) } else { (None, Some(centre)) };
                     items.push(exact(at(t), column, row, u16::try_from(slit).ok()));
                 }
@@ -53,7 +54,7 @@ impl Photographer {
         Matches { items }
     }
 
-    /// The inner corners of a checkerboard that the camera sees, in the pattern's order, with projector column and row.
+    /// The visible inner corners of a checkerboard, in the pattern's order, with projector column and row.
     #[must_use]
     pub fn corner_matches(&self, pattern: &CheckerPattern) -> Matches {
         let seen = |q: Point2<f64>| Some(exact(self.corner(q)?, Some(q.x), Some(q.y), None));
@@ -62,17 +63,17 @@ impl Photographer {
 
     /// The camera pixel at which the light of panel position `q` is seen.
     fn corner(&self, q: Point2<f64>) -> Option<Point2<f64>> {
-        let stage = &self.stage;
-        let out = stage.projector_from_camera.rotation.inverse() * stage.projector.bearing(q)?;
-        let beam = Ray { origin: stage.lamp, direction: out };
-        let (surface, distance, _) = stage.nearest(&beam)?;
+        let tracer = &self.tracer;
+        let out = tracer.projector_from_camera.rotation.inverse() * tracer.projector.bearing(q)?;
+        let beam = Ray { origin: tracer.lamp, direction: out };
+        let (surface, distance, _) = tracer.nearest(&beam)?;
         let point = beam.origin + beam.direction * distance;
-        let p = stage.camera.project(&point)?;
+        let p = tracer.camera.project(&point)?;
         let inside = |v: f64, n: u32| v >= -0.5 && v <= f64::from(n) - 0.5;
-        if !(inside(p.x, stage.camera.width) && inside(p.y, stage.camera.height)) {
+        if !(inside(p.x, tracer.camera.width) && inside(p.y, tracer.camera.height)) {
             return None;
         }
-        let look = stage.look(p)?;
+        let look = tracer.look(p)?;
         let nearer = (look.point - Point3::origin()).norm() < (1.0 - HIDDEN) * point.coords.norm();
         (look.surface == surface && look.panel.is_some() && !nearer).then_some(p)
     }
@@ -94,18 +95,18 @@ impl Photographer {
     }
 }
 
-/// The numbers of the slits between two panel positions, in the order from the first to the second; of two pixels that share
-/// an end, one has it.
+/// The indices of the slits between two panel positions, in the order from the first to the second. Of two pixels that
+/// share an end, one has it.
 fn between(centres: &[f64], a: f64, b: f64) -> Vec<usize> {
     let below = |v: f64| centres.partition_point(|c| *c < v);
     let up_to = |v: f64| centres.partition_point(|c| *c <= v);
     if a < b { (below(a)..below(b)).collect() } else { (up_to(b)..up_to(a)).rev().collect() }
 }
 
-/// Where, from pixel `a` (0) to pixel `b` (1), the panel position is `centre`: by false position, halving the weight of an end
-/// that stays.
+/// Where, from pixel `a` (0) to pixel `b` (1), the panel position is `centre`: by false position, halving the weight of
+/// an end that stays.
 fn crossing(
-    stage: &Stage,
+    tracer: &RayTracer,
     (a, b): (&StoredTruth, &StoredTruth),
     k: usize,
     centre: f64,
@@ -119,7 +120,7 @@ fn crossing(
             break;
         }
         let t = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
-        let look = stage.look(at(t)).filter(|l| l.surface == a.surface as usize)?;
+        let look = tracer.look(at(t)).filter(|l| l.surface == a.surface as usize)?;
         let f = look.panel?[k] - centre;
         if f.abs() < best.1.abs() {
             best = (t, f);

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-/// Where a ray meets a surface.
+/// The intersection of a ray with a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hit {
     /// In lengths of the ray's direction.

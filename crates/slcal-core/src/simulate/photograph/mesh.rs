@@ -1,4 +1,4 @@
-//! Triangle meshes, with a tree of boxes so that a ray asks a few triangles only.
+//! Triangle meshes with a tree of bounding boxes, so that a ray tests a few triangles only.
 
 use nalgebra::{Point3, Vector3};
 
@@ -13,7 +13,7 @@ const DEPTH: usize = 64;
 /// Rays through an edge hit both triangles rather than none.
 const EDGE: f64 = 1e-12;
 
-/// Larger than anything that is lit by a projector; far from where squares of areas overflow.
+/// Largest coordinate, mm: beyond anything that a projector lights, and far from where squares of areas overflow.
 const FARTHEST_MM: f64 = 1e9;
 
 /// A mesh in the camera's frame, mm.
@@ -25,8 +25,8 @@ pub struct TriangleMesh {
     nodes: Vec<Node>,
 }
 
-/// A box around the triangles from `start` on: a leaf when `count` is not zero, else its children are the next node and
-/// the one at `start`.
+/// A bounding box of the triangles from `start` on. It is a leaf when `count` is not zero; else its children are the
+/// next node and the one at `start`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Node {
     least: Point3<f64>,
@@ -36,11 +36,11 @@ struct Node {
 }
 
 impl TriangleMesh {
-    /// A mesh of vertices and triples of their numbers. Triangles without area are left out.
+    /// A mesh of vertices and triples of their indices. Triangles without area are left out.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for numbers of vertices that there are not, coordinates that are not finite or beyond 10⁹ mm, and
-    /// when no triangle is left.
+    /// [`Error::Invalid`] for indices out of range, coordinates that are not finite or beyond 10⁹ mm, and when no
+    /// triangle is left.
     pub fn new(vertices: Vec<Point3<f64>>, mut triangles: Vec<[u32; 3]>) -> Result<Self> {
         if let Some(x) =
             vertices.iter().flat_map(|v| v.iter()).find(|x| !(-FARTHEST_MM..=FARTHEST_MM).contains(*x))
@@ -82,16 +82,16 @@ impl TriangleMesh {
         self.nodes.first().map_or([Point3::origin(); 2], |n| [n.least, n.most])
     }
 
-    /// The same mesh, its coordinates multiplied by `scale` and then moved.
+    /// The same mesh, its coordinates multiplied by `scale` and then transformed.
     ///
     /// # Errors
-    /// [`Error::Invalid`] when that leaves nothing of it.
+    /// [`Error::Invalid`] when no triangle is left.
     pub fn placed(&self, scale: f64, camera_from_mesh: &Pose) -> Result<Self> {
         let vertices = self.vertices.iter().map(|v| camera_from_mesh.transform(&(v * scale))).collect();
         Self::new(vertices, self.triangles.clone())
     }
 
-    /// Sorts `triangles` (from number `start` on) into a subtree.
+    /// Sorts `triangles` (from index `start` on) into a subtree.
     fn build(&mut self, triangles: &mut [[u32; 3]], start: usize) {
         let corner = |t: &[u32; 3], k: usize| self.vertices[t[k] as usize];
         let mut least = Point3::from(Vector3::repeat(f64::INFINITY));
@@ -166,13 +166,14 @@ impl TriangleMesh {
 }
 
 impl Node {
-    /// Whether the ray passes the box; where a direction is zero, the infinities of its inverse do what they should.
+    /// Whether the ray passes the box. Where a direction is zero, the infinities of its inverse give the right
+    /// comparisons.
     fn crosses(&self, ray: &Ray, inverse: &Vector3<f64>, [after, before]: [f64; 2]) -> bool {
         let (mut enter, mut leave) = (after, before);
         for k in 0..3 {
             let a = (self.least[k] - ray.origin[k]) * inverse[k];
             let b = (self.most[k] - ray.origin[k]) * inverse[k];
-            // min and max pass over the NaN of a ray within the box's side.
+            // min and max ignore the NaN of a ray within the box's side.
             enter = enter.max(a.min(b));
             leave = leave.min(a.max(b));
         }

@@ -27,12 +27,12 @@ mod hit;
 mod mesh;
 mod panel;
 mod photographer;
+mod ray_tracer;
 mod report_json;
+mod scene_object;
 mod sensor;
 mod setup;
 mod simulated;
-mod stage;
-mod subject;
 mod surface;
 mod truth;
 
@@ -40,9 +40,9 @@ pub use config::RenderConfig;
 pub use mesh::TriangleMesh;
 pub use photographer::{Photographer, ProjectedImage};
 pub use report_json::SceneReport;
-pub use setup::{PatternKind, SceneSetup, SceneStage, SurfaceKind, WallKind};
+pub use scene_object::{Placement, SceneObject};
+pub use setup::{PatternKind, PreparedScene, SceneSetup, SurfaceKind, WallKind};
 pub use simulated::SimulatedScene;
-pub use subject::{Placing, Subject};
 pub use surface::{Shape, Surface};
 pub use truth::{PixelTruth, Truth};
 

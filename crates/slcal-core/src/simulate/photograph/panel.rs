@@ -1,19 +1,19 @@
-//! The light that leaves the projector, averaged over any part of its panel.
+//! The light of the projector, averaged over any part of its panel.
 
 use image::RgbImage;
 
 use super::blur::{Border, blur};
 use crate::photo::Encoding;
 
-/// How finely a panel is divided per side for the sake of its blur: the steps that are left are half a pixel wide, which
-/// the camera's own pixels hide.
+/// Largest subdivision of a panel's pixel for its blur. The remaining steps are half a pixel wide, which the camera's
+/// own pixels hide.
 const BLUR_DIVISIONS: usize = 2;
-/// Parts of the panel are taken at least this wide, px: the difference of sums keeps its digits, and no pixel's light
-/// changes within it.
+/// Smallest width of a part of the panel, px: the difference of sums keeps its digits, and no pixel's light changes
+/// within it.
 const THINNEST_PX: f64 = 1.0 / 64.0;
 
-/// Linear light of a panel as sums over everything above and left of each pixel's corner. A pixel is a square of constant
-/// light; outside the panel it is dark.
+/// Linear light of a panel as a summed-area table at the pixels' corners. A pixel is a square of constant light;
+/// outside the panel it is dark.
 pub(super) struct Panel {
     sums: Vec<[f64; 3]>,
     width: usize,

@@ -1,43 +1,43 @@
-//! Takes photographs of a stage.
+//! Renders photographs of surfaces through a rig.
 
 use image::{DynamicImage, RgbImage};
 use nalgebra::{Point2, Vector2};
 
 use super::config::RenderConfig;
 use super::panel::Panel;
+use super::ray_tracer::RayTracer;
 use super::sensor::expose;
-use super::stage::Stage;
 use super::surface::Surface;
 use super::truth::{PixelTruth, StoredTruth, Truth};
 use crate::error::{Error, Result};
 use crate::rig::Rig;
 
-/// Where the panel position bends by more than this from a pixel to the next (its second difference, panel px), a pixel is
-/// sampled by several rays: below, it is straight within a pixel to a two-hundredth of a panel pixel.
+/// A pixel is sampled by several rays where the second difference of the panel position between pixels exceeds this,
+/// panel px. Below, the panel position is linear within a pixel to a two-hundredth of a panel pixel.
 const BENT_PX: f64 = 0.1;
-/// Parts per side into which the panel's piece under a pixel is divided: its light is averaged over upright
-/// rectangles, which together follow a slanted piece well enough for no bias to be left.
+/// Subdivisions per side of the panel's area under a pixel. Its light is averaged over upright rectangles, which
+/// together follow a slanted area well enough to leave no bias.
 const PARTS: u32 = 2;
-/// More pixels than any camera or projector has.
+/// Largest number of pixels of a device.
 const MOST_PIXELS: u64 = 250_000_000;
 
-/// What the projector shows.
+/// The image that the projector shows.
 #[derive(Debug, Clone, Copy)]
 pub enum ProjectedImage<'a> {
     /// An sRGB picture of the panel's size.
     Picture(&'a RgbImage),
     /// Full light.
     White,
-    /// No light (beyond [`RenderConfig::projector_black`]).
+    /// No light (except [`RenderConfig::projector_black`]).
     Black,
 }
 
-/// A rig before its surfaces. The geometry is computed once; every photograph after that is cheap.
+/// A rig in front of its surfaces. The geometry is computed once; every photograph after that is cheap.
 ///
-/// Geometrically exact: lenses with their distortion, occlusion, and shadow of a point light. Physically simple: matt surfaces,
-/// no light from one surface to another. What is thinner than a pixel may be missed.
+/// Geometrically exact: lenses with their distortion, occlusion, and shadow of a point light. Physically simple: matt
+/// surfaces, no light from one surface to another. Details thinner than a pixel may be missed.
 pub struct Photographer {
-    pub(super) stage: Stage,
+    pub(super) tracer: RayTracer,
     config: RenderConfig,
     truth: Truth,
     /// Square of the distance at which the projector's light is one, mm².
@@ -45,58 +45,57 @@ pub struct Photographer {
 }
 
 impl Photographer {
-    /// Looks at the surfaces through the rig's camera, one ray per pixel.
+    /// Traces one ray per pixel of the rig's camera.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a rig without a projector, devices without pixels or with more than 250 million, and values
-    /// out of range.
+    /// [`Error::Invalid`] for a rig without a projector, devices without pixels or with more than 250 million, and
+    /// values out of range.
     pub fn new(rig: &Rig, surfaces: &[Surface], config: &RenderConfig) -> Result<Self> {
         config.validate()?;
-        let stage = Stage::new(rig, surfaces)?;
-        for (name, device) in [("camera", &stage.camera), ("projector", &stage.projector)] {
+        let tracer = RayTracer::new(rig, surfaces)?;
+        for (name, device) in [("camera", &tracer.camera), ("projector", &tracer.projector)] {
             let (w, h) = (device.width, device.height);
             if !(1..=MOST_PIXELS).contains(&(u64::from(w) * u64::from(h))) {
                 let expected = format!("1 to {MOST_PIXELS} pixels");
                 return Err(Error::invalid(format!("{name} of the rig"), expected, format!("{w}x{h}")));
             }
         }
-        let (width, height) = (stage.camera.width as usize, stage.camera.height as usize);
+        let (width, height) = (tracer.camera.width as usize, tracer.camera.height as usize);
         let mut pixels = Vec::with_capacity(width * height);
         for y in 0..height {
-            pixels.extend((0..width).map(|x| stage.pixel(x, y)));
+            pixels.extend((0..width).map(|x| tracer.pixel(x, y)));
         }
         let truth = Truth { width, height, pixels };
-        let reference_mm = config.reference_mm.unwrap_or_else(|| median_distance(&stage, &truth));
-        Ok(Self { stage, config: config.clone(), truth, reference2: reference_mm * reference_mm })
+        let reference_mm = config.reference_mm.unwrap_or_else(|| median_distance(&tracer, &truth));
+        Ok(Self { tracer, config: config.clone(), truth, reference2: reference_mm * reference_mm })
     }
 
-    /// How it photographs.
+    /// Light, lens and sensor.
     #[must_use]
     pub fn config(&self) -> &RenderConfig {
         &self.config
     }
 
-    /// What every pixel sees.
+    /// The ground truth of every pixel.
     #[must_use]
     pub fn truth(&self) -> &Truth {
         &self.truth
     }
 
-    /// What a position of the photograph sees, pixel centres at integers.
+    /// The ground truth at a position of the photograph, pixel centres at integers.
     #[must_use]
     pub fn look(&self, p: Point2<f64>) -> Option<PixelTruth> {
-        let look = self.stage.look(p)?;
+        let look = self.tracer.look(p)?;
         Some(PixelTruth { point: look.point, panel: look.panel, surface: look.surface })
     }
 
     /// The surfaces.
     #[must_use]
     pub fn surfaces(&self) -> &[Surface] {
-        &self.stage.surfaces
+        &self.tracer.surfaces
     }
 
-    /// A photograph, 8 or 16 bit RGB. `frame` numbers the photographs that are taken with one seed: each number has noise of
-    /// its own.
+    /// A photograph, 8 or 16 bit RGB. `frame` counts the photographs with one seed: each has its own noise.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a picture of another size than the panel's.
@@ -111,7 +110,7 @@ impl Photographer {
     }
 
     fn panel(&self, shown: ProjectedImage<'_>) -> Result<Panel> {
-        let size @ [w, h] = [self.stage.projector.width, self.stage.projector.height];
+        let size @ [w, h] = [self.tracer.projector.width, self.tracer.projector.height];
         let RenderConfig { projector_blur_px: blur, projector_black: black, .. } = self.config;
         let plain = |c| RgbImage::from_pixel(w, h, image::Rgb([c; 3]));
         match shown {
@@ -128,7 +127,7 @@ impl Photographer {
         }
     }
 
-    /// Mean light of a pixel: at once where it is smooth, by several rays where it is not.
+    /// Mean light of a pixel: in one step where it is smooth, by several rays elsewhere.
     fn light(&self, panel: &Panel, x: usize, y: usize) -> [f64; 3] {
         let Some(pixel) = self.truth.pixel(x, y) else { return self.config.background };
         match self.smooth(pixel, x, y) {
@@ -141,8 +140,8 @@ impl Photographer {
         }
     }
 
-    /// The slope of the panel position over a pixel whose neighbours all see the same surface in the same light (zero where
-    /// that light is not the projector's); `None` elsewhere, and on the border.
+    /// The slope of the panel position over a pixel whose neighbours all see the same surface in the same light (zero
+    /// where that light is not the projector's); `None` elsewhere, and on the border.
     fn smooth(&self, pixel: &StoredTruth, x: usize, y: usize) -> Option<[Vector2<f64>; 2]> {
         let (left, top) = (x.checked_sub(1)?, y.checked_sub(1)?);
         let alike = |p: &&StoredTruth| p.surface == pixel.surface && p.is_lit() == pixel.is_lit();
@@ -177,15 +176,15 @@ impl Photographer {
 
     /// Mean light of a part of a pixel, by one ray.
     fn sample(&self, panel: &Panel, p: Point2<f64>, step: f64) -> [f64; 3] {
-        let Some(look) = self.stage.look(p) else { return self.config.background };
+        let Some(look) = self.tracer.look(p) else { return self.config.background };
         let Some(at) = look.panel else { return self.returned(look.surface, 0.0, [0.0; 3]) };
-        let slope = self.stage.slope(p, &look, step).unwrap_or([Vector2::zeros(); 2]);
-        self.returned(look.surface, self.stage.irradiance(&look), mean_over(panel, at, slope))
+        let slope = self.tracer.slope(p, &look, step).unwrap_or([Vector2::zeros(); 2]);
+        self.returned(look.surface, self.tracer.irradiance(&look), mean_over(panel, at, slope))
     }
 
-    /// The light that a surface returns; that of the background where there is none.
+    /// The light reflected by a surface; that of the background where there is none.
     fn returned(&self, surface: usize, irradiance: f64, shone: [f64; 3]) -> [f64; 3] {
-        let Some(Surface { albedo, .. }) = self.stage.surfaces.get(surface) else {
+        let Some(Surface { albedo, .. }) = self.tracer.surfaces.get(surface) else {
             return self.config.background;
         };
         let share = irradiance * self.reference2;
@@ -209,9 +208,9 @@ fn mean_over(panel: &Panel, centre: Point2<f64>, [x, y]: [Vector2<f64>; 2]) -> [
 }
 
 /// Median distance of the lit pixels from the projector, mm; 1 where nothing is lit.
-fn median_distance(stage: &Stage, truth: &Truth) -> f64 {
+fn median_distance(tracer: &RayTracer, truth: &Truth) -> f64 {
     let lit = truth.pixels.iter().filter(|p| p.is_lit());
     let mut distances: Vec<f64> =
-        lit.map(|p| (nalgebra::Point3::from(p.point) - stage.lamp).norm()).collect();
+        lit.map(|p| (nalgebra::Point3::from(p.point) - tracer.lamp).norm()).collect();
     crate::solve::median(&mut distances).unwrap_or(1.0)
 }

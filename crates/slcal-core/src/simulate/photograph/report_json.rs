@@ -1,17 +1,17 @@
-//! `slcal-simulate-scene/1`: what a simulated photograph shows.
+//! `slcal-simulate-scene/1`: the contents of a simulated photograph.
 
 use serde::Serialize;
 
 use super::{Photographer, RenderConfig};
 use crate::matches::Matches;
 
-/// A simulated photograph in numbers.
+/// Counts and configuration of a simulated photograph.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SceneReport {
     schema: &'static str,
     /// Width and height, px.
     pub camera: [u32; 2],
-    /// Surfaces before the rig, the wall among them.
+    /// Surfaces in front of the rig, including the wall.
     pub surfaces: usize,
     /// Pixels that see a surface.
     pub seen_pixels: usize,
@@ -26,7 +26,7 @@ pub struct SceneReport {
 }
 
 impl Photographer {
-    /// The record of what is seen, with the true matches of the pattern.
+    /// The record of this scene, with the true matches of the pattern.
     #[must_use]
     pub fn report(&self, matches: &Matches) -> SceneReport {
         let truth = self.truth();

@@ -1,4 +1,4 @@
-//! From light to a photograph: the lens's blur, crosstalk, exposure, noise, code values.
+//! From light to a photograph: lens blur, crosstalk, exposure, noise, code values.
 
 use image::{DynamicImage, ImageBuffer, Rgb};
 
@@ -7,7 +7,7 @@ use super::config::RenderConfig;
 use crate::error::{Error, Result};
 use crate::simulate::draws::Draws;
 
-/// The photograph of this light; `frame` numbers the photographs of one seed, so that each has noise of its own.
+/// The photograph of this light. `frame` counts the photographs of one seed, so that each has its own noise.
 pub(super) fn expose(
     mut light: Vec<[f64; 3]>,
     [width, height]: [u32; 2],

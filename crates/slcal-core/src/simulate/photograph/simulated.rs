@@ -1,4 +1,4 @@
-//! A simulated scene with its truth.
+//! A simulated scene with its ground truth.
 
 use image::{DynamicImage, RgbImage};
 
@@ -9,11 +9,11 @@ use crate::matches::Matches;
 use crate::pattern::Pattern;
 use crate::rig::Rig;
 
-/// Photographs of a scene, and what is true of every pixel.
+/// Photographs of a scene, and the ground truth of every pixel.
 pub struct SimulatedScene {
     /// The true rig.
     pub rig: Rig,
-    /// What was projected.
+    /// The projected pattern.
     pub pattern: Pattern,
     /// The same as a picture of the panel's size.
     pub picture: RgbImage,
@@ -23,14 +23,14 @@ pub struct SimulatedScene {
     pub white: DynamicImage,
     /// That under a dark one.
     pub black: DynamicImage,
-    /// Where slits or corners of the pattern are seen, without error.
+    /// Exact correspondences of slits or corners of the pattern.
     pub matches: Matches,
-    /// Who took the photographs, and can look at any pixel.
+    /// The renderer of the photographs, which can trace any pixel.
     pub photographer: Photographer,
 }
 
 impl SimulatedScene {
-    /// The points that the matches see, in the camera's frame and in the colours of the white photograph.
+    /// The points of the matches, in the camera's frame and in the colours of the white photograph.
     #[must_use]
     pub fn cloud(&self) -> PointCloud {
         let white = self.white.to_rgb8();
@@ -51,7 +51,8 @@ impl SimulatedScene {
         PointCloud { points: points.collect(), ..PointCloud::default() }
     }
 
-    /// The panel column whose light falls where each pixel looks, row by row; NaN in shadow and beside the light.
+    /// The panel column whose light falls on the point of each pixel, row by row; NaN in shadow and outside the
+    /// projector footprint.
     #[must_use]
     pub fn columns(&self) -> Vec<f32> {
         self.map(|s| s.panel.map(|q| q.x))
@@ -63,13 +64,13 @@ impl SimulatedScene {
         self.map(|s| s.panel.map(|q| q.y))
     }
 
-    /// Depth of what each pixel sees along the camera's axis, mm, row by row; NaN where it sees nothing.
+    /// Depth of the point of each pixel along the camera's axis, mm, row by row; NaN where there is no surface.
     #[must_use]
     pub fn depths(&self) -> Vec<f32> {
         self.map(|s| Some(s.point.z))
     }
 
-    /// Which surface each pixel sees, row by row: counted from one, 0 for none, 255 for that and all after it.
+    /// The surface of each pixel, row by row: counted from one, 0 for none, 255 for that and all after it.
     #[must_use]
     pub fn surfaces(&self) -> Vec<u8> {
         let number = |s: Option<PixelTruth>| s.map_or(0, |s| (s.surface + 1).min(255) as u8);

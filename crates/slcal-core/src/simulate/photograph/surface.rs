@@ -1,4 +1,4 @@
-//! What stands before the rig.
+//! Surfaces in front of the rig.
 
 use nalgebra::{Point3, Vector3};
 
@@ -7,7 +7,7 @@ use super::mesh::TriangleMesh;
 use crate::error::{Error, Result};
 use crate::geometry::{Plane, Pose, Ray, RectangleSize};
 
-/// The form of a surface, in the camera's frame, mm. All are seen, lit and throw shadows on both sides.
+/// The shape of a surface, in the camera's frame, mm. All are visible and lit from both sides, and cast shadows.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// An endless plane.
@@ -21,14 +21,14 @@ pub enum Shape {
     },
     /// A flat rectangle with its top left corner at its own origin and its sides along its own x and y.
     Rectangle {
-        /// Where it stands.
+        /// Its pose.
         camera_from_rectangle: Pose,
         /// Its sides.
         size: RectangleSize,
     },
     /// A block, its centre at its own origin.
     Block {
-        /// Where it stands.
+        /// Its pose.
         camera_from_block: Pose,
         /// Its edges along its own x, y and z, mm.
         size_mm: [f64; 3],
@@ -40,11 +40,11 @@ pub enum Shape {
 /// A surface and its colour.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// Its form and place.
+    /// Its shape and place.
     pub shape: Shape,
-    /// Share of the light that it returns, red, green, blue, 0–1; matt.
+    /// Albedo, red, green, blue, 0–1; matt.
     pub albedo: [f64; 3],
-    /// Whether it is the object, or else part of what stands around it; rendering treats both alike.
+    /// Whether it is the object, or else part of its surroundings; rendering treats both alike.
     pub is_object: bool,
 }
 
@@ -55,7 +55,7 @@ impl Surface {
         Self { shape, albedo: [1.0; 3], is_object: true }
     }
 
-    /// Something around the object, of grey `albedo`.
+    /// Part of the surroundings, of grey `albedo`.
     #[must_use]
     pub fn around(shape: Shape, albedo: f64) -> Self {
         Self { shape, albedo: [albedo; 3], is_object: false }
@@ -143,7 +143,7 @@ fn sphere(ray: &Ray, centre: Point3<f64>, radius: f64) -> Option<[f64; 2]> {
     let a = ray.direction.norm_squared();
     let to_centre = centre - ray.origin;
     let closest = ray.direction.dot(&to_centre) / a;
-    // The offset of the line from the centre as a vector: the textbook's b² − ac loses the digits that count.
+    // The offset of the line from the centre as a vector; b² − ac would lose significant digits.
     let off = (to_centre - ray.direction * closest).norm_squared();
     let half = ((radius * radius - off) / a).sqrt();
     half.is_finite().then_some([closest - half, closest + half])

@@ -1,19 +1,19 @@
-//! What every pixel of a simulated photograph sees.
+//! The ground truth of every pixel of a simulated photograph.
 
 use nalgebra::{Point2, Point3};
 
-/// What the middle of a pixel sees.
+/// The ground truth at the centre of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelTruth {
     /// The point, camera frame, mm.
     pub point: Point3<f64>,
-    /// The panel position whose light falls there, projector px; `None` in shadow and beside the panel's light.
+    /// The panel position whose light falls there, projector px; `None` in shadow and outside the projector footprint.
     pub panel: Option<Point2<f64>>,
-    /// Which of the surfaces it is, counted from zero.
+    /// Index of the surface, from zero.
     pub surface: usize,
 }
 
-/// The truth of a photograph, pixel by pixel.
+/// The ground truth of a photograph, pixel by pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
     pub(super) width: usize,
@@ -22,7 +22,7 @@ pub struct Truth {
     pub(super) pixels: Vec<StoredTruth>,
 }
 
-/// [`PixelTruth`] in less memory, and with the light that falls in.
+/// [`PixelTruth`] in less memory, and with the irradiance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct StoredTruth {
     pub(super) point: [f64; 3],
@@ -34,7 +34,7 @@ pub(super) struct StoredTruth {
     pub(super) surface: u32,
 }
 
-/// The number of no surface.
+/// The index of no surface.
 pub(super) const NOTHING: u32 = u32::MAX;
 
 impl StoredTruth {
@@ -67,7 +67,7 @@ impl Truth {
         self.height
     }
 
-    /// What the middle of a pixel sees; `None` where there is no surface, and outside the photograph.
+    /// The ground truth at the centre of a pixel; `None` where there is no surface, and outside the photograph.
     #[must_use]
     pub fn at(&self, x: usize, y: usize) -> Option<PixelTruth> {
         self.pixel(x, y).and_then(StoredTruth::seen)

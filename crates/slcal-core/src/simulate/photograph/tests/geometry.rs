@@ -1,4 +1,4 @@
-//! Where pixels look and where the light comes from.
+//! Rays of pixels and positions on the panel.
 
 use nalgebra::{Matrix3, Point2, Point3, Vector3};
 
@@ -9,7 +9,7 @@ use crate::reconstruct::{CullRule, ReconstructConfig, cloud_from_matches};
 use crate::simulate::{Photographer, Shape, Surface};
 
 #[test]
-fn a_plane_takes_pixels_to_the_panel_by_a_homography() {
+fn a_plane_maps_pixels_to_the_panel_by_a_homography() {
     let rig = rig(160);
     let surface = plane(1000.0, 20.0, -25.0);
     let seen = Photographer::new(&rig, &[Surface::object(Shape::Plane(surface))], &exact()).unwrap();
@@ -37,7 +37,7 @@ fn a_plane_takes_pixels_to_the_panel_by_a_homography() {
 }
 
 #[test]
-fn a_sphere_is_seen_where_it_is() {
+fn a_sphere_is_visible_at_its_place() {
     let (centre, radius_mm) = (Point3::new(30.0, -20.0, 1000.0), 180.0);
     let rig = bent_rig(160);
     let ball = Surface::object(Shape::Sphere { centre, radius_mm });
@@ -45,7 +45,7 @@ fn a_sphere_is_seen_where_it_is() {
     for y in 0..seen.truth().height() {
         for x in 0..seen.truth().width() {
             let pixel = seen.truth().at(x, y).unwrap();
-            // The angle between the ray and the centre says whether the ray meets the sphere, and how far away.
+            // The angle between the ray and the centre shows whether the ray meets the sphere, and how far away.
             let ray = rig.camera.model.bearing(Point2::new(x as f64, y as f64)).unwrap().normalize();
             let distance = centre.coords.norm();
             let sine = ray.cross(&centre.coords).norm() / distance;
@@ -106,7 +106,7 @@ fn matches_are_exact_under_both_lenses_and_triangulate_onto_the_surface() {
             };
             assert_eq!(along.fract(), 0.0);
             assert_eq!(across, Some(pattern.centres_px[usize::from(m.slit.unwrap())]));
-            // Another way to the same panel position: meet the plane, go to the projector's frame, project.
+            // The same panel position by another way: intersect the plane, transform to the projector's frame, project.
             let direction = rig.camera.model.bearing(m.camera).unwrap();
             let point = Ray { origin: Point3::origin(), direction }.meet(&slanted).unwrap();
             let local = rig.projector.unwrap().from_camera.pose.transform(&point);
@@ -129,7 +129,7 @@ fn matches_are_exact_under_both_lenses_and_triangulate_onto_the_surface() {
 }
 
 #[test]
-fn a_camera_turned_by_a_quarter_is_crossed_along_its_columns() {
+fn a_camera_rotated_by_90_degrees_is_scanned_along_its_columns() {
     let mut rig = rig(160);
     let quarter = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
     let turn = Pose { rotation: quarter, translation: Vector3::zeros() };
@@ -143,7 +143,7 @@ fn a_camera_turned_by_a_quarter_is_crossed_along_its_columns() {
 }
 
 #[test]
-fn corners_are_where_the_scene_of_observations_has_them() {
+fn corners_agree_with_the_simulated_observations() {
     use crate::simulate::{Draws, NoiseModel, PoseConfig, RigConfig, Scene};
     let scene = Scene::new(&RigConfig::default(), &[PoseConfig::tilted(25.0, 28.0)]).unwrap();
     let rig = scene.rig();
@@ -165,7 +165,7 @@ fn corners_are_where_the_scene_of_observations_has_them() {
 }
 
 #[test]
-fn nonsense_is_refused() {
+fn invalid_values_are_refused() {
     let rig = rig(96);
     let ball = |radius_mm| Surface::object(Shape::Sphere { centre: Point3::new(0.0, 0.0, 900.0), radius_mm });
     for bad in [ball(0.0), ball(f64::NAN), ball(10.0).colored([0.5, 1.5, 0.5])] {
@@ -177,7 +177,7 @@ fn nonsense_is_refused() {
     let mut empty = rig.clone();
     empty.camera.model.width = 0;
     assert!(Photographer::new(&empty, &[ball(10.0)], &exact()).is_err());
-    // Nothing at all to see is a dark photograph without matches.
+    // An empty scene is a dark photograph without matches.
     let nothing = Photographer::new(&rig, &[], &exact()).unwrap();
     assert_eq!(nothing.truth().lit(), 0);
     let pattern = StripePattern::new([1024, 768], &StripeConfig::default()).unwrap();

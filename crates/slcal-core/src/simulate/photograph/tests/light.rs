@@ -1,4 +1,4 @@
-//! What the sensor makes of it.
+//! The light on the sensor.
 
 use image::{DynamicImage, Rgb, RgbImage};
 
@@ -18,8 +18,8 @@ fn linear() -> RenderConfig {
     RenderConfig { encoding: Encoding::Linear, ambient: [0.1; 3], ..exact() }
 }
 
-/// Camera and projector in one place with one lens, the projector's pixels `n` camera pixels wide and half a camera pixel
-/// aside: what falls on each camera pixel can be counted.
+/// Camera and projector in one place with one lens, the projector's pixels `n` camera pixels wide and offset by half a
+/// camera pixel: the light on each camera pixel follows by counting.
 fn twins(n: u32) -> Rig {
     let mut rig = rig(96);
     let camera = rig.camera.model;
@@ -94,7 +94,7 @@ fn light_falls_off_by_cosine_and_square() {
 }
 
 #[test]
-fn stripes_lie_where_the_truth_says() {
+fn stripes_are_at_their_true_places() {
     let rig = bent_rig(1280);
     let pattern = StripePattern::new([1024, 768], &StripeConfig::default()).unwrap();
     let white = StripePattern { palette: vec![[255; 3]; 4], ..pattern.clone() };
@@ -104,7 +104,7 @@ fn stripes_lie_where_the_truth_says() {
         let config = RenderConfig { blur_px, projector_blur_px, ambient: [0.0; 3], ..linear() };
         let seen = Photographer::new(&rig, &surface, &config).unwrap();
         let shot = |shown| light(&seen.photograph(shown, 0).unwrap(), Encoding::Linear);
-        // Divided by white: how the light falls off across a slanted stripe moves its middle, too.
+        // Divided by white, since the falloff across a slanted stripe also moves its centroid.
         let (photo, full) =
             (shot(ProjectedImage::Picture(&white.image().unwrap())), shot(ProjectedImage::White));
         let (mut sum, mut squares, mut n) = (0.0, 0.0, 0.0);
@@ -135,7 +135,7 @@ fn stripes_lie_where_the_truth_says() {
 }
 
 #[test]
-fn the_background_is_the_same_beside_a_thing_and_far_from_it() {
+fn the_background_is_the_same_near_an_object_and_far_from_it() {
     let config = RenderConfig { background: [0.05; 3], ..linear() };
     let thing = [Surface::object(block(40.0, 1000.0, 200.0))];
     let seen = Photographer::new(&rig(96), &thing, &config).unwrap();
@@ -148,7 +148,7 @@ fn the_background_is_the_same_beside_a_thing_and_far_from_it() {
 }
 
 #[test]
-fn edges_of_things_are_antialiased() {
+fn edges_of_objects_are_antialiased() {
     let rig = rig(160);
     let surfaces = [wall(1400.0), Surface::object(block(20.0, 1000.0, 200.0))];
     let at = |samples| {
@@ -164,7 +164,7 @@ fn edges_of_things_are_antialiased() {
 }
 
 #[test]
-fn noise_blur_and_crosstalk_are_what_was_asked_for() {
+fn noise_blur_and_crosstalk_are_as_configured() {
     let rig = rig(160);
     let grey = [Surface::object(Shape::Plane(plane(1000.0, 0.0, 0.0))).colored([0.6, 0.4, 0.2])];
     let photo = |config: &RenderConfig, frame| {

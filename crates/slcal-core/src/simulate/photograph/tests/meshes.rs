@@ -1,4 +1,4 @@
-//! The tree of triangles against all triangles, and against the closed form.
+//! The tree of boxes against all triangles, and against the closed form.
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -19,7 +19,7 @@ fn soup(n: u32) -> TriangleMesh {
 }
 
 #[test]
-fn the_tree_finds_what_all_triangles_together_have() {
+fn the_tree_agrees_with_a_test_of_all_triangles() {
     let mesh = soup(3000);
     let single: Vec<TriangleMesh> = (0..mesh.triangles())
         .map(|i| TriangleMesh::new(mesh.vertices.clone(), vec![mesh.triangles[i]]).unwrap())
@@ -57,7 +57,7 @@ fn triangles(shape: &Shape) -> TriangleMesh {
 }
 
 #[test]
-fn a_block_of_triangles_is_a_block() {
+fn a_block_of_triangles_renders_as_a_block() {
     let rig = rig(160);
     let shape = block(30.0, 1000.0, 170.0);
     let mesh = Shape::Mesh(triangles(&shape));

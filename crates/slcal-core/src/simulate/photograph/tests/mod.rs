@@ -3,8 +3,8 @@
 mod geometry;
 mod light;
 mod meshes;
+mod scene_objects;
 mod setups;
-mod subjects;
 
 use nalgebra::{Point3, Rotation3, Vector3};
 

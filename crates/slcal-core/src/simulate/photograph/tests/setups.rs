@@ -1,4 +1,4 @@
-//! Scenes by a few numbers.
+//! Scenes as a few numbers.
 
 use nalgebra::Point3;
 
@@ -27,7 +27,7 @@ fn a_sphere_stands_before_its_wall() {
         let on_sphere = (p.position - Point3::new(0.0, 0.0, 1000.0)).norm() - 180.0;
         assert!(on_sphere.abs() < 1e-6 || (p.position.z - 1270.0).abs() < 1e-6, "{:?}", p.position);
     }
-    // What the maps say of a lit pixel is where the projector sees its point.
+    // The maps of a lit pixel contain the projection of its point into the projector.
     let (columns, rows) = (scene.columns(), scene.rows());
     let Projector { device, from_camera } = scene.rig.projector.unwrap();
     let point = scene.photographer.truth().at(80, 60).unwrap().point;
@@ -38,14 +38,14 @@ fn a_sphere_stands_before_its_wall() {
 
 #[test]
 fn a_sheet_is_a_view_of_its_rig_and_holds_the_whole_checkerboard() {
-    let stage = small(SurfaceKind::Sheet).set_up().unwrap();
-    let Pattern::Checker(checker) = &stage.pattern else { panic!("{:?}", stage.pattern) };
-    assert_eq!((stage.rig.views.len(), stage.picture.width()), (1, 1024));
-    let tilt = stage.rig.tilt_rad(0).unwrap();
+    let scene = small(SurfaceKind::Sheet).set_up().unwrap();
+    let Pattern::Checker(checker) = &scene.pattern else { panic!("{:?}", scene.pattern) };
+    assert_eq!((scene.rig.views.len(), scene.picture.width()), (1, 1024));
+    let tilt = scene.rig.tilt_rad(0).unwrap();
     let expected = 25_f64.to_radians().cos() * 28_f64.to_radians().cos();
     assert!((tilt.cos() - expected).abs() < 1e-12);
-    let Projector { device, from_camera } = stage.rig.projector.unwrap();
-    let pose = stage.rig.views[0].camera_from_sheet;
+    let Projector { device, from_camera } = scene.rig.projector.unwrap();
+    let pose = scene.rig.views[0].camera_from_sheet;
     for q in checker.inner_corners() {
         // The ray of the corner meets the sheet's plane inside the sheet.
         let inverse = pose.inverse();
@@ -60,7 +60,7 @@ fn a_sheet_is_a_view_of_its_rig_and_holds_the_whole_checkerboard() {
 }
 
 #[test]
-fn rigs_and_patterns_of_ones_own_must_go_together() {
+fn given_rigs_and_patterns_must_go_together() {
     let stripes = |w, h| Pattern::Stripes(StripePattern::new([w, h], &StripeConfig::default()).unwrap());
     let with = |pattern| SceneSetup { pattern: PatternKind::Known(pattern), ..small(SurfaceKind::Plane) };
     assert_eq!(with(stripes(1024, 768)).set_up().unwrap().pattern, stripes(1024, 768));
@@ -73,15 +73,15 @@ fn rigs_and_patterns_of_ones_own_must_go_together() {
         pattern: PatternKind::Checker,
         ..small(SurfaceKind::Step)
     };
-    let stage = known.set_up().unwrap();
+    let scene = known.set_up().unwrap();
     let default = CheckerPattern::new([1024, 768], &CheckerConfig::default()).unwrap();
-    assert_eq!((stage.rig, stage.pattern), (rig.clone(), Pattern::Checker(default)));
+    assert_eq!((scene.rig, scene.pattern), (rig.clone(), Pattern::Checker(default)));
     let alone = crate::Rig { projector: None, ..rig };
     assert!(SceneSetup { known_rig: Some(alone), ..SceneSetup::default() }.set_up().is_err());
 }
 
 #[test]
-fn walls_and_nonsense() {
+fn walls_are_optional_and_invalid_values_are_refused() {
     let surfaces = |surface, wall| SceneSetup { wall, ..small(surface) }.set_up().map(|s| s.surfaces.len());
     let sphere = || SurfaceKind::Sphere { radius_mm: Some(100.0) };
     assert_eq!(surfaces(sphere(), WallKind::None), Ok(1));

@@ -1,4 +1,4 @@
-//! What usually stands before a rig: a plane, a sphere, a step, a sheet or a mesh, placed by a few numbers.
+//! The usual objects in front of a rig: a plane, a sphere, a step, a sheet or a mesh, placed by a few numbers.
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -7,13 +7,13 @@ use super::surface::{Shape, Surface};
 use crate::error::{Error, Result};
 use crate::geometry::{Plane, Pose, RectangleSize};
 
-/// The blocks of [`Subject::Step`]: middle (right, down) and width, height, depth, in distances from the camera.
+/// The blocks of [`SceneObject::Step`]: middle (right, down) and width, height, depth, in distances from the camera.
 const BLOCKS: [([f64; 2], [f64; 3]); 2] =
     [([-0.13, 0.02], [0.16, 0.22, 0.06]), ([0.11, -0.03], [0.13, 0.17, 0.12])];
 
-/// What the rig looks at.
+/// The object in front of the rig.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Subject {
+pub enum SceneObject {
     /// An endless plane.
     Plane,
     /// A sphere.
@@ -21,7 +21,7 @@ pub enum Subject {
         /// Its radius, mm.
         radius_mm: f64,
     },
-    /// A wall with two blocks before it that throw shadows.
+    /// A wall with two blocks in front of it that cast shadows.
     Step,
     /// A sheet.
     Sheet(RectangleSize),
@@ -31,23 +31,23 @@ pub enum Subject {
     MeshInCamera(TriangleMesh),
 }
 
-/// Where the subject stands and of what colour it is.
+/// Place and colour of the object.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Placing {
+pub struct Placement {
     /// Its middle in the camera's frame, mm: right, down, forward.
     pub middle_mm: [f64; 3],
-    /// Turns about the camera's x, y and z axis, R = Rx·Ry·Rz, rad.
+    /// Rotations about the camera's x, y and z axis, R = Rx·Ry·Rz, rad.
     pub turn_rad: [f64; 3],
     /// Its albedo.
     pub albedo: [f64; 3],
-    /// How far behind the subject's middle a wall stands, which turns with it, mm; `None` for no wall.
+    /// Distance of a wall behind the object's middle, mm, which rotates with it; `None` for no wall.
     pub wall_mm: Option<f64>,
     /// The grey albedo of that wall.
     pub wall_albedo: f64,
 }
 
-impl Placing {
-    /// subject's frame (x right, y down, z away, its middle the origin) → camera.
+impl Placement {
+    /// object's frame (x right, y down, z away, its middle the origin) → camera.
     #[must_use]
     pub fn camera_from_middle(&self) -> Pose {
         let [x, y, z] = self.turn_rad;
@@ -65,23 +65,23 @@ impl Placing {
     }
 }
 
-impl Subject {
-    /// The surfaces: the subject's own first, the wall last.
+impl SceneObject {
+    /// The surfaces: the object's own first, the wall last.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for places and sizes that are not finite, albedos outside 0–1, a sheet or plane that is turned
-    /// away, and a sphere about the camera.
-    pub fn surfaces(&self, placing: &Placing) -> Result<Vec<Surface>> {
-        let finite = placing.middle_mm.iter().chain(&placing.turn_rad).all(|x| x.is_finite());
-        if !finite || placing.wall_mm.is_some_and(|w| !w.is_finite()) {
+    /// [`Error::Invalid`] for places and sizes that are not finite, albedos outside 0–1, a sheet or plane that is
+    /// turned away, and a sphere that contains the camera.
+    pub fn surfaces(&self, placement: &Placement) -> Result<Vec<Surface>> {
+        let finite = placement.middle_mm.iter().chain(&placement.turn_rad).all(|x| x.is_finite());
+        if !finite || placement.wall_mm.is_some_and(|w| !w.is_finite()) {
             return Err(Error::invalid(
-                "place of the subject",
+                "place of the object",
                 "finite lengths and angles",
-                format!("{placing:?}"),
+                format!("{placement:?}"),
             ));
         }
-        let pose = placing.camera_from_middle();
-        let object = |shape| Surface::object(shape).colored(placing.albedo);
+        let pose = placement.camera_from_middle();
+        let object = |shape| Surface::object(shape).colored(placement.albedo);
         let mut surfaces = match self {
             Self::Plane => vec![object(Shape::Plane(behind(&pose, 0.0)?))],
             Self::Sphere { radius_mm } => {
@@ -95,26 +95,26 @@ impl Subject {
             }
             Self::Step => {
                 let mut all: Vec<Surface> =
-                    blocks(&pose, placing.middle_mm[2]).into_iter().map(object).collect();
-                all.push(Surface::around(Shape::Plane(behind(&pose, 0.0)?), placing.wall_albedo));
+                    blocks(&pose, placement.middle_mm[2]).into_iter().map(object).collect();
+                all.push(Surface::around(Shape::Plane(behind(&pose, 0.0)?), placement.wall_albedo));
                 all
             }
             Self::Sheet(size) => {
-                let camera_from_rectangle = placing.camera_from_sheet(*size);
+                let camera_from_rectangle = placement.camera_from_sheet(*size);
                 vec![object(Shape::Rectangle { camera_from_rectangle, size: *size })]
             }
             Self::Mesh(mesh) => vec![object(Shape::Mesh(stood(mesh, &pose)?))],
             Self::MeshInCamera(mesh) => vec![object(Shape::Mesh(mesh.clone()))],
         };
-        if let Some(distance) = placing.wall_mm {
-            surfaces.push(Surface::around(Shape::Plane(behind(&pose, distance)?), placing.wall_albedo));
+        if let Some(distance) = placement.wall_mm {
+            surfaces.push(Surface::around(Shape::Plane(behind(&pose, distance)?), placement.wall_albedo));
         }
         surfaces.iter().try_for_each(Surface::validate)?;
         Ok(surfaces)
     }
 }
 
-/// The plane so far behind the middle.
+/// The plane at this distance behind the middle.
 fn behind(pose: &Pose, distance: f64) -> Result<Plane> {
     let normal = pose.rotation * Vector3::z();
     let point = Point3::from(pose.translation + normal * distance);
@@ -140,7 +140,7 @@ fn blocks(pose: &Pose, distance: f64) -> Vec<Shape> {
     BLOCKS.into_iter().map(block).collect()
 }
 
-/// A mesh with y up and z towards the viewer, stood with the middle of its box where the pose says.
+/// A mesh with y up and z towards the viewer, placed with the middle of its box at the pose.
 fn stood(mesh: &TriangleMesh, pose: &Pose) -> Result<TriangleMesh> {
     let [least, most] = mesh.bounds();
     let half_turn = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);

@@ -1,13 +1,13 @@
-//! Where subjects stand.
+//! Places of objects.
 
 use nalgebra::{Point3, Vector3};
 
 use super::{exact, rig};
 use crate::geometry::RectangleSize;
-use crate::simulate::{Photographer, Placing, PoseConfig, RigConfig, Shape, Subject, TriangleMesh};
+use crate::simulate::{Photographer, Placement, PoseConfig, RigConfig, SceneObject, Shape, TriangleMesh};
 
-fn placing() -> Placing {
-    Placing {
+fn placement() -> Placement {
+    Placement {
         middle_mm: [0.0, 0.0, 1000.0],
         turn_rad: [0.3, -0.4, 0.05],
         albedo: [0.8; 3],
@@ -17,17 +17,17 @@ fn placing() -> Placing {
 }
 
 #[test]
-fn a_sheet_stands_as_the_poses_of_observations_do() {
-    let [tilt_x_rad, tilt_y_rad, roll_rad] = placing().turn_rad;
+fn a_sheet_has_the_pose_of_the_observations() {
+    let [tilt_x_rad, tilt_y_rad, roll_rad] = placement().turn_rad;
     let pose = PoseConfig { tilt_x_rad, tilt_y_rad, roll_rad, ..PoseConfig::default() };
     let config = RigConfig::default();
-    let (a, b) = (pose.camera_from_sheet(&config), placing().camera_from_sheet(config.size));
+    let (a, b) = (pose.camera_from_sheet(&config), placement().camera_from_sheet(config.size));
     assert!((a.translation - b.translation).norm() < 1e-9);
     assert!((a.rotation.matrix() - b.rotation.matrix()).norm() < 1e-12);
 }
 
 #[test]
-fn every_subject_is_seen_in_the_middle() {
+fn every_object_is_visible_in_the_middle() {
     let rig = rig(96);
     let pyramid = TriangleMesh::new(
         vec![
@@ -40,16 +40,19 @@ fn every_subject_is_seen_in_the_middle() {
     )
     .unwrap();
     let sheet = RectangleSize { width_mm: 400.0, height_mm: 300.0 };
-    for subject in
-        [Subject::Plane, Subject::Sphere { radius_mm: 150.0 }, Subject::Sheet(sheet), Subject::Mesh(pyramid)]
-    {
-        let flat = Placing { turn_rad: [0.1, 0.0, 0.0], wall_mm: Some(400.0), ..placing() };
-        let surfaces = subject.surfaces(&flat).unwrap();
+    for object in [
+        SceneObject::Plane,
+        SceneObject::Sphere { radius_mm: 150.0 },
+        SceneObject::Sheet(sheet),
+        SceneObject::Mesh(pyramid),
+    ] {
+        let flat = Placement { turn_rad: [0.1, 0.0, 0.0], wall_mm: Some(400.0), ..placement() };
+        let surfaces = object.surfaces(&flat).unwrap();
         assert!(surfaces[0].is_object && !surfaces[surfaces.len() - 1].is_object);
         let seen = Photographer::new(&rig, &surfaces, &exact()).unwrap();
         let middle = seen.truth().at(47, 35).unwrap();
-        assert_eq!(middle.surface, 0, "{subject:?}");
-        assert!((840.0..1050.0).contains(&middle.point.z), "{subject:?} {middle:?}");
+        assert_eq!(middle.surface, 0, "{object:?}");
+        assert!((840.0..1050.0).contains(&middle.point.z), "{object:?} {middle:?}");
     }
 }
 
@@ -61,8 +64,8 @@ fn a_mesh_stands_upright_and_shows_its_front() {
         vec![[0, 1, 2]],
     )
     .unwrap();
-    let straight = Placing { turn_rad: [0.0; 3], ..placing() };
-    let surfaces = Subject::Mesh(mesh).surfaces(&straight).unwrap();
+    let straight = Placement { turn_rad: [0.0; 3], ..placement() };
+    let surfaces = SceneObject::Mesh(mesh).surfaces(&straight).unwrap();
     let Shape::Mesh(stood) = &surfaces[0].shape else { panic!("another shape") };
     let [least, most] = stood.bounds();
     assert!((least - Point3::new(-50.0, -50.0, 980.0)).norm() < 1e-9 && (most.y - 50.0).abs() < 1e-9);
@@ -72,7 +75,7 @@ fn a_mesh_stands_upright_and_shows_its_front() {
 
 #[test]
 fn steps_stand_on_their_wall() {
-    let surfaces = Subject::Step.surfaces(&placing()).unwrap();
+    let surfaces = SceneObject::Step.surfaces(&placement()).unwrap();
     assert_eq!(surfaces.iter().filter(|s| s.is_object).count(), 2);
     let Shape::Plane(wall) = surfaces[2].shape else { panic!("no wall") };
     for block in &surfaces[..2] {
@@ -80,6 +83,8 @@ fn steps_stand_on_their_wall() {
         let back = camera_from_block.transform(&Point3::from(Vector3::new(0.0, 0.0, size_mm[2] / 2.0)));
         assert!(wall.signed_distance_mm(&back).abs() < 1e-9);
     }
-    assert!(Subject::Plane.surfaces(&Placing { turn_rad: [2.0, 0.0, 0.0], ..placing() }).is_err());
-    assert!(Subject::Step.surfaces(&Placing { middle_mm: [0.0, 0.0, f64::NAN], ..placing() }).is_err());
+    assert!(SceneObject::Plane.surfaces(&Placement { turn_rad: [2.0, 0.0, 0.0], ..placement() }).is_err());
+    assert!(
+        SceneObject::Step.surfaces(&Placement { middle_mm: [0.0, 0.0, f64::NAN], ..placement() }).is_err()
+    );
 }

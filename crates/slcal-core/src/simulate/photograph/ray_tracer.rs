@@ -1,4 +1,4 @@
-//! A rig before its surfaces: which ray meets what, and what the projector throws there.
+//! Ray tracing of a rig and its surfaces: what a camera's ray meets, and which light of the projector falls there.
 
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
@@ -8,14 +8,14 @@ use crate::error::Result;
 use crate::geometry::{Camera, Plane, Pose, Ray};
 use crate::rig::{Projector, Rig};
 
-/// A shadow ends this share of the light's way before the point itself, which would else shade itself by rounding.
+/// A shadow ray ends this share of its length before the point, which would otherwise shade itself by rounding.
 const OWN_SHADOW: f64 = 1e-7;
-/// How well a lens that is undone and done again must return to the pixel, normalised coordinates: far below any pixel,
-/// far above rounding. Beyond where its model folds over, it returns elsewhere.
+/// Largest error of undistorting and distorting again, normalised coordinates: far below any pixel, far above rounding.
+/// Beyond the fold of the lens's model the result is elsewhere.
 const SAME_RAY: f64 = 1e-6;
 
 /// Camera, projector and surfaces.
-pub(super) struct Stage {
+pub(super) struct RayTracer {
     pub(super) camera: Camera,
     pub(super) projector: Camera,
     pub(super) projector_from_camera: Pose,
@@ -24,9 +24,9 @@ pub(super) struct Stage {
     pub(super) surfaces: Vec<Surface>,
 }
 
-/// What a ray of the camera meets.
+/// The intersection of a camera's ray with a surface.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Look {
+pub(super) struct CameraHit {
     pub(super) point: Point3<f64>,
     /// Not normalised, of either sign.
     pub(super) normal: Vector3<f64>,
@@ -35,7 +35,7 @@ pub(super) struct Look {
     pub(super) panel: Option<Point2<f64>>,
 }
 
-impl Stage {
+impl RayTracer {
     pub(super) fn new(rig: &Rig, surfaces: &[Surface]) -> Result<Self> {
         let Projector { device, from_camera } = rig.require_projector()?;
         surfaces.iter().try_for_each(Surface::validate)?;
@@ -49,7 +49,7 @@ impl Stage {
         })
     }
 
-    /// The nearest surface on a ray: its number, the distance in lengths of the direction, the normal.
+    /// The nearest surface on a ray: its index, the distance in lengths of the direction, the normal.
     pub(super) fn nearest(&self, ray: &Ray) -> Option<(usize, f64, Vector3<f64>)> {
         let mut best: Option<(usize, f64, Vector3<f64>)> = None;
         for (i, surface) in self.surfaces.iter().enumerate() {
@@ -61,17 +61,17 @@ impl Stage {
         best
     }
 
-    /// What the camera sees at a pixel position.
-    pub(super) fn look(&self, p: Point2<f64>) -> Option<Look> {
+    /// The intersection of the ray of a pixel position.
+    pub(super) fn look(&self, p: Point2<f64>) -> Option<CameraHit> {
         let ray = Ray { origin: Point3::origin(), direction: self.camera.bearing(p)? };
         let (surface, distance, normal) = self.nearest(&ray)?;
         let point = ray.origin + ray.direction * distance;
         let same_side = normal.dot(&(self.lamp - point)) * normal.dot(&-point.coords) > 0.0;
         let panel = if same_side { self.panel(&point).filter(|_| !self.shaded(&point)) } else { None };
-        Some(Look { point, normal, surface, panel })
+        Some(CameraHit { point, normal, surface, panel })
     }
 
-    /// The panel position that shines towards a point; `None` beside the panel.
+    /// The panel position whose light reaches a point; `None` outside the panel.
     pub(super) fn panel(&self, point: &Point3<f64>) -> Option<Point2<f64>> {
         let local = self.projector_from_camera.transform(point);
         let q = self.projector.project(&local)?;
@@ -93,15 +93,16 @@ impl Stage {
     }
 
     /// Cosine of the angle at which the projector's light falls in over the square of its way, 1/mm².
-    pub(super) fn irradiance(&self, look: &Look) -> f64 {
+    pub(super) fn irradiance(&self, look: &CameraHit) -> f64 {
         let way = self.lamp - look.point;
         let (d2, n) = (way.norm_squared(), look.normal.norm());
         let e = look.normal.dot(&way).abs() / (n * d2 * d2.sqrt());
         if e.is_finite() { e } else { 0.0 }
     }
 
-    /// How the panel position changes for a step of `step` camera pixels along x and along y on the surface's tangent plane.
-    pub(super) fn slope(&self, p: Point2<f64>, look: &Look, step: f64) -> Option<[Vector2<f64>; 2]> {
+    /// Change of the panel position for a step of `step` camera pixels along x and along y on the surface's tangent
+    /// plane.
+    pub(super) fn slope(&self, p: Point2<f64>, look: &CameraHit, step: f64) -> Option<[Vector2<f64>; 2]> {
         let tangent = Plane::from_point_normal(&look.point, look.normal)?;
         let at = |offset: Vector2<f64>| {
             let ray = Ray { origin: Point3::origin(), direction: self.camera.bearing(p + offset)? };
