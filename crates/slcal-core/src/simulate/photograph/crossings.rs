@@ -73,9 +73,9 @@ impl Photographer {
         if !(inside(p.x, tracer.camera.width) && inside(p.y, tracer.camera.height)) {
             return None;
         }
-        let look = tracer.look(p)?;
-        let nearer = (look.point - Point3::origin()).norm() < (1.0 - HIDDEN) * point.coords.norm();
-        (look.surface == surface && look.panel.is_some() && !nearer).then_some(p)
+        let hit = tracer.trace(p)?;
+        let nearer = (hit.point - Point3::origin()).norm() < (1.0 - HIDDEN) * point.coords.norm();
+        (hit.surface == surface && hit.panel.is_some() && !nearer).then_some(p)
     }
 
     /// Whether the panel's column (`k` = 0) or row (1) changes more from pixel to pixel along image rows than along columns.
@@ -120,8 +120,8 @@ fn crossing(
             break;
         }
         let t = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
-        let look = tracer.look(at(t)).filter(|l| l.surface == a.surface as usize)?;
-        let f = look.panel?[k] - centre;
+        let hit = tracer.trace(at(t)).filter(|l| l.surface == a.surface as usize)?;
+        let f = hit.panel?[k] - centre;
         if f.abs() < best.1.abs() {
             best = (t, f);
         }

@@ -84,9 +84,9 @@ impl Photographer {
 
     /// The ground truth at a position of the photograph, pixel centres at integers.
     #[must_use]
-    pub fn look(&self, p: Point2<f64>) -> Option<PixelTruth> {
-        let look = self.tracer.look(p)?;
-        Some(PixelTruth { point: look.point, panel: look.panel, surface: look.surface })
+    pub fn trace(&self, p: Point2<f64>) -> Option<PixelTruth> {
+        let hit = self.tracer.trace(p)?;
+        Some(PixelTruth { point: hit.point, panel: hit.panel, surface: hit.surface })
     }
 
     /// The surfaces.
@@ -176,10 +176,10 @@ impl Photographer {
 
     /// Mean light of a part of a pixel, by one ray.
     fn sample(&self, panel: &Panel, p: Point2<f64>, step: f64) -> [f64; 3] {
-        let Some(look) = self.tracer.look(p) else { return self.config.background };
-        let Some(at) = look.panel else { return self.returned(look.surface, 0.0, [0.0; 3]) };
-        let slope = self.tracer.slope(p, &look, step).unwrap_or([Vector2::zeros(); 2]);
-        self.returned(look.surface, self.tracer.irradiance(&look), mean_over(panel, at, slope))
+        let Some(hit) = self.tracer.trace(p) else { return self.config.background };
+        let Some(at) = hit.panel else { return self.returned(hit.surface, 0.0, [0.0; 3]) };
+        let slope = self.tracer.slope(p, &hit, step).unwrap_or([Vector2::zeros(); 2]);
+        self.returned(hit.surface, self.tracer.irradiance(&hit), mean_over(panel, at, slope))
     }
 
     /// The light reflected by a surface; that of the background where there is none.

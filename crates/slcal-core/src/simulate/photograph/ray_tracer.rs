@@ -62,7 +62,7 @@ impl RayTracer {
     }
 
     /// The intersection of the ray of a pixel position.
-    pub(super) fn look(&self, p: Point2<f64>) -> Option<CameraHit> {
+    pub(super) fn trace(&self, p: Point2<f64>) -> Option<CameraHit> {
         let ray = Ray { origin: Point3::origin(), direction: self.camera.bearing(p)? };
         let (surface, distance, normal) = self.nearest(&ray)?;
         let point = ray.origin + ray.direction * distance;
@@ -93,17 +93,17 @@ impl RayTracer {
     }
 
     /// Cosine of the angle at which the projector's light falls in over the square of its way, 1/mm².
-    pub(super) fn irradiance(&self, look: &CameraHit) -> f64 {
-        let way = self.lamp - look.point;
-        let (d2, n) = (way.norm_squared(), look.normal.norm());
-        let e = look.normal.dot(&way).abs() / (n * d2 * d2.sqrt());
+    pub(super) fn irradiance(&self, hit: &CameraHit) -> f64 {
+        let way = self.lamp - hit.point;
+        let (d2, n) = (way.norm_squared(), hit.normal.norm());
+        let e = hit.normal.dot(&way).abs() / (n * d2 * d2.sqrt());
         if e.is_finite() { e } else { 0.0 }
     }
 
     /// Change of the panel position for a step of `step` camera pixels along x and along y on the surface's tangent
     /// plane.
-    pub(super) fn slope(&self, p: Point2<f64>, look: &CameraHit, step: f64) -> Option<[Vector2<f64>; 2]> {
-        let tangent = Plane::from_point_normal(&look.point, look.normal)?;
+    pub(super) fn slope(&self, p: Point2<f64>, hit: &CameraHit, step: f64) -> Option<[Vector2<f64>; 2]> {
+        let tangent = Plane::from_point_normal(&hit.point, hit.normal)?;
         let at = |offset: Vector2<f64>| {
             let ray = Ray { origin: Point3::origin(), direction: self.camera.bearing(p + offset)? };
             self.projector.project(&self.projector_from_camera.transform(&ray.meet(&tangent)?))
@@ -115,12 +115,12 @@ impl RayTracer {
 
     /// The truth of a pixel.
     pub(super) fn pixel(&self, x: usize, y: usize) -> StoredTruth {
-        let Some(look) = self.look(Point2::new(x as f64, y as f64)) else { return StoredTruth::EMPTY };
+        let Some(hit) = self.trace(Point2::new(x as f64, y as f64)) else { return StoredTruth::EMPTY };
         StoredTruth {
-            point: look.point.into(),
-            panel: look.panel.map_or([f64::NAN; 2], Into::into),
-            irradiance: if look.panel.is_some() { self.irradiance(&look) as f32 } else { 0.0 },
-            surface: look.surface as u32,
+            point: hit.point.into(),
+            panel: hit.panel.map_or([f64::NAN; 2], Into::into),
+            irradiance: if hit.panel.is_some() { self.irradiance(&hit) as f32 } else { 0.0 },
+            surface: hit.surface as u32,
         }
     }
 }

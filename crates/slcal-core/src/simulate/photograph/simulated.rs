@@ -35,7 +35,7 @@ impl SimulatedScene {
     pub fn cloud(&self) -> PointCloud {
         let white = self.white.to_rgb8();
         let points = self.matches.items.iter().filter_map(|m| {
-            let seen = self.photographer.look(m.camera)?;
+            let seen = self.photographer.trace(m.camera)?;
             let [x, y] = [(m.camera.x, white.width()), (m.camera.y, white.height())]
                 .map(|(v, n)| v.round().clamp(0.0, f64::from(n - 1)) as u32);
             Some(CloudPoint {
