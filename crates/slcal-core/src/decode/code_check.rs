@@ -18,6 +18,11 @@ const MIN_OVER_DECOY: f32 = 1.5;
 /// without the pattern have 0.2, and clutter among the crossings lowers it.
 const MIN_FIT: f32 = 0.35;
 
+/// The error for stripes of another pattern.
+pub(super) fn another_pattern(what: &'static str, seen: String) -> Error {
+    Error::NotFound { what, seen, advice: "check that the pattern file is the one that was projected".into() }
+}
+
 /// Refuses photographs without colour, such as a grey picture stored as RGB.
 pub(super) fn check_color(tracks: &Tracks, scratch: &mut Vec<f32>) -> Result<()> {
     scratch.clear();

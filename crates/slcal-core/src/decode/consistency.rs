@@ -1,9 +1,10 @@
 //! Consistency of the labels of neighbouring stripes: a wrong pattern may share windows with the right one.
 
+use super::code_check::another_pattern;
 use super::labeling::{Labeling, VotedLabel};
 use super::sequence_alignment::{BRIGHTER, CrossingFeatures, NONE, differ_by_factor, differ_in_light};
 use super::tracks::Tracks;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::solve::median_f32;
 
 /// Every further slit fits by chance with the probability of one over the number of hues.
@@ -49,14 +50,13 @@ pub(super) fn check_runs(
     }
     let usual = median_f32(scratch).unwrap_or(0.0);
     if usual < (window + BEYOND_WINDOW) as f32 {
-        return Err(Error::NotFound {
-            what: "the pattern's code",
-            seen: format!(
+        return Err(another_pattern(
+            "the pattern's code",
+            format!(
                 "{} stripe crossings; those that fit the code form runs of {usual} slits, where {window} fit by chance",
                 tracks.crossings.len()
             ),
-            advice: "check that the pattern file is the one that was projected".into(),
-        });
+        ));
     }
     Ok(())
 }
@@ -154,11 +154,7 @@ pub(super) fn check_neighbors(
     } else {
         return Ok(());
     };
-    Err(Error::NotFound {
-        what: "the pattern's code",
-        seen,
-        advice: "check that the pattern file is the one that was projected".into(),
-    })
+    Err(another_pattern("the pattern's code", seen))
 }
 
 #[cfg(test)]

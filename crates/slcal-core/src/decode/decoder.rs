@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::code_check::{CodeCandidates, check_color, try_pattern};
+use super::code_check::{CodeCandidates, another_pattern, check_color, try_pattern};
 use super::config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Rejected, ScanDirection};
 use super::consistency::{check_neighbors, check_runs};
 use super::crosstalk::{check_hues, crosstalk};
@@ -344,14 +344,13 @@ impl Decoder {
         report.decoded = matches.len();
         report.slits = self.slits_seen.iter().filter(|s| **s).count();
         if matches.is_empty() {
-            return Err(Error::NotFound {
-                what: "the pattern's code",
-                seen: format!(
+            return Err(another_pattern(
+                "the pattern's code",
+                format!(
                     "{} stripe crossings; none has a slit that its neighbours confirm",
                     tracks.crossings.len()
                 ),
-                advice: "check that the pattern file is the one that was projected".into(),
-            });
+            ));
         }
         Ok(())
     }

@@ -212,7 +212,7 @@ fn no_surface(matches: usize, report: &TriangulateReport, culled: &CullReport) -
     Error::NotFound {
         what: "surface",
         seen: format!(
-            "of {matches} matches {} are points ({} without coordinates, {} grazing, {} behind the devices, {} lit from outside the panel, {} of contradicting column and row, {} outside the depth limits), {} of them outliers",
+            "{} points from {matches} matches (rejected: {} without coordinates, {} whose light plane nearly contains the camera ray, {} behind the devices, {} lit from outside the panel, {} with contradicting column and row, {} outside the depth limits); {} of the points are outliers",
             report.points,
             report.invalid,
             report.grazing,
@@ -222,7 +222,7 @@ fn no_surface(matches: usize, report: &TriangulateReport, culled: &CullReport) -
             report.outside_depth,
             culled.outliers
         ),
-        advice: "check that the rig, the pattern and the photograph belong together, and that nothing has moved since the calibration; a handful of points that make no surface stay with culling off".into(),
+        advice: "check that the rig, the pattern and the photograph belong together, and that nothing has moved since the calibration; with culling off, a few points without a surface are kept".into(),
     }
 }
 
@@ -243,7 +243,7 @@ fn check_possible(report: &TriangulateReport, matches: usize) -> Result<()> {
     Err(Error::NotFound {
         what: "the pattern as this rig would project it",
         seen: format!(
-            "{impossible} of {matches} decoded crossings lie where no light from the panel's part of their slit can meet the camera's ray in front of both devices"
+            "{impossible} of {matches} decoded crossings where the camera ray does not meet the light of their slit in front of both devices"
         ),
         advice: "check that the pattern file is the one that was projected, upright and not mirrored, that the rig is the one that took the photograph, and that nothing has moved since the calibration".into(),
     })
