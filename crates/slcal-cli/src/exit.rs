@@ -116,9 +116,13 @@ mod tests {
 
     #[test]
     fn classes_have_the_codes_of_the_interface() {
-        let imaginary = Error::ImaginaryFocal { device: "camera", f_squared: -1.0, advice: String::new() };
+        let imaginary = Error::ImaginaryFocal {
+            device: slcal_core::ErrorSubject::Camera,
+            f_squared: -1.0,
+            advice: String::new(),
+        };
         assert_eq!(Failure::from(imaginary).code(), 5);
-        let invalid = Error::invalid("sheet size", "two lengths", "none");
+        let invalid = Error::invalid(slcal_core::ErrorSubject::SheetSize, "two lengths", "none");
         assert_eq!(Failure::from(invalid.clone()).code(), 2);
         let in_file = Failure::in_file(Path::new("rig.json"), &invalid);
         assert_eq!(in_file.code(), 3);

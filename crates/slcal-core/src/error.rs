@@ -1,9 +1,22 @@
 //! The one error type of the library: each variant names what was wrong, with the numbers that show it.
 
+use std::fmt;
+use std::ops::Deref;
+use std::sync::Arc;
+
 /// What can go wrong between a photograph and a point cloud.
 ///
-/// The message of every variant says what was expected, what was found and what to do about it. The variants sort
-/// into the classes that callers act upon, see [`Error::class`].
+/// The message of every variant says what was expected, what was found and what to do about it. `what` is the [`ErrorSubject`] of
+/// the message, for programs that act upon it. The variants sort into classes, see [`Error::class`].
+///
+/// ```
+/// use slcal_core::{Error, ErrorClass, ErrorSubject, geometry::RectangleSize};
+///
+/// let error = RectangleSize::new(0.0, 420.0).unwrap_err();
+/// assert!(matches!(error, Error::Invalid { what: ErrorSubject::SheetSize, .. }));
+/// assert_eq!(error.class(), ErrorClass::Usage);
+/// assert!(error.to_string().starts_with("sheet size: expected two positive lengths"));
+/// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -11,7 +24,7 @@ pub enum Error {
     #[error("{what}: expected {expected}, found {found}")]
     Invalid {
         /// Which value it is.
-        what: String,
+        what: ErrorSubject,
         /// What values are accepted.
         expected: String,
         /// What was given.
@@ -20,8 +33,8 @@ pub enum Error {
     /// Something that should be seen in the photograph was not found.
     #[error("{what} not found: {seen}; {advice}")]
     NotFound {
-        /// The thing that was looked for: "sheet", "checkerboard", "stripes".
-        what: &'static str,
+        /// The thing that was looked for.
+        what: ErrorSubject,
         /// What was seen instead, with counts.
         seen: String,
         /// What the user can do.
@@ -31,7 +44,7 @@ pub enum Error {
     #[error("{what} is not determined: {advice}")]
     Degenerate {
         /// The quantity that is not determined.
-        what: &'static str,
+        what: ErrorSubject,
         /// The number that shows it; what it means to the user is said in `advice`.
         measure: f64,
         /// The limit that it missed.
@@ -45,8 +58,8 @@ pub enum Error {
         "the focal length of the {device} is imaginary (its square came out negative, {f_squared:.4e} px²); {advice}"
     )]
     ImaginaryFocal {
-        /// "camera" or "projector".
-        device: &'static str,
+        /// [`ErrorSubject::Camera`] or [`ErrorSubject::Projector`].
+        device: ErrorSubject,
         /// The negative square, px².
         f_squared: f64,
         /// What the user can do.
@@ -55,19 +68,179 @@ pub enum Error {
     /// A file or a text is not what its schema says.
     #[error("malformed {what}: {detail}")]
     Malformed {
-        /// The kind of text: "rig JSON", "pattern JSON", "matches CSV", "PLY".
-        what: &'static str,
+        /// The kind of text.
+        what: ErrorSubject,
         /// Where and how it departs from the schema.
         detail: String,
+        /// The error of the parser, where there is one.
+        source: Option<Cause>,
     },
     /// Reading or writing the underlying stream failed.
-    #[error("{what}: {detail}")]
+    #[error("{access} {what}: {source}")]
     Io {
-        /// What was being read or written.
-        what: &'static str,
-        /// The system's message.
-        detail: String,
+        /// Whether the stream was read or written.
+        access: Access,
+        /// The kind of text.
+        what: ErrorSubject,
+        /// The stream's error.
+        source: Cause,
     },
+}
+
+/// An error of the system or of a parser; [`std::error::Error::source`] gives it with its own type. Two are equal when their
+/// messages are.
+#[derive(Debug, Clone)]
+pub struct Cause(Arc<dyn std::error::Error + Send + Sync>);
+
+impl Deref for Cause {
+    type Target = dyn std::error::Error + Send + Sync;
+
+    fn deref(&self) -> &Self::Target {
+        &*self.0
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl PartialEq for Cause {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.to_string() == other.0.to_string()
+    }
+}
+
+/// What was done with a stream.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// It was read.
+    Reading,
+    /// It was written.
+    Writing,
+}
+
+impl fmt::Display for Access {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Reading => "reading",
+            Self::Writing => "writing",
+        })
+    }
+}
+
+/// A subject per line, with its name in messages.
+macro_rules! subjects {
+    ($($name:ident = $text:literal,)*) => {
+        /// What an [`Error`] is about: an input, a thing in a photograph, a quantity, a kind of file, or an option by its name.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        #[non_exhaustive]
+        pub enum ErrorSubject {
+            $(#[doc = $text] $name,)*
+            /// An option, a field of a configuration or another quantity, by its name: `min_confidence`.
+            Named(&'static str),
+            /// An entry of a list in a file: `centres_px[3]`.
+            Element {
+                /// The list.
+                list: &'static str,
+                /// The entry, from 0.
+                index: usize,
+            },
+            /// A part of something: the size of the camera image.
+            Part {
+                /// The part.
+                part: &'static str,
+                /// What it belongs to.
+                of: &'static str,
+            },
+            /// Part of the observations of one photograph.
+            View {
+                /// The photograph, from 0.
+                index: usize,
+                /// The part.
+                part: &'static str,
+            },
+        }
+
+        impl fmt::Display for ErrorSubject {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self {
+                    $(Self::$name => f.write_str($text),)*
+                    Self::Named(name) => f.write_str(name),
+                    Self::Element { list, index } => write!(f, "{list}[{index}]"),
+                    Self::Part { part, of } => write!(f, "{part} of the {of}"),
+                    Self::View { index, part } => write!(f, "view {}, {part}", index + 1),
+                }
+            }
+        }
+    };
+}
+
+subjects! {
+    // What the caller gives.
+    Photograph = "photograph",
+    Photographs = "photographs",
+    PlainPhotograph = "plain photograph",
+    StripedPhotograph = "striped photograph",
+    BlackFrame = "black frame",
+    WhiteFrame = "white frame",
+    Camera = "camera",
+    Projector = "projector",
+    KnownCamera = "known camera",
+    Panel = "projector panel",
+    SheetSize = "sheet size",
+    SheetCorners = "corners",
+    Pattern = "pattern",
+    StripePattern = "stripe pattern",
+    Rig = "rig",
+    Observations = "observations",
+    Cloud = "cloud",
+    Import = "files to import",
+    // What is looked for in a photograph or a cloud.
+    Sheet = "sheet",
+    Checkerboard = "checkerboard",
+    Stripes = "stripes",
+    ColoredStripes = "coloured stripes",
+    PatternCode = "the pattern's code",
+    PatternHues = "the pattern's hues",
+    Plane = "plane",
+    Sphere = "sphere",
+    Surface = "surface",
+    // What is estimated.
+    Calibration = "the calibration",
+    FocalLength = "the focal length",
+    LensShift = "the projector's lens shift",
+    Pose = "pose",
+    Homography = "homography",
+    RectifiedPicture = "the rectified picture",
+    RigComparison = "the comparison with the rig",
+    // Files.
+    RigFile = "rig JSON",
+    PatternFile = "pattern JSON",
+    ObservationsFile = "observations JSON",
+    MatchesFile = "matches CSV",
+    CameraFile = "camera file",
+    Ply = "PLY",
+    Obj = "OBJ",
+    Pcd = "PCD",
+    Xyz = "XYZ",
+    Glb = "GLB",
+    Pfm = "PFM",
+    OpenCvFile = "OpenCV file",
+    RosFile = "ROS camera_info",
+    ColmapModel = "COLMAP model",
+    KalibrFile = "Kalibr camchain",
+    BlenderScript = "script for Blender",
+    NpzFile = "npz file",
+    ImportFile = "file to import",
+    ImportFolder = "folder to import",
+}
+
+impl From<&'static str> for ErrorSubject {
+    fn from(name: &'static str) -> Self {
+        Self::Named(name)
+    }
 }
 
 /// The classes of [`Error`] that callers distinguish (the command line's exit codes follow them).
@@ -89,11 +262,36 @@ pub enum ErrorClass {
 impl Error {
     /// An [`Error::Invalid`] from anything that can be shown.
     pub fn invalid(
-        what: impl Into<String>,
+        what: impl Into<ErrorSubject>,
         expected: impl Into<String>,
-        found: impl std::fmt::Display,
+        found: impl fmt::Display,
     ) -> Self {
         Self::Invalid { what: what.into(), expected: expected.into(), found: found.to_string() }
+    }
+
+    /// An [`Error::Malformed`] without another error behind it.
+    pub fn malformed(what: ErrorSubject, detail: impl Into<String>) -> Self {
+        Self::Malformed { what, detail: detail.into(), source: None }
+    }
+
+    /// An [`Error::Malformed`] of a text that a parser refuses.
+    pub(crate) fn unparsable(
+        what: ErrorSubject,
+        is_not: &str,
+        source: impl std::error::Error + Send + Sync + 'static,
+    ) -> Self {
+        let detail = format!("this is not {is_not}: {source}");
+        Self::Malformed { what, detail, source: Some(Cause(Arc::new(source))) }
+    }
+
+    /// An [`Error::Io`] of a stream that was read.
+    pub(crate) fn reading(what: ErrorSubject, source: std::io::Error) -> Self {
+        Self::Io { access: Access::Reading, what, source: Cause(Arc::new(source)) }
+    }
+
+    /// An [`Error::Io`] of a stream that was written.
+    pub(crate) fn writing(what: ErrorSubject, source: impl Into<std::io::Error>) -> Self {
+        Self::Io { access: Access::Writing, what, source: Cause(Arc::new(source.into())) }
     }
 
     /// The class of this error.

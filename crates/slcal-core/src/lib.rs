@@ -40,7 +40,7 @@ pub use calibrate::{
     calibrate_external, calibrate_observations, external_residuals, residuals,
 };
 pub use cloud::{CloudPoint, Frame, PointCloud};
-pub use error::{Error, ErrorClass, Result};
+pub use error::{Access, Cause, Error, ErrorClass, ErrorSubject, Result};
 pub use matches::{Match, Matches};
 pub use observations::{
     CornerPair, EdgePoint, ExternalObservations, Observations, SheetObservation, Unstated, ViewObservation,

@@ -2,7 +2,7 @@
 
 use crate::calibrate::{CalibrateConfig, Calibration, calibrate_observations};
 use crate::detect::{DetectConfig, observe};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::RectangleSize;
 use crate::observations::Observations;
 use crate::pattern::CheckerPattern;
@@ -42,10 +42,13 @@ pub fn calibrate<'a>(
 ) -> Result<Calibration> {
     let pattern = pattern.into();
     let size = |p: &PhotoView<'_>| [p.width() as u32, p.height() as u32];
-    let camera = photos.first().map(size).ok_or_else(|| Error::invalid("photographs", "at least one", 0))?;
+    let camera = photos
+        .first()
+        .map(size)
+        .ok_or_else(|| Error::invalid(ErrorSubject::Photographs, "at least one", 0))?;
     if let Some([w, h]) = photos.iter().map(size).find(|s| *s != camera) {
         let expected = format!("all of one camera, {}x{} as the first", camera[0], camera[1]);
-        return Err(Error::invalid("photographs", expected, format!("{w}x{h}")));
+        return Err(Error::invalid(ErrorSubject::Photographs, expected, format!("{w}x{h}")));
     }
     let detect = DetectConfig::default();
     let views = photos

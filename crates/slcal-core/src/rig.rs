@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Matrix3, Point2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Pose, RectangleSize, VanishingPoints};
 
 /// 1σ of a device's parameters; zero for what was held fixed.
@@ -245,7 +245,7 @@ impl Rig {
     pub fn require_projector(&self) -> Result<&Projector> {
         self.projector.as_ref().ok_or_else(|| {
             let expected = "a calibrated projector (calibrate with a pattern)";
-            Error::invalid("rig", expected, "a rig that holds the camera alone")
+            Error::invalid(ErrorSubject::Rig, expected, "a rig that holds the camera alone")
         })
     }
 
@@ -253,7 +253,7 @@ impl Rig {
     ///
     /// # Errors
     /// [`Error::Invalid`] for a rig that holds the camera alone, and for another panel.
-    pub fn projector_for(&self, what: &str, panel: [u32; 2]) -> Result<&Projector> {
+    pub fn projector_for(&self, what: ErrorSubject, panel: [u32; 2]) -> Result<&Projector> {
         let projector = self.require_projector()?;
         let [w, h] = [projector.device.model.width, projector.device.model.height];
         if panel != [w, h] {

@@ -4,7 +4,7 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use crate::detect::{DetectConfig, Detection, observe};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{RectangleSize, Warp};
 use crate::pattern::CheckerPattern;
 use crate::photo::{Encoding, PhotoView};
@@ -90,14 +90,18 @@ impl<'a> PhotoVerifier<'a> {
     /// is projected as drawn and the size is given, and values out of range; otherwise as [`rectify_checker`].
     pub fn new(rig: &'a Rig, pattern: &'a CheckerPattern, config: &VerifyPhotoConfig) -> Result<Self> {
         config.validate()?;
-        rig.projector_for("checkerboard", pattern.projector)?;
+        rig.projector_for(ErrorSubject::Checkerboard, pattern.projector)?;
         let size = config.size.or_else(|| rig.views.first().map(|v| v.size)).ok_or_else(|| {
-            Error::invalid("size", "the sheet's size, since the rig holds no view of a sheet", "none")
+            Error::invalid(
+                ErrorSubject::SheetSize,
+                "the sheet's size, since the rig holds no view of a sheet",
+                "none",
+            )
         })?;
         let drawn =
             if config.as_drawn { None } else { Some(rectify_checker(rig, 0, pattern)?.panel_from_source) };
         let (outline_px, aspect) = outline(pattern, drawn.as_ref()).ok_or_else(|| {
-            Error::invalid("pattern", "one that can be drawn on the panel", "a point at infinity")
+            Error::invalid(ErrorSubject::Pattern, "one that can be drawn on the panel", "a point at infinity")
         })?;
         let (detect, test) = (config.detect(drawn), config.test());
         Ok(Self { rig, pattern, size, detect, test, outline_px, aspect })
@@ -112,7 +116,7 @@ impl<'a> PhotoVerifier<'a> {
         let (camera, found) = (self.rig.camera.model, [photo.width(), photo.height()]);
         if [camera.width as usize, camera.height as usize] != found {
             return Err(Error::invalid(
-                "photograph",
+                ErrorSubject::Photograph,
                 format!(
                     "{}x{} pixels, as the rig's camera has (a rig holds for one camera at one resolution, uncropped)",
                     camera.width, camera.height
@@ -204,7 +208,7 @@ mod tests {
         // A rig without views needs the size, and cannot have rectified anything.
         let bare = Rig { views: Vec::new(), ..rig };
         let error = verify_photo(&bare, view, &pattern, &as_drawn).unwrap_err();
-        assert!(matches!(&error, Error::Invalid { what, .. } if what == "size"), "{error}");
+        assert!(matches!(&error, Error::Invalid { what, .. } if *what == ErrorSubject::SheetSize), "{error}");
         let size = Some(config().size);
         let sized = VerifyPhotoConfig { size, ..as_drawn };
         let found = verify_photo(&bare, view, &pattern, &sized).unwrap().verification;

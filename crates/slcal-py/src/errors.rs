@@ -50,32 +50,32 @@ pub(crate) fn raised_from(py: Python<'_>, error: &Error, looking: Looking, file:
 fn fill(fields: &Bound<'_, PyDict>, error: &Error, looking: Looking) -> PyResult<Option<&'static str>> {
     Ok(Some(match error {
         Error::Invalid { what, expected, found } => {
-            fields.set_item("what", what)?;
+            fields.set_item("what", what.to_string())?;
             fields.set_item("expected", expected)?;
             fields.set_item("found", found)?;
             "Error"
         }
         Error::NotFound { what, seen, advice } => {
-            fields.set_item("what", what)?;
+            fields.set_item("what", what.to_string())?;
             fields.set_item("seen", seen)?;
             fields.set_item("advice", advice)?;
             looking.class()
         }
         Error::Degenerate { what, measure, limit, advice } => {
-            fields.set_item("what", what)?;
+            fields.set_item("what", what.to_string())?;
             fields.set_item("measure", measure)?;
             fields.set_item("limit", limit)?;
             fields.set_item("advice", advice)?;
             "CalibrationError"
         }
         Error::ImaginaryFocal { device, f_squared, advice } => {
-            fields.set_item("device", device)?;
+            fields.set_item("device", device.to_string())?;
             fields.set_item("f_squared", f_squared)?;
             fields.set_item("advice", advice)?;
             "CalibrationError"
         }
-        Error::Malformed { what, detail } => {
-            fields.set_item("what", what)?;
+        Error::Malformed { what, detail, .. } => {
+            fields.set_item("what", what.to_string())?;
             fields.set_item("detail", detail)?;
             "FormatError"
         }

@@ -6,7 +6,7 @@ use numpy::{PyUntypedArray, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 use slcal_core::geometry::{Homography, RectangleSize, Warp};
 use slcal_core::{
-    Device, Rig as CoreRig, rectify, rectify_checker, rectify_checker_picture, rectify_picture,
+    Device, ErrorSubject, Rig as CoreRig, rectify, rectify_checker, rectify_checker_picture, rectify_picture,
 };
 
 use crate::convert::array::{rows, rows_of, shaped};
@@ -102,7 +102,7 @@ fn place(rig: &CoreRig, source: &Bound<'_, PyAny>, view: i64) -> PyResult<Rectif
     let (source, view) = (Source::of(source)?, view_index(py, view, rig)?);
     let place = || match &source {
         Source::Checker(pattern) => {
-            rig.projector_for("checkerboard", pattern.projector)?;
+            rig.projector_for(ErrorSubject::Checkerboard, pattern.projector)?;
             rectify_checker(rig, view, pattern)
         }
         Source::Picture(picture) => {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use slcal_core::format::{ExchangeFormat, StorageText};
-use slcal_core::{Error, Result};
+use slcal_core::{Error, ErrorSubject, Result};
 
 use super::is_dash;
 
@@ -117,14 +117,14 @@ pub fn import_paths(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
             (false, _) => files.extend(model),
             (true, false) => files.extend(rig),
             _ => {
-                return Err(Error::Malformed {
-                    what: "folder to import",
-                    detail: format!(
+                return Err(Error::malformed(
+                    ErrorSubject::ImportFolder,
+                    format!(
                         "expected a file, or a folder with cameras.txt and images.txt (COLMAP) or camera.yaml and projector.yaml (ROS), \
-                     found a folder without these in {}",
+                         found a folder without these in {}",
                         path.display()
                     ),
-                });
+                ));
             }
         }
     }

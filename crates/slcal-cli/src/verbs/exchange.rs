@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use slcal_core::Error;
 use slcal_core::format::{
     ExchangeFormat, Export, ExportConfig, ImportConfig, NamedBytes, StorageText, export_rig, import_rig,
     write_rig,
 };
+use slcal_core::{Error, ErrorSubject};
 
 use crate::args::{ExportArgs, ImportArgs};
 use crate::exit::{Failure, InFile as _, Outcome};
@@ -137,13 +137,13 @@ fn file_name(path: &Path) -> String {
 /// The option that gives what an error finds missing.
 fn option_for(error: &Error) -> &'static str {
     match error {
-        Error::Invalid { what, found, .. } if found == "none" && what.contains("camera") => {
+        Error::Invalid { what: ErrorSubject::Part { of: "camera", .. }, found, .. } if found == "none" => {
             " (--camera-size WxH)"
         }
-        Error::Invalid { what, found, .. } if found == "none" && what.contains("projector") => {
+        Error::Invalid { what: ErrorSubject::Part { of: "projector", .. }, found, .. } if found == "none" => {
             " (--projector-size WxH)"
         }
-        Error::Malformed { what: "file to import", .. } => " (--from)",
+        Error::Malformed { what: ErrorSubject::ImportFile, .. } => " (--from)",
         _ => "",
     }
 }

@@ -13,7 +13,7 @@ pub use self::outlook::Predicted;
 use self::outlook::{Outlook, centre};
 use self::shared::{PROJECTOR, SHARED, STEREO};
 use crate::calibrate::config::CalibrateConfig;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::estimate::model::{Layout, Model, priors};
 use crate::estimate::residual::LENS;
 use crate::geometry::{Camera, Pose, RectangleSize};
@@ -296,7 +296,7 @@ impl Outlook {
 /// [`Error::Invalid`] for a rig without views or covariance, or a pattern for another panel.
 pub fn advise_next(rig: &Rig, pattern: Option<&CheckerPattern>) -> Result<Advice> {
     let view = rig.views.first().ok_or_else(|| {
-        Error::invalid("rig", "one with the views that it was calibrated from", "none of them")
+        Error::invalid(ErrorSubject::Rig, "one with the views that it was calibrated from", "none of them")
     })?;
     let mut outlook = outlook_of(rig, pattern)?;
     outlook.learn_noise(rig);
@@ -315,12 +315,12 @@ pub fn advise_next(rig: &Rig, pattern: Option<&CheckerPattern>) -> Result<Advice
 /// What a rig knows, and what a view of its sheet shows at 1 px of noise.
 pub(crate) fn outlook_of(rig: &Rig, pattern: Option<&CheckerPattern>) -> Result<Outlook> {
     let view = rig.views.first().ok_or_else(|| {
-        Error::invalid("rig", "one with the views that it was calibrated from", "none of them")
+        Error::invalid(ErrorSubject::Rig, "one with the views that it was calibrated from", "none of them")
     })?;
     let covariance = shared::covariance_of(rig, 0).ok_or_else(|| {
         let advice =
             "one with a covariance, as calibrate writes it (for a camera from elsewhere give the camera itself)";
-        Error::invalid("rig", advice, "none")
+        Error::invalid(ErrorSubject::Rig, advice, "none")
     })?;
     let root = shared::root(&covariance);
     let model = Model {
@@ -404,7 +404,7 @@ fn pattern_of(model: &Model, pattern: Option<&CheckerPattern>) -> Result<Vec<Poi
     let panel = [projector.width, projector.height];
     match pattern {
         Some(p) if p.projector != panel => Err(Error::invalid(
-            "pattern",
+            ErrorSubject::Pattern,
             format!("one for the panel of {}x{} px", panel[0], panel[1]),
             format!("one for {}x{} px", p.projector[0], p.projector[1]),
         )),

@@ -2,7 +2,7 @@
 
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::initial_guess::{camera_starts, projector_starts};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::estimate::model::{Layout, Model, priors};
 use crate::estimate::refine::{Fit, refine};
 use crate::estimate::{Joint, Kind, Measurement, measurements};
@@ -48,7 +48,7 @@ fn quality(fit: &Fit) -> f64 {
 
 fn failed(complaint: Option<Error>, device: &'static str) -> Error {
     complaint.unwrap_or_else(|| Error::Degenerate {
-        what: "the calibration",
+        what: ErrorSubject::Calibration,
         measure: 0.0,
         limit: 0.0,
         advice: format!(

@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 
 use crate::calibrate::config::CalibrateConfig;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::RectangleSize;
 use crate::observations::{Observations, SheetObservation, ViewObservation};
 
@@ -24,20 +24,24 @@ const FEWEST_PAIRS: usize = 4;
 pub(crate) fn check(observations: &Observations, config: &CalibrateConfig) -> Result<()> {
     config.validate_for(observations.views.len(), observations.projector.is_some())?;
     if observations.views.is_empty() {
-        return Err(Error::invalid("observations", "at least one view of the sheet", "none"));
+        return Err(Error::invalid(ErrorSubject::Observations, "at least one view of the sheet", "none"));
     }
     let panels =
         [Some(("camera image", observations.camera)), observations.projector.map(|p| ("projector panel", p))];
     for (name, [w, h]) in panels.into_iter().flatten() {
         if w < 2 || h < 2 {
-            return Err(Error::invalid(format!("size of the {name}"), "at least 2x2 px", format!("{w}x{h}")));
+            return Err(Error::invalid(
+                ErrorSubject::Part { part: "size", of: name },
+                "at least 2x2 px",
+                format!("{w}x{h}"),
+            ));
         }
     }
     if let Some(known) = &config.known_camera
         && [known.width, known.height] != observations.camera
     {
         return Err(Error::invalid(
-            "known camera",
+            ErrorSubject::KnownCamera,
             format!("one for the photograph's {}x{} px", observations.camera[0], observations.camera[1]),
             format!("{}x{} px", known.width, known.height),
         ));
@@ -50,7 +54,7 @@ pub(crate) fn check(observations: &Observations, config: &CalibrateConfig) -> Re
 
 fn check_view(view: &ViewObservation, i: usize, observations: &Observations) -> Result<()> {
     RectangleSize::new(view.size.width_mm, view.size.height_mm)?;
-    let what = |part: &str| format!("view {}, {part}", i + 1);
+    let what = |part: &'static str| ErrorSubject::View { index: i, part };
     let (mut count, mut bad) = (0, 0);
     let mut number = |p: Point2<f64>, sigma: f64| {
         count += 1;
@@ -77,8 +81,8 @@ fn check_view(view: &ViewObservation, i: usize, observations: &Observations) -> 
         return Err(Error::invalid(what("edge points"), "at least 2 on each side of the sheet", fewest));
     }
     if let Some(panel) = observations.projector {
-        check_pairs(view, &what("projected corners"))?;
-        check_on_panel(view, panel, &what("projected corners"))?;
+        check_pairs(view, what("projected corners"))?;
+        check_on_panel(view, panel, what("projected corners"))?;
     }
     let corners = view.sheet.corners().ok_or_else(|| {
         Error::invalid(
@@ -87,11 +91,11 @@ fn check_view(view: &ViewObservation, i: usize, observations: &Observations) -> 
             "parallel neighbours",
         )
     })?;
-    check_corners(&corners, observations.camera, &what("the sheet's corners"))?;
-    check_proportions(&corners, view.size, &what("the sheet's size"))
+    check_corners(&corners, observations.camera, what("the sheet's corners"))?;
+    check_proportions(&corners, view.size, what("the sheet's size"))
 }
 
-fn check_pairs(view: &ViewObservation, what: &str) -> Result<()> {
+fn check_pairs(view: &ViewObservation, what: ErrorSubject) -> Result<()> {
     if view.pairs.len() < FEWEST_PAIRS {
         let expected = "at least 4 pairs of camera and projector pixels (or no projector)";
         return Err(Error::invalid(what, expected, view.pairs.len()));
@@ -113,7 +117,7 @@ fn check_pairs(view: &ViewObservation, what: &str) -> Result<()> {
     Ok(())
 }
 
-fn check_on_panel(view: &ViewObservation, panel: [u32; 2], what: &str) -> Result<()> {
+fn check_on_panel(view: &ViewObservation, panel: [u32; 2], what: ErrorSubject) -> Result<()> {
     let [w, h] = panel.map(f64::from);
     let on = |p: Point2<f64>| (-1.0..=w).contains(&p.x) && (-1.0..=h).contains(&p.y);
     match view.pairs.iter().find(|p| !on(p.projector)) {
@@ -127,7 +131,7 @@ fn check_on_panel(view: &ViewObservation, panel: [u32; 2], what: &str) -> Result
 }
 
 /// A size with proportions far from what is seen was mistyped; the homography to it would be singular to rounding.
-fn check_proportions(corners: &[Point2<f64>; 4], size: RectangleSize, what: &str) -> Result<()> {
+fn check_proportions(corners: &[Point2<f64>; 4], size: RectangleSize, what: ErrorSubject) -> Result<()> {
     let side = |i: usize| (corners[(i + 1) % 4] - corners[i]).norm();
     let seen = (side(0) + side(2)) / (side(1) + side(3));
     let given = size.width_mm / size.height_mm;
@@ -141,7 +145,7 @@ fn check_proportions(corners: &[Point2<f64>; 4], size: RectangleSize, what: &str
     ))
 }
 
-fn check_corners(corners: &[Point2<f64>; 4], image: [u32; 2], what: &str) -> Result<()> {
+fn check_corners(corners: &[Point2<f64>; 4], image: [u32; 2], what: ErrorSubject) -> Result<()> {
     let shown = || corners.map(|c| format!("{:.1},{:.1}", c.x, c.y)).join(" ");
     let turns: [f64; 4] = std::array::from_fn(|i| {
         let a = corners[(i + 1) % 4] - corners[i];

@@ -2,7 +2,7 @@
 
 use super::labeling::Labeling;
 use super::tracks::Tracks;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::pattern::StripePattern;
 use crate::solve::median_f32;
 
@@ -19,7 +19,7 @@ const MIN_OVER_DECOY: f32 = 1.5;
 const MIN_FIT: f32 = 0.35;
 
 /// The error for stripes of another pattern.
-pub(super) fn another_pattern(what: &'static str, seen: String) -> Error {
+pub(super) fn another_pattern(what: ErrorSubject, seen: String) -> Error {
     Error::NotFound { what, seen, advice: "check that the pattern file is the one that was projected".into() }
 }
 
@@ -33,7 +33,7 @@ pub(super) fn check_color(tracks: &Tracks, scratch: &mut Vec<f32>) -> Result<()>
     }));
     let Some(saturation) = median_f32(scratch) else {
         return Err(Error::NotFound {
-            what: "stripes",
+            what: ErrorSubject::Stripes,
             seen: format!(
                 "{} of pixels across what could be stripes, too few to read colours from",
                 match tracks.line_count() {
@@ -46,7 +46,7 @@ pub(super) fn check_color(tracks: &Tracks, scratch: &mut Vec<f32>) -> Result<()>
     };
     if saturation < MIN_SATURATION {
         return Err(Error::NotFound {
-            what: "coloured stripes",
+            what: ErrorSubject::ColoredStripes,
             seen: format!(
                 "{} stripe crossings, half of them with a saturation below {:.0} %",
                 tracks.crossings.len(),
@@ -114,7 +114,7 @@ pub(super) fn try_pattern(
     let fit = best / tried.max(1) as f32;
     if fit < MIN_FIT || best < MIN_OVER_DECOY * decoy {
         return Err(Error::NotFound {
-            what: "the pattern's code",
+            what: ErrorSubject::PatternCode,
             seen: format!(
                 "{tried} stripe crossings on {LINES} lines; their colours fit the pattern with {fit:.2} nats each, another code with {:.2}",
                 decoy / tried.max(1) as f32

@@ -4,7 +4,7 @@ use super::code_check::another_pattern;
 use super::labeling::{Labeling, VotedLabel};
 use super::sequence_alignment::{BRIGHTER, CrossingFeatures, NONE, differ_by_factor, differ_in_light};
 use super::tracks::Tracks;
-use crate::error::Result;
+use crate::error::{ErrorSubject, Result};
 use crate::solve::median_f32;
 
 /// Every further slit fits by chance with the probability of one over the number of hues.
@@ -51,7 +51,7 @@ pub(super) fn check_runs(
     let usual = median_f32(scratch).unwrap_or(0.0);
     if usual < (window + BEYOND_WINDOW) as f32 {
         return Err(another_pattern(
-            "the pattern's code",
+            ErrorSubject::PatternCode,
             format!(
                 "{} stripe crossings; those that fit the code form runs of {usual} slits, where {window} fit by chance",
                 tracks.crossings.len()
@@ -154,7 +154,7 @@ pub(super) fn check_neighbors(
     } else {
         return Ok(());
     };
-    Err(another_pattern("the pattern's code", seen))
+    Err(another_pattern(ErrorSubject::PatternCode, seen))
 }
 
 #[cfg(test)]

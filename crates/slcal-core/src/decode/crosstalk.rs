@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::code_check::another_pattern;
-use crate::error::Result;
+use crate::error::{ErrorSubject, Result};
 
 /// Largest angle between a hue and the mixture of the palette's primaries, rad. It is 1.3° with the right palette. It
 /// is 3° (with seven hues and crosstalk 7°) where the projector's gamma is 1.8 or 2.6 instead of sRGB's. It is mostly
@@ -58,7 +58,7 @@ pub(super) fn check_hues(palette: &[[f32; 3]], directions: &[[f32; 3]]) -> Resul
     } else {
         return Ok(());
     };
-    Err(another_pattern("the pattern's hues", seen))
+    Err(another_pattern(ErrorSubject::PatternHues, seen))
 }
 
 fn vector(color: [f32; 3]) -> Vector3<f64> {

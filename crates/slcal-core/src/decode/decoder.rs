@@ -15,7 +15,7 @@ use super::stripe_centers::{self, SigmaWork, StripeCenter};
 use super::stripe_edges::{self, Scratch, StripeColor, StripeEdges};
 use super::stripe_scale::{ScaleScratch, StripeScale, measure_scale};
 use super::tracks::Tracks;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::matches::Match;
 use crate::pattern::{Axis, StripePattern, unique_window};
 use crate::photo::{Encoding, PhotoView};
@@ -345,7 +345,7 @@ impl Decoder {
         report.slits = self.slits_seen.iter().filter(|s| **s).count();
         if matches.is_empty() {
             return Err(another_pattern(
-                "the pattern's code",
+                ErrorSubject::PatternCode,
                 format!(
                     "{} stripe crossings; none has a slit that its neighbours confirm",
                     tracks.crossings.len()
@@ -371,7 +371,7 @@ fn each_band(bands: &mut [Band], parallel: bool, search: impl Fn((usize, &mut Ba
 
 fn no_stripes() -> Error {
     Error::NotFound {
-        what: "stripes",
+        what: ErrorSubject::Stripes,
         seen: "no regular bright bands between dark ones, along image rows or columns".into(),
         advice: "photograph the object with the stripe pattern projected, in focus, in a room that is not too bright".into(),
     }

@@ -1,7 +1,7 @@
 //! The photograph as scanlines across the stripes, in linear light.
 
 use super::config::{DecodeInput, ScanDirection};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::photo::{Encoding, LinearTable, PhotoView, Samples};
 
 /// Share of full light below which a pixel of the white frame does not show the surface's colour.
@@ -69,17 +69,18 @@ pub(super) fn check(frames: &DecodeInput<'_>) -> Result<()> {
     let (w, h) = (frames.photo.width(), frames.photo.height());
     if !frames.photo.layout().has_color() {
         return Err(Error::invalid(
-            "striped photograph",
+            ErrorSubject::StripedPhotograph,
             "a colour photograph: the stripes are told apart by their hues",
             "a greyscale one",
         ));
     }
-    for (name, frame) in [("black", frames.black), ("white", frames.white)] {
+    for (name, frame) in [(ErrorSubject::BlackFrame, frames.black), (ErrorSubject::WhiteFrame, frames.white)]
+    {
         if let Some(f) = frame
             && (f.width(), f.height()) != (w, h)
         {
             return Err(Error::invalid(
-                format!("{name} frame"),
+                name,
                 format!("the size of the striped photograph, {w}x{h}"),
                 format!("{}x{}", f.width(), f.height()),
             ));

@@ -7,7 +7,7 @@ use super::checkerboard::labelled_grids;
 use super::corner::Refiner;
 use super::downsampled::Downsampled;
 use super::rough_undistort::RoughLens;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Homography;
 use crate::observations::CornerPair;
 use crate::pattern::CheckerPattern;
@@ -54,7 +54,7 @@ impl Board {
         let expected = columns.saturating_mul(rows);
         if expected > MAX_CORNERS {
             return Err(Error::invalid(
-                "checkerboard",
+                ErrorSubject::Checkerboard,
                 format!("at most {MAX_CORNERS} inner corners"),
                 expected,
             ));
@@ -178,7 +178,7 @@ fn not_found(
         ),
     };
     Error::NotFound {
-        what: "checkerboard",
+        what: ErrorSubject::Checkerboard,
         seen,
         advice: "project the pattern of this file so that all of its squares and the border around them fall on the sheet, \
                  sharp and inside the frame, with the room dark enough for the squares to be seen"

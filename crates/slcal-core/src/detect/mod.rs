@@ -25,7 +25,7 @@ mod tests;
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{RectangleSize, Warp};
 use crate::observations::{CornerPair, SheetObservation, ViewObservation};
 use crate::pattern::CheckerPattern;
@@ -111,7 +111,7 @@ pub fn observe(
         && (plain.width(), plain.height()) != (photo.width(), photo.height())
     {
         return Err(Error::invalid(
-            "plain photograph",
+            ErrorSubject::PlainPhotograph,
             format!("the size of the photograph with the pattern, {}x{}", photo.width(), photo.height()),
             format!("{}x{}", plain.width(), plain.height()),
         ));
@@ -192,7 +192,7 @@ fn on_sheet(board: Board, sheet: &SheetObservation, notes: &mut Vec<String>) -> 
     let seen = board.pairs.len();
     let expected = board.expected;
     let board = board.retain(|p| sheet::contains(&corners, p)).ok_or_else(|| Error::NotFound {
-        what: "checkerboard",
+        what: ErrorSubject::Checkerboard,
         seen: format!("{seen} of {expected} corners were seen, but too few of them on the sheet"),
         advice: "move the projector or the sheet so that the whole pattern falls on the sheet".into(),
     })?;

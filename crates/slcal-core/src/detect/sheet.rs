@@ -9,7 +9,7 @@ use super::lines::find_lines;
 use super::projector_footprint::{ProjectedEdges, ProjectorFootprint};
 use super::quad::{Content, find_sheet};
 use super::rough_undistort::RoughLens;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::observations::SheetObservation;
 use crate::photo::LinearPhoto;
 
@@ -43,7 +43,7 @@ pub(super) fn check_corners(corners: &[Point2<f64>; 4]) -> Result<()> {
         return Ok(());
     }
     Err(Error::invalid(
-        "corners",
+        ErrorSubject::SheetCorners,
         "the four corners of a convex quadrilateral in the order TL, TR, BR, BL as the camera sees them",
         format!("{:?}", corners.map(|c| (c.x, c.y))),
     ))
@@ -164,7 +164,7 @@ fn search(edges: &DistortedEdges, projected: &ProjectedEdges<'_>, lens: &RoughLe
 fn not_found(seen: String) -> Error {
     let advice = "show the whole sheet on a background that is darker than it, with its four sides free, or give its \
                   corners by hand";
-    Error::NotFound { what: "sheet", seen, advice: advice.into() }
+    Error::NotFound { what: ErrorSubject::Sheet, seen, advice: advice.into() }
 }
 
 /// Whether most of side `i` lies too near to the border of the light to be told from it.
@@ -184,7 +184,7 @@ fn along_border(
 fn border(i: usize) -> Error {
     let side = SIDES[i];
     Error::NotFound {
-        what: "sheet",
+        what: ErrorSubject::Sheet,
         seen: format!(
             "four sides were seen, but the {side} one runs along the border of the projector's light and cannot be told from it"
         ),

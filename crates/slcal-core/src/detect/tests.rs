@@ -6,6 +6,7 @@ use image::{DynamicImage, GrayImage, Luma};
 use nalgebra::{Matrix3, Point2};
 
 use super::*;
+use crate::error::ErrorSubject;
 use crate::geometry::{Homography, Line};
 use crate::pattern::SquareColor;
 use crate::solve::homography_from_points;
@@ -185,7 +186,7 @@ fn corners_and_sheet_are_found_each_by_itself() {
         assert!((found - truth).norm() < 0.05, "{found} for {truth}");
     }
     let error = find_corners(view, &pattern(), &DetectConfig::default()).unwrap_err();
-    assert!(matches!(error, Error::NotFound { what: "checkerboard", .. }), "{error}");
+    assert!(matches!(error, Error::NotFound { what: ErrorSubject::Checkerboard, .. }), "{error}");
 }
 
 #[test]
@@ -212,13 +213,13 @@ fn the_corners_of_a_moved_pattern_have_their_pixels_on_the_panel() {
 fn a_sheet_without_a_pattern_and_a_dark_room_are_not_found() {
     let bare = Drawn { camera_from_projector: None, ..Drawn::tilted(640) };
     let error = bare.observe(Some(&pattern())).unwrap_err();
-    assert!(matches!(error, Error::NotFound { what: "checkerboard", .. }), "{error}");
+    assert!(matches!(error, Error::NotFound { what: ErrorSubject::Checkerboard, .. }), "{error}");
     for level in [0_u8, 128] {
         let flat = DynamicImage::ImageLuma8(GrayImage::from_pixel(640, 480, Luma([level])));
         let size = RectangleSize::new(594.0, 420.0).unwrap();
         let view = PhotoView::try_from(&flat).unwrap();
         let error = observe(view, None, size, None, &DetectConfig::default()).unwrap_err();
-        assert!(matches!(error, Error::NotFound { what: "sheet", .. }), "{error}");
+        assert!(matches!(error, Error::NotFound { what: ErrorSubject::Sheet, .. }), "{error}");
     }
 }
 

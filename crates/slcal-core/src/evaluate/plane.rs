@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 use super::ransac::{FitModel, fit};
 use super::report::{FitConfig, FitReport, finite_points, report};
 use crate::cloud::PointCloud;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Plane;
 
 /// A plane and how well it fits.
@@ -27,7 +27,7 @@ pub fn fit_plane(cloud: &PointCloud, config: &FitConfig) -> Result<PlaneFit> {
     let points = finite_points(cloud, "plane", 3)?;
     let camera = cloud.camera_centre;
     let (FoundPlane(plane), limit) = fit(&points, &camera, config).ok_or_else(|| Error::Degenerate {
-        what: "plane",
+        what: ErrorSubject::Plane,
         measure: spread_across(&points),
         limit: MIN_SHAPE,
         advice: "the points coincide or lie on one line (the number is their spread across it over that along it): \

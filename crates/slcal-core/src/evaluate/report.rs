@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::PointCloud;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// Configuration of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ impl FitConfig {
         if !(1..=1_000_000).contains(&self.samples) {
             return Err(Error::invalid("samples", "1 to 1000000", self.samples));
         }
-        let check = |what: &str, v: f64, low: f64, high: f64| {
+        let check = |what: &'static str, v: f64, low: f64, high: f64| {
             if (low..=high).contains(&v) {
                 return Ok(());
             }
@@ -80,8 +80,8 @@ pub(super) fn finite_points(cloud: &PointCloud, what: &str, least: usize) -> Res
         cloud.points.iter().map(|p| p.position).filter(|p| p.iter().all(|x| x.is_finite())).collect();
     if points.len() < least {
         return Err(Error::invalid(
-            format!("cloud to fit a {what} to"),
-            format!("at least {least} points"),
+            ErrorSubject::Cloud,
+            format!("at least {least} points to fit a {what}"),
             points.len(),
         ));
     }

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Matrix4, Point3, Vector3, Vector4};
 use super::ransac::{FitModel, fit};
 use super::report::{FitConfig, FitReport, finite_points, report};
 use crate::cloud::PointCloud;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// A sphere and how well it fits.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,7 +29,7 @@ pub fn fit_sphere(cloud: &PointCloud, config: &FitConfig) -> Result<SphereFit> {
     let points = finite_points(cloud, "sphere", 4)?;
     let camera = cloud.camera_centre;
     let (sphere, limit) = fit::<Sphere>(&points, &camera, config).ok_or_else(|| Error::NotFound {
-        what: "sphere",
+        what: ErrorSubject::Sphere,
         seen: format!("{} points, none of whose fours lie on a sphere with others of them", points.len()),
         advice: "evaluate a cloud that holds a sphere in front of the camera".into(),
     })?;

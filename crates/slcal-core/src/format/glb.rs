@@ -5,7 +5,7 @@ use std::io::Write;
 use serde_json::{Value, json};
 
 use crate::cloud::{Frame, PointCloud};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::photo::Encoding;
 
 /// What each vertex carries, one after the other in the buffer, and how many numbers each of it is. Everything is a float
@@ -52,7 +52,7 @@ pub fn write_glb(cloud: &PointCloud, mut output: impl Write) -> Result<()> {
         }
         output.flush()
     };
-    write().map_err(|e: std::io::Error| Error::Io { what: "writing a GLB", detail: e.to_string() })
+    write().map_err(|e: std::io::Error| Error::writing(ErrorSubject::Glb, e))
 }
 
 fn too_large(cloud: &PointCloud) -> Error {

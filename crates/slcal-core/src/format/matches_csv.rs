@@ -4,15 +4,14 @@ use std::io::{Read, Write};
 
 use nalgebra::Point2;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::matches::{Match, Matches};
 
-const WHAT: &str = "matches CSV";
 /// What is read.
 const COLUMNS: [&str; 7] = ["u", "v", "projector_column", "projector_row", "slit", "confidence", "sigma_px"];
 
 fn malformed(detail: impl Into<String>) -> Error {
-    Error::Malformed { what: WHAT, detail: detail.into() }
+    Error::malformed(ErrorSubject::MatchesFile, detail)
 }
 
 /// Writes `u,v,projector_column,slit,confidence,sigma_px` (`projector_row` for matches that have rows; both, when some
@@ -21,7 +20,7 @@ fn malformed(detail: impl Into<String>) -> Error {
 /// # Errors
 /// [`Error::Io`] when the stream fails.
 pub fn write_matches(matches: &Matches, output: impl Write) -> Result<()> {
-    let write = |e: csv::Error| Error::Io { what: "writing matches", detail: e.to_string() };
+    let write = |e: csv::Error| Error::writing(ErrorSubject::MatchesFile, e);
     let rows = matches.items.iter().any(|m| m.projector_row.is_some());
     let columns = !rows || matches.items.iter().any(|m| m.projector_column.is_some());
     let mut out = csv::WriterBuilder::new().from_writer(output);
@@ -39,7 +38,7 @@ pub fn write_matches(matches: &Matches, output: impl Write) -> Result<()> {
         record.extend([slit, short(m.confidence), short(m.sigma_px)]);
         out.write_record(&record).map_err(write)?;
     }
-    out.flush().map_err(|e| Error::Io { what: "writing matches", detail: e.to_string() })
+    out.flush().map_err(|e| Error::writing(ErrorSubject::MatchesFile, e))
 }
 
 /// At most five decimals (1e-5 px is far below any measurement), without trailing zeros.
@@ -134,7 +133,8 @@ pub fn read_matches(input: impl Read) -> Result<Matches> {
 
 fn broken(e: &csv::Error) -> Error {
     if let csv::ErrorKind::Io(io) = e.kind() {
-        return Error::Io { what: "reading matches", detail: io.to_string() };
+        let io = std::io::Error::new(io.kind(), io.to_string());
+        return Error::reading(ErrorSubject::MatchesFile, io);
     }
     malformed(e.to_string())
 }

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use crate::cloud::{Frame, PointCloud};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// Writes `v x y z r g b` per point (mm to a tenth of a micrometre; colours 0–1 behind the coordinates, as most viewers
 /// read them) and `f a b c` per triangle, counted from one.
@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 /// # Errors
 /// [`Error::Io`] when the stream fails.
 pub fn write_obj(cloud: &PointCloud, output: impl Write) -> Result<()> {
-    write(cloud, output).map_err(|e| Error::Io { what: "writing an OBJ", detail: e.to_string() })
+    write(cloud, output).map_err(|e| Error::writing(ErrorSubject::Obj, e))
 }
 
 fn write(cloud: &PointCloud, output: impl Write) -> std::io::Result<()> {

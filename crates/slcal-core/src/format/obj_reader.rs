@@ -5,13 +5,13 @@ use std::io::{BufRead, BufReader, Read};
 use nalgebra::{Point2, Point3};
 
 use crate::cloud::{CloudPoint, PointCloud};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// A line longer than this is no OBJ.
 const LONGEST_LINE: u64 = 1 << 20;
 
 fn malformed(line: usize, detail: impl std::fmt::Display) -> Error {
-    Error::Malformed { what: "OBJ", detail: format!("line {line}: {detail}") }
+    Error::malformed(ErrorSubject::Obj, format!("line {line}: {detail}"))
 }
 
 /// Reads vertices (with colours, where they stand behind the coordinates) and faces; polygons are cut into fans of triangles.
@@ -26,7 +26,7 @@ pub fn read_obj(input: impl Read) -> Result<PointCloud> {
     for line in 1.. {
         bytes.clear();
         let read = (&mut input).take(LONGEST_LINE).read_until(b'\n', &mut bytes);
-        let read = read.map_err(|e| Error::Io { what: "reading an OBJ", detail: e.to_string() })?;
+        let read = read.map_err(|e| Error::reading(ErrorSubject::Obj, e))?;
         if read == 0 {
             break;
         }
@@ -42,7 +42,7 @@ pub fn read_obj(input: impl Read) -> Result<PointCloud> {
         }
     }
     if cloud.points.is_empty() {
-        return Err(Error::Malformed { what: "OBJ", detail: "no vertices (lines that begin with v)".into() });
+        return Err(Error::malformed(ErrorSubject::Obj, "no vertices (lines that begin with v)"));
     }
     Ok(cloud)
 }

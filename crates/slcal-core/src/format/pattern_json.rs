@@ -6,11 +6,10 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::pattern::{Axis, CheckerPattern, Pattern, SquareColor, StripePattern, unique_window};
 
 const SCHEMA: &str = "slcal-pattern/1";
-const WHAT: &str = "pattern JSON";
 
 #[derive(Serialize, Deserialize)]
 struct CheckerFile {
@@ -53,7 +52,7 @@ struct Envelope<'a, T> {
 }
 
 fn malformed(detail: impl Into<String>) -> Error {
-    Error::Malformed { what: WHAT, detail: detail.into() }
+    Error::malformed(ErrorSubject::PatternFile, detail)
 }
 
 /// Reads a pattern of either kind. `axis`, `width_px` and `order` of stripes may be left out by other programs
@@ -64,11 +63,9 @@ fn malformed(detail: impl Into<String>) -> Error {
 /// stream fails.
 pub fn read_pattern(mut input: impl Read) -> Result<Pattern> {
     let mut text = Vec::new();
-    input
-        .read_to_end(&mut text)
-        .map_err(|e| Error::Io { what: "reading a pattern", detail: e.to_string() })?;
+    input.read_to_end(&mut text).map_err(|e| Error::reading(ErrorSubject::PatternFile, e))?;
     let value: Value =
-        serde_json::from_slice(&text).map_err(|e| malformed(format!("this is not JSON: {e}")))?;
+        serde_json::from_slice(&text).map_err(|e| Error::unparsable(ErrorSubject::PatternFile, "JSON", e))?;
     let tag = |name: &str| value.get(name).and_then(Value::as_str);
     if tag("schema") != Some(SCHEMA) {
         let found = value.get("schema").map_or("none".into(), Value::to_string);
@@ -142,8 +139,7 @@ fn stripes(value: Value) -> Result<StripePattern> {
 /// # Errors
 /// [`Error::Io`] when the stream fails.
 pub fn write_pattern(pattern: &Pattern, mut output: impl Write) -> Result<()> {
-    let io = |detail: String| Error::Io { what: "writing a pattern", detail };
-    match pattern {
+    let written = match pattern {
         Pattern::Checker(p) => {
             let body = CheckerFile {
                 projector: p.projector,
@@ -167,9 +163,11 @@ pub fn write_pattern(pattern: &Pattern, mut output: impl Write) -> Result<()> {
             };
             serde_json::to_writer_pretty(&mut output, &Envelope { schema: SCHEMA, kind: "stripes", body })
         }
-    }
-    .map_err(|e| io(e.to_string()))?;
-    writeln!(output).map_err(|e| io(e.to_string()))
+    };
+    written
+        .map_err(Into::into)
+        .and_then(|()| writeln!(output))
+        .map_err(|e| Error::writing(ErrorSubject::PatternFile, e))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use crate::cloud::{Frame, PointCloud};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// Writes a cloud as PCD version 0.7 with binary data: `x y z` (mm), `rgb` (packed as the Point Cloud Library does: the
 /// bits of 0x00RRGGBB in a float), `sigma` (mm), `slit`, `confidence` and `noise` (mm). `VIEWPOINT` is the camera's centre; triangles
@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 /// # Errors
 /// [`Error::Io`] when the stream fails.
 pub fn write_pcd(cloud: &PointCloud, output: impl Write) -> Result<()> {
-    write(cloud, output).map_err(|e| Error::Io { what: "writing a PCD", detail: e.to_string() })
+    write(cloud, output).map_err(|e| Error::writing(ErrorSubject::Pcd, e))
 }
 
 fn write(cloud: &PointCloud, output: impl Write) -> std::io::Result<()> {

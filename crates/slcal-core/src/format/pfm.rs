@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// Writes one 32-bit number per pixel, given row by row from the top; NaN where there is none. The format stores the last row
 /// first, as its readers know.
@@ -14,7 +14,7 @@ pub fn write_pfm(width: usize, values: &[f32], output: impl Write) -> Result<()>
         let found = format!("{} values", values.len());
         return Err(Error::invalid("map", format!("whole rows of {width} values"), found));
     }
-    write(width, values, output).map_err(|e| Error::Io { what: "writing a PFM", detail: e.to_string() })
+    write(width, values, output).map_err(|e| Error::writing(ErrorSubject::Pfm, e))
 }
 
 fn write(width: usize, values: &[f32], output: impl Write) -> std::io::Result<()> {

@@ -5,14 +5,13 @@ use std::io::{BufRead, BufReader, Read, Write};
 use nalgebra::{Point2, Point3};
 
 use crate::cloud::{CloudPoint, Frame, PointCloud};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
-const WHAT: &str = "PLY";
 /// More than this many vertices or faces is a broken header rather than a cloud.
 const MAX_COUNT: usize = 1 << 31;
 
 fn malformed(detail: impl Into<String>) -> Error {
-    Error::Malformed { what: WHAT, detail: detail.into() }
+    Error::malformed(ErrorSubject::Ply, detail)
 }
 
 /// Writes a cloud as `binary_little_endian` 1.0: vertices with position, colour, σ, slit, confidence and the
@@ -22,7 +21,7 @@ fn malformed(detail: impl Into<String>) -> Error {
 /// # Errors
 /// [`Error::Io`] when the stream fails.
 pub fn write_ply(cloud: &PointCloud, output: impl Write) -> Result<()> {
-    write(cloud, output).map_err(|e| Error::Io { what: "writing a PLY", detail: e.to_string() })
+    write(cloud, output).map_err(|e| Error::writing(ErrorSubject::Ply, e))
 }
 
 fn write(cloud: &PointCloud, output: impl Write) -> std::io::Result<()> {
@@ -241,18 +240,18 @@ fn element_of<'h>(header: &'h mut Header, line: &str) -> Result<&'h mut Element>
 /// A line of at most `limit` bytes; `None` at the end of the file.
 fn text_line(input: &mut impl BufRead, limit: u64) -> Result<Option<String>> {
     let mut bytes = Vec::new();
-    let read = input.take(limit).read_until(b'\n', &mut bytes).map_err(|e| io(&e))?;
+    let read = input.take(limit).read_until(b'\n', &mut bytes).map_err(io)?;
     if read as u64 == limit {
         return Err(malformed(format!("a line of more than {limit} bytes where text is expected")));
     }
     Ok((read > 0).then(|| String::from_utf8_lossy(&bytes).trim_end().to_owned()))
 }
 
-fn io(e: &std::io::Error) -> Error {
+fn io(e: std::io::Error) -> Error {
     if e.kind() == std::io::ErrorKind::UnexpectedEof {
         return malformed("the file ends before the last of the elements that its header announces");
     }
-    Error::Io { what: "reading a PLY", detail: e.to_string() }
+    Error::reading(ErrorSubject::Ply, e)
 }
 
 struct Values<R> {
@@ -279,7 +278,7 @@ impl<R: BufRead> Values<R> {
             return Ok(self.line.pop().unwrap_or(f64::NAN));
         }
         let mut bytes = [0; 8];
-        self.input.read_exact(&mut bytes[..kind.size()]).map_err(|e| io(&e))?;
+        self.input.read_exact(&mut bytes[..kind.size()]).map_err(io)?;
         Ok(kind.value(bytes, self.encoding))
     }
 

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use crate::cloud::PointCloud;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// Writes `x y z red green blue` per point (mm to a tenth of a micrometre, colours 0–255), separated by spaces, without
 /// a header; triangles have no place in this format.
@@ -19,7 +19,7 @@ pub fn write_xyz(cloud: &PointCloud, output: impl Write) -> Result<()> {
         }
         out.flush()
     };
-    write().map_err(|e| Error::Io { what: "writing an XYZ", detail: e.to_string() })
+    write().map_err(|e| Error::writing(ErrorSubject::Xyz, e))
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ pub(crate) const FILM_DIAGONAL_MM: f64 = 43.266_615_305_567_87;
 /// Angles of view that a lens can have, degrees.
 const FOV_RANGE_DEG: std::ops::Range<f64> = 0.1..179.0;
 
-fn positive(what: &str, value: f64) -> Result<f64> {
+fn positive(what: &'static str, value: f64) -> Result<f64> {
     if value.is_finite() && value > 0.0 {
         return Ok(value);
     }

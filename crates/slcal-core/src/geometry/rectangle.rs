@@ -4,7 +4,7 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use super::Line;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// Width (along the image's x axis as the camera sees it) and height of a rectangle, mm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -43,7 +43,7 @@ impl RectangleSize {
         let fine = |x: f64| x.is_finite() && x > 0.0;
         if !(fine(width_mm) && fine(height_mm)) {
             return Err(Error::invalid(
-                "sheet size",
+                ErrorSubject::SheetSize,
                 "two positive lengths, such as 594x420mm",
                 format!("{width_mm}x{height_mm}mm"),
             ));

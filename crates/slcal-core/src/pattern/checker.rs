@@ -4,7 +4,7 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use super::draw::check_panel;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// Colour of a square or of the background.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -113,7 +113,7 @@ impl CheckerPattern {
         let most = (w / (columns + 2.0 * MARGIN_SQUARES)).min(h / (rows + 2.0 * MARGIN_SQUARES));
         if side > most || side < MIN_SQUARE_PX {
             return Err(Error::invalid(
-                "checkerboard",
+                ErrorSubject::Checkerboard,
                 format!(
                     "{columns}x{rows} squares of {MIN_SQUARE_PX} to {most:.1} px, so that half a square stays free around them on a panel of {w}x{h} px"
                 ),

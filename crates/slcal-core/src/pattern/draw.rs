@@ -4,7 +4,7 @@ use image::{Rgb, RgbImage};
 use nalgebra::{Matrix2, Matrix3, Point2, Vector2, Vector3};
 
 use super::{Axis, CheckerPattern, SquareColor, StripePattern};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Homography, Warp};
 use crate::photo::Encoding;
 
@@ -24,7 +24,7 @@ pub(super) fn check_panel([w, h]: [u32; 2]) -> Result<()> {
         return Ok(());
     }
     Err(Error::invalid(
-        "projector panel",
+        ErrorSubject::Panel,
         format!("a width and a height from 1 to {MAX_PANEL_PX} px"),
         format!("{w}x{h}"),
     ))
@@ -170,7 +170,7 @@ struct Pixel {
 impl<'a> Inverse<'a> {
     fn new(warp: &'a Warp, centre: Point2<f64>) -> Result<Self> {
         let inverse = warp.homography.inverse().ok_or(Error::Degenerate {
-            what: "homography to draw through",
+            what: ErrorSubject::Homography,
             measure: 0.0,
             limit: 0.0,
             advice: "it flattens the pattern to a line or a point".into(),

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::de_bruijn::de_bruijn;
 use super::draw::check_panel;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// What the slits follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -181,7 +181,7 @@ impl StripePattern {
         }
         if let Some((i, s)) = self.sequence.iter().enumerate().find(|(_, s)| usize::from(**s) >= hues) {
             return Err(Error::invalid(
-                format!("sequence[{i}]"),
+                ErrorSubject::Element { list: "sequence", index: i },
                 format!("an index into the palette of {hues} colours"),
                 s,
             ));
@@ -189,14 +189,14 @@ impl StripePattern {
         let inside = -0.5..=self.length_px() - 0.5;
         if let Some((i, c)) = self.centres_px.iter().enumerate().find(|(_, c)| !inside.contains(*c)) {
             return Err(Error::invalid(
-                format!("centres_px[{i}]"),
+                ErrorSubject::Element { list: "centres_px", index: i },
                 format!("a position on the panel, {} to {}", inside.start(), inside.end()),
                 c,
             ));
         }
         if let Some(i) = self.centres_px.windows(2).position(|w| w[0] >= w[1]) {
             return Err(Error::invalid(
-                format!("centres_px[{}]", i + 1),
+                ErrorSubject::Element { list: "centres_px", index: i + 1 },
                 format!("ascending positions, more than {}", self.centres_px[i]),
                 self.centres_px[i + 1],
             ));

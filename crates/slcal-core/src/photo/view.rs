@@ -3,7 +3,7 @@
 use image::DynamicImage;
 
 use super::{Encoding, LinearTable};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// The samples of a photograph, 8 or 16 bit.
 #[derive(Debug, Clone, Copy)]
@@ -85,7 +85,7 @@ impl<'a> PhotoView<'a> {
         };
         if width == 0 || height == 0 || row_stride < row || found < needed {
             return Err(Error::invalid(
-                "photograph",
+                ErrorSubject::Photograph,
                 format!("at least 1x1 pixels, a stride of {row} samples or more and {needed} samples in all"),
                 format!("{width}x{height} pixels, a stride of {row_stride} and {found} samples"),
             ));
@@ -312,7 +312,7 @@ impl<'a> TryFrom<&'a DynamicImage> for PhotoView<'a> {
             DynamicImage::ImageRgba16(i) => (Samples::U16(i.as_raw()), Layout::Rgba),
             other => {
                 return Err(Error::invalid(
-                    "photograph",
+                    ErrorSubject::Photograph,
                     "8 or 16 bit, grey or RGB(A)",
                     format!("{:?}", other.color()),
                 ));

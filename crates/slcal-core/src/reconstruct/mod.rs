@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cloud::{Frame, PointCloud};
 use crate::decode::{DecodeConfig, DecodeInput, DecodeReport, Decoder};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Pose;
 use crate::matches::Matches;
 use crate::pattern::StripePattern;
@@ -85,7 +85,7 @@ impl Reconstructor {
     /// [`Error::Invalid`] for a rig without a projector, a pattern for another panel, the sheet's frame with a rig that
     /// has no views, or a configuration out of range.
     pub fn new(rig: &Rig, pattern: &StripePattern, config: ReconstructConfig) -> Result<Self> {
-        rig.projector_for("stripe pattern", pattern.projector)?;
+        rig.projector_for(ErrorSubject::StripePattern, pattern.projector)?;
         let stages = Stages::new(rig, &config)?;
         let decoder = Decoder::new(pattern, config.decode)?;
         let camera = [rig.camera.model.width, rig.camera.model.height];
@@ -111,7 +111,7 @@ impl Reconstructor {
         let found = (input.photo.width(), input.photo.height());
         if found != (width as usize, height as usize) {
             return Err(Error::invalid(
-                "photograph",
+                ErrorSubject::Photograph,
                 format!("the size of the rig's camera, {width}x{height} px"),
                 format!("{}x{} px; take it with the same camera at the same setting", found.0, found.1),
             ));
@@ -210,7 +210,7 @@ impl Stages {
 
 fn no_surface(matches: usize, report: &TriangulateReport, culled: &CullReport) -> Error {
     Error::NotFound {
-        what: "surface",
+        what: ErrorSubject::Surface,
         seen: format!(
             "{} points from {matches} matches (rejected: {} without coordinates, {} whose light plane nearly contains the camera ray, {} behind the devices, {} lit from outside the panel, {} with contradicting column and row, {} outside the depth limits); {} of the points are outliers",
             report.points,
@@ -241,7 +241,7 @@ fn check_possible(report: &TriangulateReport, matches: usize) -> Result<()> {
         return Ok(());
     }
     Err(Error::NotFound {
-        what: "the pattern as this rig would project it",
+        what: ErrorSubject::Named("the pattern as this rig would project it"),
         seen: format!(
             "{impossible} of {matches} decoded crossings where the camera ray does not meet the light of their slit in front of both devices"
         ),

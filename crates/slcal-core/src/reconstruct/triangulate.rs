@@ -56,7 +56,7 @@ impl TriangulateConfig {
     /// # Errors
     /// [`Error::Invalid`] naming the field.
     pub fn validate(&self) -> Result<()> {
-        let check = |what: &str, value: f64, most: f64| {
+        let check = |what: &'static str, value: f64, most: f64| {
             if (0.0..=most).contains(&value) {
                 return Ok(());
             }

@@ -12,7 +12,7 @@ pub use picture::{rectify_checker_picture, rectify_picture};
 
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Homography, RectangleSize, Warp};
 use crate::pattern::CheckerPattern;
 use crate::rig::Rig;
@@ -101,7 +101,7 @@ pub fn rectify(
     .collect();
     let aspect = source.x / source.y;
     let (origin_mm, height) = largest(&limits, aspect, size).ok_or_else(|| Error::Degenerate {
-        what: "the rectified picture",
+        what: ErrorSubject::RectifiedPicture,
         measure: 0.0,
         limit: 0.0,
         advice: "the projector does not light the sheet: aim it there".into(),
@@ -134,7 +134,7 @@ fn straight_panel(projector: &Camera) -> Result<[f64; 4]> {
         return Ok(limits);
     }
     let folded = || Error::Degenerate {
-        what: "the rectified picture",
+        what: ErrorSubject::RectifiedPicture,
         measure: 0.0,
         limit: 0.0,
         advice:

@@ -4,7 +4,7 @@ use image::RgbImage;
 use nalgebra::Point2;
 
 use super::{Rectification, rectify, rectify_checker};
-use crate::error::Result;
+use crate::error::{ErrorSubject, Result};
 use crate::pattern::{CheckerPattern, warp_image};
 use crate::rig::Rig;
 
@@ -31,7 +31,7 @@ pub fn rectify_checker_picture(
     view: usize,
     pattern: &CheckerPattern,
 ) -> Result<(RgbImage, Rectification)> {
-    rig.projector_for("checkerboard", pattern.projector)?;
+    rig.projector_for(ErrorSubject::Checkerboard, pattern.projector)?;
     let place = rectify_checker(rig, view, pattern)?;
     Ok((pattern.draw_warped(&place.panel_from_source)?, place))
 }

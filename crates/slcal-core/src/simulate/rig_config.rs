@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
 use crate::pattern::{CheckerConfig, CheckerPattern};
 
@@ -72,7 +72,12 @@ impl Default for RigConfig {
 }
 
 /// Refuses a value outside its range; `unit` follows the numbers of the message.
-pub(super) fn within(what: &str, value: f64, [least, most]: [f64; 2], unit: &str) -> Result<()> {
+pub(super) fn within(
+    what: impl Into<ErrorSubject>,
+    value: f64,
+    [least, most]: [f64; 2],
+    unit: &str,
+) -> Result<()> {
     if (least..=most).contains(&value) {
         return Ok(());
     }
@@ -92,10 +97,19 @@ impl RigConfig {
             let [least, most] = SIDES_PX;
             if ![w, h].iter().all(|s| (least..=most).contains(s)) {
                 let expected = format!("{least} to {most} px on each side");
-                return Err(Error::invalid(format!("size of the {name}"), expected, format!("{w}x{h}")));
+                return Err(Error::invalid(
+                    ErrorSubject::Part { part: "size", of: name },
+                    expected,
+                    format!("{w}x{h}"),
+                ));
             }
             let side = f64::from(w.max(h));
-            within(&format!("focal length of the {name}"), focal, FOCAL_SIDES.map(|s| s * side), " px")?;
+            within(
+                ErrorSubject::Part { part: "focal length", of: name },
+                focal,
+                FOCAL_SIDES.map(|s| s * side),
+                " px",
+            )?;
         }
         let [w, h] = self.camera.map(f64::from);
         within("the camera's principal point off the centre", self.camera_offset_px[0], [-w, w], " px")?;

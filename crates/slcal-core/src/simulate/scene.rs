@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::draws::Draws;
 use super::poses::PoseConfig;
 use super::rig_config::RigConfig;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Pose, RectangleSize};
 use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 use crate::rig::{Device, Projector, Rig, View};
@@ -208,8 +208,13 @@ impl Scene {
     /// [`Error::Invalid`] for noise out of range, or own poses that put something behind a device.
     pub fn observe(&self, noise: &NoiseModel, draws: &mut Draws) -> Result<Observations> {
         noise.validate()?;
-        let behind =
-            || Error::invalid("pose", "sheet and pattern in front of both devices", "a point behind one");
+        let behind = || {
+            Error::invalid(
+                ErrorSubject::Pose,
+                "sheet and pattern in front of both devices",
+                "a point behind one",
+            )
+        };
         let mut views = Vec::with_capacity(self.views.len());
         for view in &self.views {
             let sheet = self.observe_sheet(view, noise, draws).ok_or_else(behind)?;

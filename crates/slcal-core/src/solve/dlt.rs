@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Matrix3, Point2};
 
 use super::null_vector;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Homography;
 
 /// The similarity that brings points to zero mean and mean distance √2; `None` when they coincide.
@@ -22,10 +22,10 @@ fn conditioning(points: impl Iterator<Item = Point2<f64>> + Clone) -> Option<Mat
 /// [`Error::Invalid`] for fewer than four pairs; [`Error::Degenerate`] when three of four points, or all, are collinear.
 pub fn homography_from_points(pairs: &[(Point2<f64>, Point2<f64>)]) -> Result<Homography> {
     if pairs.len() < 4 {
-        return Err(Error::invalid("homography", "at least 4 pairs of points", pairs.len()));
+        return Err(Error::invalid(ErrorSubject::Homography, "at least 4 pairs of points", pairs.len()));
     }
     let degenerate = || Error::Degenerate {
-        what: "homography",
+        what: ErrorSubject::Homography,
         measure: 0.0,
         limit: 0.0,
         advice: "the points coincide or lie on one line".into(),
@@ -43,7 +43,7 @@ pub fn homography_from_points(pairs: &[(Point2<f64>, Point2<f64>)]) -> Result<Ho
             a[(2 * i + 1, 6 + j)] = -q.y * p[j];
         }
     }
-    let h = null_vector(a, "homography")?;
+    let h = null_vector(a, ErrorSubject::Homography)?;
     let h = Matrix3::from_row_slice(h.as_slice());
     // Three collinear points among four give a null vector, but one that flattens the plane.
     if h.determinant().abs() < 1e-10 {

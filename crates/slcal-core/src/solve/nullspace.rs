@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// Bound on the iterations of the small SVD; a few dozen suffice, and an unbounded SVD can hang on odd input.
 const MAX_SVD_ITERATIONS: usize = 500;
@@ -15,7 +15,7 @@ const MAX_SVD_ITERATIONS: usize = 500;
 /// # Errors
 /// [`Error::Degenerate`] when the null space has more than one dimension (the second smallest singular value is below
 /// 1e-10 of the largest), or when the numbers are not finite.
-pub fn null_vector(a: DMatrix<f64>, what: &'static str) -> Result<DVector<f64>> {
+pub fn null_vector(a: DMatrix<f64>, what: ErrorSubject) -> Result<DVector<f64>> {
     let n = a.ncols();
     let degenerate = |measure: f64, limit: f64| Error::Degenerate {
         what,
@@ -58,15 +58,15 @@ mod tests {
         for rows in [3, 4, 50] {
             let a = DMatrix::from_fn(rows, 4, |i, j| ((i * 7 + j * 3) as f64).sin() + (i * j) as f64 * 0.1);
             let a = &a - (&a * &x) * x.transpose();
-            let found = null_vector(a, "test").unwrap();
+            let found = null_vector(a, ErrorSubject::Homography).unwrap();
             assert!((found.dot(&x).abs() - 1.0).abs() < 1e-12, "{rows} rows");
         }
     }
 
     #[test]
     fn refuses_two_dimensions_and_nan() {
-        assert!(null_vector(DMatrix::from_element(6, 3, 1.0), "test").is_err());
-        assert!(null_vector(DMatrix::from_element(6, 3, f64::NAN), "test").is_err());
-        assert!(null_vector(DMatrix::zeros(1, 3), "test").is_err());
+        assert!(null_vector(DMatrix::from_element(6, 3, 1.0), ErrorSubject::Homography).is_err());
+        assert!(null_vector(DMatrix::from_element(6, 3, f64::NAN), ErrorSubject::Homography).is_err());
+        assert!(null_vector(DMatrix::zeros(1, 3), ErrorSubject::Homography).is_err());
     }
 }

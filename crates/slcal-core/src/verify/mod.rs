@@ -20,7 +20,7 @@ use crate::advise::shared::{PROJECTOR, SHARED, STEREO, covariance_of, model, roo
 use crate::calibrate::CalibrateConfig;
 use crate::calibrate::camera_from_sheet as sheet_homography;
 use crate::calibrate::{check, pose_from_homography};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::estimate::measurements;
 use crate::estimate::model::Model;
 use crate::estimate::residual::lit_point;
@@ -127,7 +127,7 @@ pub fn verify(
     check(&observations, &CalibrateConfig::default())?;
     let inconsistent = || {
         Error::Degenerate {
-        what: "the comparison with the rig",
+        what: ErrorSubject::RigComparison,
         measure: 0.0,
         limit: 0.0,
         advice: "the photograph and the rig do not go together at all: is it the rig of this camera and projector, and \

@@ -4,7 +4,7 @@ use nalgebra::{Point2, Vector2};
 
 use crate::calibrate::CalibrateConfig;
 use crate::calibrate::build_rig::{cast_onto_panel, rms};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::estimate::model::{Layout, Model};
 use crate::estimate::refine::{kept, whitened};
 use crate::estimate::{Joint, Kind, Measurement, Target, measurements};
@@ -93,7 +93,7 @@ pub fn residuals(rig: &Rig, observations: &Observations) -> Result<Vec<ViewResid
     let joint = Joint::new(sizes, measurements(observations), layout, Vec::new());
     let misses = joint.misses_px(&model).ok_or_else(|| {
         Error::invalid(
-            "observations",
+            ErrorSubject::Observations,
             "those that the rig was calibrated from",
             "points that this rig cannot see: behind a device, or where its lens's model ends",
         )
@@ -114,7 +114,11 @@ fn belong_together(rig: &Rig, observations: &Observations) -> Result<()> {
         let panel = panel.map_or("no projector".to_owned(), |[w, h]| format!("a projector of {w}x{h} px"));
         format!("{views} view(s) of {w}x{h} px with {panel}")
     };
-    Err(Error::invalid("observations", format!("those of the rig: {}", words(expected)), words(found)))
+    Err(Error::invalid(
+        ErrorSubject::Observations,
+        format!("those of the rig: {}", words(expected)),
+        words(found),
+    ))
 }
 
 fn split(joint: &Joint, model: &Model, misses: &[Vector2<f64>]) -> Vec<ViewResiduals> {

@@ -4,7 +4,7 @@ use crate::advise::advice::{advise, percent};
 use crate::advise::predict::{FocalSigma, focal_sigma, has, tilt, with_exact_principal_points};
 use crate::calibrate::config::{CalibrateConfig, PrincipalPointRule};
 use crate::calibrate::maximum_likelihood::Solved;
-use crate::error::Error;
+use crate::error::{Error, ErrorSubject};
 use crate::estimate::model::{FOCAL_RANGE, lens_values};
 use crate::estimate::{Kind, Target};
 use crate::rig::{Verdict, Warning};
@@ -92,7 +92,7 @@ impl Judgement {
             }
         };
         Error::Degenerate {
-            what: "the focal length",
+            what: ErrorSubject::FocalLength,
             measure: self.sigma.worst(),
             limit: Verdict::WEAK_BELOW,
             advice,

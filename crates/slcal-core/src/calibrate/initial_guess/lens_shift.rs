@@ -13,7 +13,7 @@
 use nalgebra::{DMatrix, DVector, Point2};
 
 use super::metric::{centred, imaginary};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Homography, Intrinsics};
 
 /// The smaller singular value of the scaled 2×2 system against the larger: below this, noise decides. A tilt of half a
@@ -46,7 +46,7 @@ pub(crate) fn focal_and_shift(homographies: &[Homography], cx: f64, size: [u32; 
     }
     let singular = |measure: f64| {
         Error::Degenerate {
-        what: "the projector's lens shift",
+        what: ErrorSubject::LensShift,
         measure,
         limit: SINGULAR,
         advice: "a sheet tilted about the projector's horizontal axis alone cannot separate lens shift from focal \
@@ -72,7 +72,7 @@ pub(crate) fn focal_and_shift(homographies: &[Homography], cx: f64, size: [u32; 
     let (cy, s) = (y[0] / norms[0], y[1] / norms[1]);
     let f_squared = s - cy * cy;
     if f_squared.is_nan() || f_squared <= 0.0 {
-        return Err(imaginary("projector", f_squared * width * width));
+        return Err(imaginary(ErrorSubject::Projector, f_squared * width * width));
     }
     Ok(Intrinsics::square(f_squared.sqrt() * width, Point2::new(cx, row + cy * width)))
 }

@@ -13,7 +13,7 @@
 
 use nalgebra::{Matrix3, Point2, Vector2};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Homography, Intrinsics, Pose, nearest_rotation};
 
 /// The two constraints as (coefficient of 1/f², constant), each row of unit noise to first order.
@@ -44,7 +44,7 @@ pub(crate) fn centred(h: &Homography, principal_point: Point2<f64>) -> Homograph
 /// # Errors
 /// [`Error::ImaginaryFocal`] when no constraint has a real solution; [`Error::Degenerate`] when all are empty (every
 /// sheet exactly face-on).
-pub(crate) fn focal_from_homographies(homographies: &[Homography], device: &'static str) -> Result<f64> {
+pub(crate) fn focal_from_homographies(homographies: &[Homography], device: ErrorSubject) -> Result<f64> {
     let rows: Vec<Vector2<f64>> = homographies.iter().flat_map(constraints).collect();
     let quadratic: f64 = rows.iter().map(|c| c.x * c.x).sum();
     let mixed: f64 = rows.iter().map(|c| c.x * c.y).sum();
@@ -61,7 +61,7 @@ pub(crate) fn focal_from_homographies(homographies: &[Homography], device: &'sta
     }
     if inverse == 0.0 || !inverse.is_finite() {
         return Err(Error::Degenerate {
-            what: "the focal length",
+            what: ErrorSubject::FocalLength,
             measure: mixed.abs(),
             limit: 0.0,
             advice: "the sheet is seen exactly face-on: tilt it".into(),
@@ -71,8 +71,8 @@ pub(crate) fn focal_from_homographies(homographies: &[Homography], device: &'sta
 }
 
 /// The error for a negative f², with what usually causes it.
-pub(crate) fn imaginary(device: &'static str, f_squared: f64) -> Error {
-    let advice = if device == "camera" {
+pub(crate) fn imaginary(device: ErrorSubject, f_squared: f64) -> Error {
+    let advice = if device == ErrorSubject::Camera {
         "no lens with this principal point sees the sheet like that; check the sheet's size (are width and height \
          swapped?) and its corners, and tilt the sheet about both axes"
     } else {
@@ -114,7 +114,7 @@ mod tests {
     fn exact_homographies_give_focal_length_and_pose() {
         for (x, y) in [(25.0, 28.0), (30.0, 0.0), (0.0, 30.0), (-5.0, 5.0), (3.0, -1.0)] {
             let (h, truth) = view(x, y);
-            let f = focal_from_homographies(&[h], "camera").unwrap();
+            let f = focal_from_homographies(&[h], ErrorSubject::Camera).unwrap();
             assert!((f - 1500.0).abs() < 1e-6, "{x} {y}: {f}");
             let pose =
                 pose_from_homography(&h, &Intrinsics::square(f, Point2::origin()), Point2::origin()).unwrap();
@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn face_on_is_refused_and_a_negative_square_is_imaginary() {
         let (h, _) = view(0.0, 0.0);
-        assert!(focal_from_homographies(&[h], "camera").is_err());
+        assert!(focal_from_homographies(&[h], ErrorSubject::Camera).is_err());
         let mut wrong = view(20.0, 20.0).0;
         wrong.0.row_mut(2).columns_mut(0, 1).neg_mut();
         let only_orthogonality = constraints(&wrong)[0];

@@ -8,7 +8,7 @@ use nalgebra::Point2;
 use self::lens_shift::focal_and_shift;
 use self::metric::{centred, focal_from_homographies, pose_from_homography};
 use crate::calibrate::config::{CalibrateConfig, PrincipalPointRule};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::estimate::model::{FOCAL_RANGE, Model, principal_point};
 use crate::geometry::{Camera, Distortion, Homography, Intrinsics, Line, Plane, Pose, Ray};
 use crate::observations::{EdgePoint, Observations, SheetObservation, ViewObservation};
@@ -175,7 +175,7 @@ pub(crate) fn camera_starts(
     let mut candidates: Vec<Camera> = known.copied().into_iter().collect();
     if candidates.is_empty() {
         let moved: Vec<_> = homographies.iter().map(|h| centred(h, pp)).collect();
-        match focal_from_homographies(&moved, "camera") {
+        match focal_from_homographies(&moved, ErrorSubject::Camera) {
             Ok(f) if in_range(f, observations.camera) => {
                 candidates.push(pinhole(observations.camera, Intrinsics::square(f, pp)));
             }
@@ -241,7 +241,7 @@ pub(crate) fn projector_starts(
     let pp = principal_point(config.projector_pp, panel[0], panel[1]);
     let at_pp = |pp: Point2<f64>| {
         let moved: Vec<_> = homographies.iter().map(|h| centred(h, pp)).collect();
-        focal_from_homographies(&moved, "projector").map(|f| Intrinsics::square(f, pp))
+        focal_from_homographies(&moved, ErrorSubject::Projector).map(|f| Intrinsics::square(f, pp))
     };
     let shifted = matches!(config.projector_pp, PrincipalPointRule::Shift | PrincipalPointRule::Free);
     let first = if shifted { focal_and_shift(&homographies, pp.x, panel) } else { at_pp(pp) };

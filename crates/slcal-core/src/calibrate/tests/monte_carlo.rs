@@ -8,6 +8,7 @@ use crate::advise::predict::focal_sigma;
 use crate::calibrate::initial_guess::metric::{centred, focal_from_homographies};
 use crate::calibrate::two_vp::{focal, vanishing_points_of_quad};
 use crate::calibrate::{CalibrateConfig, PrincipalPointRule, calibrate_observations, maximum_likelihood};
+use crate::error::ErrorSubject;
 use crate::observations::Observations;
 use crate::rig::{Device, Projector, Rig};
 use crate::solve::{homography_from_points, robust_scale};
@@ -34,13 +35,13 @@ fn camera_row(tilt_x: f64, tilt_y: f64) -> ([f64; 4], usize) {
     for _ in 0..DRAWS {
         let o = observe(&truth, 0.2, 0.1, &mut rng);
         let corners = o.views[0].sheet.corners().unwrap();
-        match focal(&vanishing_points_of_quad(&corners), pp, "camera") {
+        match focal(&vanishing_points_of_quad(&corners), pp, ErrorSubject::Camera) {
             Ok(f) => errors[0].push(off(f)),
             Err(_) => failures += 1,
         }
         let pairs: Vec<_> = size().corners().into_iter().zip(corners).collect();
         let h = centred(&homography_from_points(&pairs).unwrap(), pp);
-        errors[1].extend(focal_from_homographies(&[h], "camera").map(off));
+        errors[1].extend(focal_from_homographies(&[h], ErrorSubject::Camera).map(off));
         errors[2]
             .extend(maximum_likelihood::solve(&o, &config).map(|s| off(s.fit.model.camera.intrinsics.fx)));
     }

@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 
 use super::{focal, pose, rectified_pattern, vanishing_points, vanishing_points_of_quad};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
 use crate::solve::homography_from_points;
 
@@ -39,7 +39,7 @@ pub(crate) fn closed_form(input: &Input) -> Result<Output> {
     let v = vanishing_points_of_quad(&input.corners);
     let f = match input.known_focal {
         Some(f) => f,
-        None => focal(&v, input.camera_pp, "camera")?,
+        None => focal(&v, input.camera_pp, ErrorSubject::Camera)?,
     };
     let camera = pinhole(input.camera, f, input.camera_pp);
     let sheet = pose(&camera, &v, &input.corners, input.size)?;
@@ -49,7 +49,7 @@ pub(crate) fn closed_form(input: &Input) -> Result<Output> {
     let pairs: Vec<_> = seen.into_iter().zip(drawn).collect();
     let projector_from_camera = homography_from_points(&pairs)?;
     let v = vanishing_points(&rectified_pattern(&seen, &v, &projector_from_camera));
-    let projector = pinhole(panel, focal(&v, pp, "projector")?, pp);
+    let projector = pinhole(panel, focal(&v, pp, ErrorSubject::Projector)?, pp);
     let mut corners = input.corners;
     for c in &mut corners {
         *c = projector_from_camera.map(*c).ok_or_else(|| {

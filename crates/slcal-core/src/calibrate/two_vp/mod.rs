@@ -21,7 +21,7 @@ pub(crate) mod sigma;
 use nalgebra::{Matrix2x3, Matrix3, Point2, Point3, Vector3};
 
 use crate::calibrate::initial_guess::metric::imaginary;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{
     Camera, Homography, Line, Pose, ProjectivePoint, RectangleSize, VanishingPoints, nearest_rotation,
 };
@@ -45,7 +45,7 @@ pub(crate) fn vanishing_points_of_quad(q: &Quad) -> VanishingPoints {
 ///
 /// # Errors
 /// [`Error::ImaginaryFocal`] when f² is negative; [`Error::Degenerate`] when a vanishing point is at infinity.
-pub(crate) fn focal(v: &VanishingPoints, principal_point: Point2<f64>, device: &'static str) -> Result<f64> {
+pub(crate) fn focal(v: &VanishingPoints, principal_point: Point2<f64>, device: ErrorSubject) -> Result<f64> {
     let (a, b) = (v.x.relative_to(principal_point).0, v.y.relative_to(principal_point).0);
     let f_squared = -(a.x * b.x + a.y * b.y) / (a.z * b.z);
     if f_squared.is_finite() && f_squared > 0.0 {
@@ -55,7 +55,7 @@ pub(crate) fn focal(v: &VanishingPoints, principal_point: Point2<f64>, device: &
         return Err(imaginary(device, f_squared));
     }
     Err(Error::Degenerate {
-        what: "the focal length from vanishing points",
+        what: ErrorSubject::Named("the focal length from vanishing points"),
         measure: (a.z * b.z).abs(),
         limit: 0.0,
         advice: "a side of the sheet is parallel to the image: tilt it about both axes, or use the maximum-likelihood \
@@ -153,7 +153,7 @@ pub(crate) fn pose(
     size: RectangleSize,
 ) -> Result<Pose> {
     let failed = || Error::Degenerate {
-        what: "the pose from vanishing points",
+        what: ErrorSubject::Named("the pose from vanishing points"),
         measure: 0.0,
         limit: 0.0,
         advice: "check the corners of the sheet and their order".into(),

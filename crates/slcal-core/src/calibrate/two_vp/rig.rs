@@ -11,7 +11,7 @@ use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::diagnostics::verdict::warning;
 use crate::calibrate::initial_guess::{robust_homography, sheet_corners};
 use crate::calibrate::{Calibration, CalibrationReport};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::estimate::model::principal_point;
 use crate::estimate::residual::lit_point;
 use crate::geometry::{Camera, Homography};
@@ -191,7 +191,7 @@ fn judge(
     if verdict == Verdict::Degenerate && !config.allow_degenerate {
         let advice = format!("{cause}; {advice}");
         return Err(Error::Degenerate {
-            what: "the focal length",
+            what: ErrorSubject::FocalLength,
             measure: worst,
             limit: Verdict::WEAK_BELOW,
             advice,

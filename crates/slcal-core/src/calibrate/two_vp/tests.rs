@@ -3,6 +3,7 @@ use approx::assert_relative_eq;
 use super::*;
 use crate::calibrate::tests::scene::{observe, pose as tilted, rig, rng, size};
 use crate::calibrate::{CalibrateConfig, Method, calibrate_observations};
+use crate::error::ErrorSubject;
 
 fn finite(x: f64, y: f64) -> ProjectivePoint {
     ProjectivePoint(Vector3::new(x, y, 1.0))
@@ -23,8 +24,12 @@ fn the_doors_of_table_2_give_the_published_focal_lengths() {
     let expected = [[7580.0, 5960.0], [7390.0, 9650.0], [6940.0, 7020.0], [8120.0, 7010.0]];
     for (door, [camera, projector]) in DOORS.iter().zip(expected) {
         let v = door.map(|[x, y]| finite(x * 1e5, y * 1e5));
-        let c = focal(&VanishingPoints { x: v[0], y: v[1] }, Point2::new(2376.0, 1584.0), "camera").unwrap();
-        let p = focal(&VanishingPoints { x: v[2], y: v[3] }, Point2::new(512.0, 384.0), "projector").unwrap();
+        let c =
+            focal(&VanishingPoints { x: v[0], y: v[1] }, Point2::new(2376.0, 1584.0), ErrorSubject::Camera)
+                .unwrap();
+        let p =
+            focal(&VanishingPoints { x: v[2], y: v[3] }, Point2::new(512.0, 384.0), ErrorSubject::Projector)
+                .unwrap();
         // The vanishing points are printed to two or three digits.
         assert!((c / camera - 1.0).abs() < 5e-3, "camera {c}");
         assert!((p / projector - 1.0).abs() < 5e-3, "projector {p}");
@@ -57,12 +62,12 @@ fn the_projector_of_table_2_has_lens_shift() {
 #[test]
 fn a_negative_square_is_imaginary_and_a_point_at_infinity_degenerate() {
     let v = VanishingPoints { x: finite(1000.0, 0.0), y: finite(10.0, 900.0) };
-    let error = focal(&v, Point2::origin(), "camera").unwrap_err();
+    let error = focal(&v, Point2::origin(), ErrorSubject::Camera).unwrap_err();
     assert!(
-        matches!(error, Error::ImaginaryFocal { device: "camera", f_squared, .. } if f_squared == -10_000.0)
+        matches!(error, Error::ImaginaryFocal { device: ErrorSubject::Camera, f_squared, .. } if f_squared == -10_000.0)
     );
     let v = VanishingPoints { x: ProjectivePoint(Vector3::x()), y: finite(10.0, 900.0) };
-    assert!(matches!(focal(&v, Point2::origin(), "camera"), Err(Error::Degenerate { .. })));
+    assert!(matches!(focal(&v, Point2::origin(), ErrorSubject::Camera), Err(Error::Degenerate { .. })));
 }
 
 /// Noise so small that only rounding remains.
@@ -82,7 +87,7 @@ fn exact_corners_give_the_exact_pose_before_any_refinement() {
     let corners = o.views[0].sheet.corners().unwrap();
     let v = vanishing_points_of_quad(&corners);
     let pp = Point2::new(639.5, 479.5);
-    let f = focal(&v, pp, "camera").unwrap();
+    let f = focal(&v, pp, ErrorSubject::Camera).unwrap();
     assert_relative_eq!(f, 1500.0, epsilon = 1e-6);
     let r = rotation(&v, f, pp, &corners).unwrap();
     assert_relative_eq!(r, *truth.views[0].rotation.matrix(), epsilon = 1e-9);
@@ -142,7 +147,7 @@ fn a_centred_projector_is_found_and_a_shifted_one_is_wrong_and_says_so() {
 
     let (_, o) = exact(768.0);
     match calibrate_observations(&o, &config) {
-        Err(e) => assert!(matches!(e, Error::ImaginaryFocal { device: "projector", .. }), "{e}"),
+        Err(e) => assert!(matches!(e, Error::ImaginaryFocal { device: ErrorSubject::Projector, .. }), "{e}"),
         Ok(c) => {
             let f = c.rig.projector.unwrap().device.model.intrinsics.fx;
             assert!((f / 1700.0 - 1.0).abs() > 0.2, "{f}");

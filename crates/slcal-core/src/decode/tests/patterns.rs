@@ -8,7 +8,7 @@ use crate::decode::{DecodeConfig, Decoding, decode};
 use crate::geometry::Homography;
 use crate::pattern::{Axis, StripeConfig, StripePattern};
 use crate::photo::PhotoView;
-use crate::{Error, ErrorClass};
+use crate::{Error, ErrorClass, ErrorSubject};
 
 fn scaled(scale: f64, shift: f64) -> Homography {
     // The stripes lean a little: every scanline crosses them at another phase.
@@ -182,7 +182,7 @@ fn a_single_row_or_column_of_pixels_is_refused() {
     let row = image::imageops::crop_imm(&photo, 0, 50, 1060, 1).to_image();
     for strip in [image::imageops::rotate90(&row), row] {
         let refused = decode_image(strip, &columns).map(|d| d.report).unwrap_err();
-        assert!(matches!(refused, Error::NotFound { what: "stripes", .. }), "{refused}");
+        assert!(matches!(refused, Error::NotFound { what: ErrorSubject::Stripes, .. }), "{refused}");
         assert!(refused.to_string().contains("1 line of pixels"), "{refused}");
     }
 }

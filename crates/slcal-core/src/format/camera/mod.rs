@@ -10,11 +10,11 @@ use std::io::Read;
 pub(super) use fields::{FIRST, SECOND, device, distortion, numbers};
 
 use super::tree::Expecting;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Distortion, Intrinsics};
 
 /// Camera files have a few dozen values, four levels deep.
-const CAMERA_FILE: Expecting = Expecting { what: "camera file", most_nodes: 10_000 };
+const CAMERA_FILE: Expecting = Expecting { what: ErrorSubject::CameraFile, most_nodes: 10_000 };
 
 /// A focal length outside of these multiples of the image's longer side is not in pixels, or not of this image.
 const FOCAL_RANGE: std::ops::RangeInclusive<f64> = 0.1..=100.0;
@@ -95,9 +95,7 @@ impl KnownCamera {
 /// are not zero; [`Error::Io`] when the stream fails.
 pub fn read_camera(mut input: impl Read) -> Result<KnownCamera> {
     let mut bytes = Vec::new();
-    input
-        .read_to_end(&mut bytes)
-        .map_err(|e| Error::Io { what: "reading a camera file", detail: e.to_string() })?;
+    input.read_to_end(&mut bytes).map_err(|e| Error::reading(ErrorSubject::CameraFile, e))?;
     let text = CAMERA_FILE.text(&bytes)?;
     if text.starts_with('{') && CAMERA_FILE.json(text)?.get("schema").is_some() {
         let rig = super::read_rig(bytes.as_slice())?;

@@ -16,13 +16,13 @@ use std::fmt::Write as _;
 use super::losses::Losses;
 use super::text::{joined, number};
 use super::{ExportedFile, expecting, extras};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::format::tree::Expecting;
 use crate::format::{read_rig, write_rig};
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose};
 use crate::rig::Rig;
 
-const FILE: Expecting = expecting("script for Blender");
+const FILE: Expecting = expecting(ErrorSubject::BlenderScript);
 const MM_PER_METRE: f64 = 1000.0;
 /// Of a full frame; only its ratio to the focal length counts.
 const SENSOR_MM: f64 = 36.0;
@@ -87,8 +87,7 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
     script.push_str("]\n# The whole rig, which slcal imports again; changes above do not come back.\n");
     let mut json = Vec::new();
     write_rig(rig, &mut json)?;
-    let json =
-        String::from_utf8(json).map_err(|e| Error::Io { what: "rewriting a rig", detail: e.to_string() })?;
+    let json = String::from_utf8_lossy(&json);
     let _ = writeln!(script, "{BEFORE_RIG}\n{}{AFTER_RIG}", plain(&json));
     script.push_str(BODY);
     Ok(vec![ExportedFile { name: "rig.py", bytes: script.into_bytes() }])
@@ -136,7 +135,12 @@ fn ratio_in_single(ratio: f64, least: f64) -> (f64, f64) {
 }
 
 /// A device as a dict of Python.
-fn device(name: &str, model: &Camera, camera_from_device: &Pose, losses: &mut Losses) -> Result<String> {
+fn device(
+    name: &'static str,
+    model: &Camera,
+    camera_from_device: &Pose,
+    losses: &mut Losses,
+) -> Result<String> {
     let intrinsics = Intrinsics { skew: 0.0, ..model.intrinsics };
     losses.lens(name, model, &Camera { intrinsics, distortion: Distortion::NONE, ..*model })?;
     let Intrinsics { fx, fy, cx, cy, .. } = intrinsics;
@@ -159,7 +163,7 @@ fn device(name: &str, model: &Camera, camera_from_device: &Pose, losses: &mut Lo
             && SIDES.contains(&model.height);
     if !fits {
         return Err(Error::invalid(
-            format!("the {name}"),
+            ErrorSubject::Named(name),
             "4 to 65536 px per side, fx/fy between 1/200 and 200 and moderate lengths, as Blender needs",
             format!("{}x{} px, fx {fx}, fy {fy}, cx {cx}, cy {cy}, {far} mm away", model.width, model.height),
         ));

@@ -15,12 +15,12 @@ use nalgebra::{Matrix3, Point2, Point3, Quaternion, UnitQuaternion, Vector3};
 use super::losses::{Holds, Losses};
 use super::text::{joined, number};
 use super::{ExchangeFormat, ExportedFile, NamedBytes, expecting, plain_rig};
-use crate::error::Result;
+use crate::error::{ErrorSubject, Result};
 use crate::format::tree::Expecting;
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
 use crate::rig::{Device, Rig, View};
 
-const FILE: Expecting = expecting("COLMAP model");
+const FILE: Expecting = expecting(ErrorSubject::ColmapModel);
 /// From pixel centres at integers to pixel centres at .5.
 const HALF_PIXEL: f64 = 0.5;
 /// Stands in points3D.txt when its points are the corners of sheets.
@@ -48,7 +48,13 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
     Ok(vec![file("cameras.txt", cameras), file("images.txt", images), file("points3D.txt", points(rig))])
 }
 
-fn camera_line(text: &mut String, id: u32, name: &str, model: &Camera, losses: &mut Losses) -> Result<()> {
+fn camera_line(
+    text: &mut String,
+    id: u32,
+    name: &'static str,
+    model: &Camera,
+    losses: &mut Losses,
+) -> Result<()> {
     let intrinsics = Intrinsics { skew: 0.0, ..model.intrinsics };
     losses.lens(name, model, &Camera { intrinsics, ..*model })?;
     let Intrinsics { fx, fy, cx, cy, .. } = intrinsics;

@@ -1,10 +1,10 @@
 //! Which format a file is of, by its content.
 
 use super::{ExchangeFormat, NamedBytes, expecting};
-use crate::error::Result;
+use crate::error::{ErrorSubject, Result};
 use crate::format::tree::{Expecting, Node};
 
-const FILE: Expecting = expecting("file to import");
+const FILE: Expecting = expecting(ErrorSubject::ImportFile);
 
 /// The format of these files.
 pub(super) fn format_of(files: &[NamedBytes<'_>]) -> Result<ExchangeFormat> {

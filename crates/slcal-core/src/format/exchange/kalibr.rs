@@ -10,13 +10,13 @@ use nalgebra::{Matrix3, Vector3};
 use super::losses::{Holds, Losses};
 use super::text::joined;
 use super::{ExchangeFormat, ExportedFile, expecting, plain_rig, pose_of};
-use crate::error::Result;
+use crate::error::{ErrorSubject, Result};
 use crate::format::camera::{distortion, numbers};
 use crate::format::tree::{Expecting, Node};
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose};
 use crate::rig::{Device, Rig};
 
-const FILE: Expecting = expecting("Kalibr camchain");
+const FILE: Expecting = expecting(ErrorSubject::KalibrFile);
 const MM_PER_METRE: f64 = 1000.0;
 
 pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>> {
@@ -37,7 +37,13 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
     Ok(vec![ExportedFile { name: "camchain.yaml", bytes: text.into_bytes() }])
 }
 
-fn chained(text: &mut String, i: usize, name: &str, model: &Camera, losses: &mut Losses) -> Result<()> {
+fn chained(
+    text: &mut String,
+    i: usize,
+    name: &'static str,
+    model: &Camera,
+    losses: &mut Losses,
+) -> Result<()> {
     let intrinsics = Intrinsics { skew: 0.0, ..model.intrinsics };
     let held = Camera { intrinsics, distortion: Distortion { k3: 0.0, ..model.distortion }, ..*model };
     losses.lens(name, model, &held)?;

@@ -27,7 +27,7 @@ use self::losses::Losses;
 use super::camera::KnownCamera;
 use super::rig_json::exact_pose;
 use super::tree::Expecting;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Intrinsics, Pose};
 use crate::rig::{Device, Projector, Rig};
 
@@ -211,7 +211,7 @@ pub fn import_rig(
     config: &ImportConfig,
 ) -> Result<Imported> {
     if files.is_empty() {
-        return Err(Error::invalid("files to import", "one at least", "none"));
+        return Err(Error::invalid(ErrorSubject::Import, "one at least", "none"));
     }
     let format = match format {
         Some(format) => format,
@@ -240,7 +240,7 @@ fn without_npz() -> Error {
 /// Files of hundreds of views have some hundred thousand numbers, most of them in the covariance.
 const MOST_NODES: usize = 4_000_000;
 
-const fn expecting(what: &'static str) -> Expecting {
+const fn expecting(what: ErrorSubject) -> Expecting {
     Expecting { what, most_nodes: MOST_NODES }
 }
 
@@ -249,7 +249,7 @@ fn one_of<'a>(files: &[NamedBytes<'a>], what: &str) -> Result<&'a [u8]> {
     match files {
         [file] => Ok(file.bytes),
         _ => Err(Error::invalid(
-            "files to import",
+            ErrorSubject::Import,
             format!("one file, {what}"),
             format!("{} files", files.len()),
         )),
@@ -260,19 +260,19 @@ fn one_of<'a>(files: &[NamedBytes<'a>], what: &str) -> Result<&'a [u8]> {
 fn device(
     known: KnownCamera,
     given: Option<[u32; 2]>,
-    name: &str,
+    name: &'static str,
     notes: &mut Vec<String>,
 ) -> Result<Device> {
-    let what = || format!("size of the {name}'s image");
+    let what = ErrorSubject::Part { part: "image size", of: name };
     if let (Some(found), Some(given)) = (known.size, given)
         && found != given
     {
         let shown = |[w, h]: [u32; 2]| format!("{w}x{h} px");
-        return Err(Error::invalid(what(), format!("{}, as the file says", shown(found)), shown(given)));
+        return Err(Error::invalid(what, format!("{}, as the file says", shown(found)), shown(given)));
     }
     let Some([width, height]) = known.size.or(given) else {
         let expected = "one in the file, or given beside it";
-        return Err(Error::invalid(what(), expected, "none"));
+        return Err(Error::invalid(what, expected, "none"));
     };
     notes.extend(known.notes);
     Ok(Camera { width, height, intrinsics: known.intrinsics, distortion: known.distortion }.into())

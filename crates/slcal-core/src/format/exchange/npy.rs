@@ -1,10 +1,10 @@
 //! One array of NumPy as the bytes of a .npy file: a line that describes it, then its values.
 
 use super::expecting;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::format::tree::Expecting;
 
-pub(super) const FILE: Expecting = expecting("npz file");
+pub(super) const FILE: Expecting = expecting(ErrorSubject::NpzFile);
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// The values begin at a multiple of this.
 const ALIGNMENT: usize = 64;

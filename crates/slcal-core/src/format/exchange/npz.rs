@@ -31,7 +31,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 use super::npy::{Array, FILE};
 use super::text::rows;
 use super::{ExchangeFormat, ExportedFile, ImportConfig, extras, opencv};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::format::tree::Node;
 use crate::geometry::{Pose, VanishingPoints};
 use crate::rig::{DeviceSigma, Rig, StereoPose, View};
@@ -134,17 +134,17 @@ fn views(views: &[View]) -> Named {
 }
 
 fn zipped(arrays: &Named) -> Result<Vec<u8>> {
-    let failed = |e: &dyn std::fmt::Display| Error::Io { what: "writing an npz file", detail: e.to_string() };
+    let failed = |e: std::io::Error| Error::writing(ErrorSubject::NpzFile, e);
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     // Uncompressed, as numpy.savez; the time is the format's first, so that the same rig gives the same bytes.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
         .last_modified_time(zip::DateTime::default());
     for (name, array) in arrays {
-        zip.start_file(format!("{name}.npy"), options).map_err(|e| failed(&e))?;
-        zip.write_all(&array.encoded()).map_err(|e| failed(&e))?;
+        zip.start_file(format!("{name}.npy"), options).map_err(|e| failed(e.into()))?;
+        zip.write_all(&array.encoded()).map_err(failed)?;
     }
-    zip.finish().map(Cursor::into_inner).map_err(|e| failed(&e))
+    zip.finish().map(Cursor::into_inner).map_err(|e| failed(e.into()))
 }
 
 /// All arrays by their names.

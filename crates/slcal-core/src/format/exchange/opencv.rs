@@ -13,13 +13,13 @@ use super::losses::Losses;
 use super::storage::{Item, named, written};
 use super::text::rows;
 use super::{ExchangeFormat, ExportedFile, ImportConfig, StorageText, expecting, extras, plain_rig};
-use crate::error::Result;
+use crate::error::{ErrorSubject, Result};
 use crate::format::camera::{FIRST, SECOND, device, numbers};
 use crate::format::tree::{Expecting, Node};
 use crate::geometry::Pose;
 use crate::rig::{Device, Projector, Rig, StereoPose};
 
-const FILE: Expecting = expecting("OpenCV file");
+const FILE: Expecting = expecting(ErrorSubject::OpenCvFile);
 /// The map of all that has no name in other programs.
 const EXTRAS: &str = "slcal";
 const COMMENT: &str = "Lengths in mm, pixel centres at integers; X_projector = R X_camera + T.";

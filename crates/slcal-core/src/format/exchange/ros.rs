@@ -10,13 +10,13 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use super::losses::{Holds, Losses};
 use super::text::{joined, number, rows};
 use super::{ExchangeFormat, ExportedFile, ImportConfig, NamedBytes, expecting, plain_rig, pose_of};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::format::camera::{FIRST, device, numbers};
 use crate::format::tree::{Expecting, Node};
 use crate::geometry::{Camera, Intrinsics, Pose};
 use crate::rig::{Projector, Rig};
 
-const FILE: Expecting = expecting("ROS camera_info");
+const FILE: Expecting = expecting(ErrorSubject::RosFile);
 const POSE: &str = "projector_from_camera";
 const ROTATION: &str = "rotation_matrix";
 const TRANSLATION: &str = "translation_mm";
@@ -36,7 +36,7 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
     Ok(files)
 }
 
-fn camera_info(name: &str, model: &Camera, losses: &mut Losses) -> Result<String> {
+fn camera_info(name: &'static str, model: &Camera, losses: &mut Losses) -> Result<String> {
     let intrinsics = Intrinsics { skew: 0.0, ..model.intrinsics };
     losses.lens(name, model, &Camera { intrinsics, ..*model })?;
     let k = intrinsics.matrix();
@@ -84,7 +84,7 @@ pub(super) fn import(
 ) -> Result<Rig> {
     if files.len() > 2 {
         let found = format!("{} files", files.len());
-        return Err(Error::invalid("files to import", "the camera's file and the projector's", found));
+        return Err(Error::invalid(ErrorSubject::Import, "the camera's file and the projector's", found));
     }
     let mut roots = files.iter().map(|f| FILE.parse(FILE.text(f.bytes)?)).collect::<Result<Vec<Node>>>()?;
     if roots.len() == 2 && of_projector(&roots[0]) && !of_projector(&roots[1]) {

@@ -13,16 +13,15 @@ use std::io::{Read, Write};
 
 use serde_json::Value;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::observations::ExternalObservations;
 
-const WHAT: &str = "observations JSON";
 const SCHEMA: &str = "slcal-observations/1";
 /// Names of the sheet's sides, in the order of [`Side::ALL`](crate::geometry::Side::ALL).
 const SIDES: [&str; 4] = ["top", "right", "bottom", "left"];
 
 fn malformed(detail: impl Into<String>) -> Error {
-    Error::Malformed { what: WHAT, detail: detail.into() }
+    Error::malformed(ErrorSubject::ObservationsFile, detail)
 }
 
 /// Reads observations.
@@ -34,11 +33,9 @@ fn malformed(detail: impl Into<String>) -> Error {
 /// calibration can be computed from them is not asked here.
 pub fn read_observations(mut input: impl Read) -> Result<ExternalObservations> {
     let mut text = Vec::new();
-    input
-        .read_to_end(&mut text)
-        .map_err(|e| Error::Io { what: "reading an observations JSON", detail: e.to_string() })?;
-    let value: Value =
-        serde_json::from_slice(&text).map_err(|e| malformed(format!("this is not JSON: {e}")))?;
+    input.read_to_end(&mut text).map_err(|e| Error::reading(ErrorSubject::ObservationsFile, e))?;
+    let value: Value = serde_json::from_slice(&text)
+        .map_err(|e| Error::unparsable(ErrorSubject::ObservationsFile, "JSON", e))?;
     drop(text);
     read::observations(&value)
 }
@@ -49,10 +46,8 @@ pub fn read_observations(mut input: impl Read) -> Result<ExternalObservations> {
 /// [`Error::Invalid`] when a number is not finite; [`Error::Io`] when the stream fails.
 pub fn write_observations(external: &ExternalObservations, mut output: impl Write) -> Result<()> {
     let text = write::text(external)?;
-    let io =
-        |e: &dyn std::fmt::Display| Error::Io { what: "writing an observations JSON", detail: e.to_string() };
-    output.write_all(text.as_bytes()).map_err(|e| io(&e))?;
-    output.flush().map_err(|e| io(&e))
+    let written = output.write_all(text.as_bytes()).and_then(|()| output.flush());
+    written.map_err(|e| Error::writing(ErrorSubject::ObservationsFile, e))
 }
 
 #[cfg(test)]

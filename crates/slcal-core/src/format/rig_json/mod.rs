@@ -14,10 +14,9 @@ pub(super) use read::exact_pose;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::rig::{Rig, Verdict, Warning};
 
-const WHAT: &str = "rig JSON";
 const SCHEMA: &str = "slcal-rig/1";
 const UNITS: &str = "mm";
 const PIXEL_CENTRE: &str = "integer";
@@ -129,7 +128,7 @@ struct CovarianceDto {
 }
 
 fn malformed(detail: impl Into<String>) -> Error {
-    Error::Malformed { what: WHAT, detail: detail.into() }
+    Error::malformed(ErrorSubject::RigFile, detail)
 }
 
 /// Reads a rig.
@@ -143,10 +142,10 @@ fn malformed(detail: impl Into<String>) -> Error {
 /// [`Error::Io`] when the stream fails.
 pub fn read_rig(mut input: impl Read) -> Result<Rig> {
     let mut text = Vec::new();
-    input
-        .read_to_end(&mut text)
-        .map_err(|e| Error::Io { what: "reading a rig JSON", detail: e.to_string() })?;
-    rig_of_value(serde_json::from_slice(&text).map_err(|e| malformed(e.to_string()))?)
+    input.read_to_end(&mut text).map_err(|e| Error::reading(ErrorSubject::RigFile, e))?;
+    rig_of_value(
+        serde_json::from_slice(&text).map_err(|e| Error::unparsable(ErrorSubject::RigFile, "JSON", e))?,
+    )
 }
 
 /// The rig of the values that [`read_rig`] reads.
@@ -169,8 +168,7 @@ pub(super) fn rig_of_value(value: Value) -> Result<Rig> {
 
 /// The values that [`write_rig`] writes.
 pub(super) fn rig_value(rig: &Rig) -> Result<Value> {
-    serde_json::to_value(write::rig_to_dto(rig)?)
-        .map_err(|e| Error::Io { what: "writing a rig JSON", detail: e.to_string() })
+    serde_json::to_value(write::rig_to_dto(rig)?).map_err(|e| Error::writing(ErrorSubject::RigFile, e))
 }
 
 /// Writes a rig as indented JSON with a final newline.
@@ -179,10 +177,9 @@ pub(super) fn rig_value(rig: &Rig) -> Result<Value> {
 /// [`Error::Invalid`] when a number is not finite; [`Error::Io`] when the stream fails.
 pub fn write_rig(rig: &Rig, mut output: impl Write) -> Result<()> {
     let dto = write::rig_to_dto(rig)?;
-    let io = |e: &dyn std::fmt::Display| Error::Io { what: "writing a rig JSON", detail: e.to_string() };
-    serde_json::to_writer_pretty(&mut output, &dto).map_err(|e| io(&e))?;
-    output.write_all(b"\n").map_err(|e| io(&e))?;
-    output.flush().map_err(|e| io(&e))
+    let failed = |e| Error::writing(ErrorSubject::RigFile, e);
+    serde_json::to_writer_pretty(&mut output, &dto).map_err(|e| failed(e.into()))?;
+    output.write_all(b"\n").and_then(|()| output.flush()).map_err(failed)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use super::{
     CovarianceDto, DeviceDto, FocalSigmaDto, PIXEL_CENTRE, PoseDto, QualityDto, RmsDto, Rows3, SCHEMA,
     SigmaDto, StereoDto, UNITS, VanishingDto, ViewDto,
 };
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Pose, VanishingPoints};
 use crate::rig::{Covariance, Device, Quality, Rig, StereoPose, View};
 
@@ -16,9 +16,9 @@ fn rows_from_matrix(m: &Matrix3<f64>) -> Rows3 {
 }
 
 /// JSON has no NaN: refuse it here instead of writing a null that nobody can read.
-fn finite<'a>(numbers: impl IntoIterator<Item = &'a f64>, what: &str) -> Result<()> {
+fn finite<'a>(numbers: impl IntoIterator<Item = &'a f64>, part: &'static str) -> Result<()> {
     match numbers.into_iter().find(|x| !x.is_finite()) {
-        Some(x) => Err(Error::invalid(format!("rig to write, {what}"), "finite numbers", x)),
+        Some(x) => Err(Error::invalid(ErrorSubject::Part { part, of: "rig to write" }, "finite numbers", x)),
         None => Ok(()),
     }
 }
@@ -53,12 +53,12 @@ pub(super) fn rig_to_dto(rig: &Rig) -> Result<impl Serialize> {
     Ok(out)
 }
 
-fn device_to_dto(d: &Device, what: &str) -> Result<DeviceDto> {
+fn device_to_dto(d: &Device, part: &'static str) -> Result<DeviceDto> {
     let k = d.model.intrinsics.matrix();
     let distortion = d.model.distortion.to_array();
-    finite(k.iter().chain(&distortion), what)?;
+    finite(k.iter().chain(&distortion), part)?;
     if let Some(s) = &d.sigma {
-        finite([s.focal_px, s.cx_px, s.cy_px].iter().chain(&s.distortion), what)?;
+        finite([s.focal_px, s.cx_px, s.cy_px].iter().chain(&s.distortion), part)?;
     }
     Ok(DeviceDto {
         width: d.model.width,
@@ -74,8 +74,8 @@ fn device_to_dto(d: &Device, what: &str) -> Result<DeviceDto> {
     })
 }
 
-fn pose_to_dto(p: &Pose, what: &str) -> Result<PoseDto> {
-    finite(p.rotation.matrix().iter().chain(&p.translation), what)?;
+fn pose_to_dto(p: &Pose, part: &'static str) -> Result<PoseDto> {
+    finite(p.rotation.matrix().iter().chain(&p.translation), part)?;
     Ok(PoseDto { r: rows_from_matrix(p.rotation.matrix()), t: p.translation.into() })
 }
 

@@ -3,7 +3,7 @@
 mod xml;
 mod yaml;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 
 /// How deep values may lie in each other; files of cameras need four levels.
 const DEEPEST: usize = 32;
@@ -11,15 +11,15 @@ const DEEPEST: usize = 32;
 /// What kind of text is read, and how much of it there may be.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Expecting {
-    /// How messages call it.
-    pub(super) what: &'static str,
+    /// The kind of file.
+    pub(super) what: ErrorSubject,
     /// The most values that such a text has.
     pub(super) most_nodes: usize,
 }
 
 impl Expecting {
     pub(super) fn malformed(self, detail: impl Into<String>) -> Error {
-        Error::Malformed { what: self.what, detail: detail.into() }
+        Error::malformed(self.what, detail)
     }
 
     fn too_deep(self) -> Error {
@@ -45,7 +45,7 @@ impl Expecting {
 
     /// The value of a text of JSON.
     pub(super) fn json(self, text: &str) -> Result<serde_json::Value> {
-        serde_json::from_str(text).map_err(|e| self.malformed(format!("this is not JSON: {e}")))
+        serde_json::from_str(text).map_err(|e| Error::unparsable(self.what, "JSON", e))
     }
 }
 

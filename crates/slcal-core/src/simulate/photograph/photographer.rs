@@ -9,7 +9,7 @@ use super::ray_tracer::RayTracer;
 use super::sensor::expose;
 use super::surface::Surface;
 use super::truth::{PixelTruth, StoredTruth, Truth};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::rig::Rig;
 
 /// A pixel is sampled by several rays where the second difference of the panel position between pixels exceeds this,
@@ -57,7 +57,11 @@ impl Photographer {
             let (w, h) = (device.width, device.height);
             if !(1..=MOST_PIXELS).contains(&(u64::from(w) * u64::from(h))) {
                 let expected = format!("1 to {MOST_PIXELS} pixels");
-                return Err(Error::invalid(format!("{name} of the rig"), expected, format!("{w}x{h}")));
+                return Err(Error::invalid(
+                    ErrorSubject::Part { part: name, of: "rig" },
+                    expected,
+                    format!("{w}x{h}"),
+                ));
             }
         }
         let (width, height) = (tracer.camera.width as usize, tracer.camera.height as usize);

@@ -4,7 +4,7 @@ use image::{DynamicImage, ImageBuffer, Rgb};
 
 use super::blur::{Border, blur};
 use super::config::RenderConfig;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::simulate::draws::Draws;
 
 /// The photograph of this light. `frame` counts the photographs of one seed, so that each has its own noise.
@@ -27,8 +27,13 @@ pub(super) fn expose(
         let channel = |row: [f64; 3]| config.exposure * (row[0] * l[0] + row[1] * l[1] + row[2] * l[2]);
         config.crosstalk.map(channel)
     });
-    let size =
-        || Error::invalid("photograph", "a size that fits into memory", format!("{width}x{height} px"));
+    let size = || {
+        Error::invalid(
+            ErrorSubject::Photograph,
+            "a size that fits into memory",
+            format!("{width}x{height} px"),
+        )
+    };
     if config.bits == 16 {
         let samples = samples.map(|l| (code(l) * 65535.0).round() as u16).collect();
         let image = ImageBuffer::<Rgb<u16>, _>::from_raw(width, height, samples).ok_or_else(size)?;

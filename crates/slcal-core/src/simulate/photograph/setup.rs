@@ -8,7 +8,7 @@ use super::photographer::{Photographer, ProjectedImage};
 use super::scene_object::{Placement, SceneObject};
 use super::simulated::SimulatedScene;
 use super::surface::Surface;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
 use crate::rig::Rig;
 use crate::simulate::poses::PoseConfig;
@@ -198,7 +198,7 @@ impl SceneSetup {
                 Pattern::Checker(p) => p.projector,
                 Pattern::Stripes(p) => p.projector,
             };
-            rig.projector_for("pattern", panel)?;
+            rig.projector_for(ErrorSubject::Pattern, panel)?;
             return Ok((rig, pattern.clone()));
         }
         let projector = rig.require_projector()?.device.model;
