@@ -8,11 +8,11 @@ use slcal_core::decode::{DecodeConfig, DecodeInput, Decoder, decode};
 use slcal_core::geometry::Plane;
 use slcal_core::pattern::{StripeConfig, StripePattern};
 use slcal_core::photo::PhotoView;
-use slcal_core::reconstruct::{ReconstructConfig, Reconstructor, TriangulateConfig, Triangulator};
+use slcal_core::reconstruct::{TriangulateConfig, Triangulator};
 use slcal_core::simulate::{
     Photographer, PoseConfig, ProjectedImage, RenderConfig, RigConfig, Scene, Shape, Surface,
 };
-use slcal_core::{PointCloud, Rig};
+use slcal_core::{PointCloud, ReconstructConfig, Reconstructor, Rig};
 
 /// A ball before a wall, with the noise of a good camera: photographs with stripes, black and white.
 fn photographs(camera: [u32; 2]) -> (Rig, StripePattern, [DynamicImage; 3]) {

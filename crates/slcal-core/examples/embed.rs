@@ -15,7 +15,7 @@ use std::time::Instant;
 use slcal_core::format::{read_pattern, read_rig};
 use slcal_core::pattern::Pattern;
 use slcal_core::photo::{Layout, PhotoView, Samples};
-use slcal_core::reconstruct::{ReconstructConfig, Reconstructor};
+use slcal_core::{ReconstructConfig, Reconstructor};
 
 /// Drivers align their rows.
 const ALIGNMENT: usize = 256;

@@ -14,12 +14,12 @@ use std::fs::File;
 use std::io::{BufReader, Write, stdin, stdout};
 use std::time::Instant;
 
-use slcal_core::PointCloud;
 use slcal_core::decode::{DecodeConfig, DecodeInput, Decoder};
 use slcal_core::format::{read_pattern, read_rig};
 use slcal_core::pattern::Pattern;
 use slcal_core::photo::{Layout, PhotoView, Samples};
-use slcal_core::reconstruct::{ReconstructConfig, Reconstructor, TriangulateConfig, Triangulator};
+use slcal_core::reconstruct::{TriangulateConfig, Triangulator};
+use slcal_core::{PointCloud, ReconstructConfig, Reconstructor};
 
 /// What stays from frame to frame.
 struct Scanner {

@@ -19,6 +19,7 @@ pub mod format;
 pub mod geometry;
 pub mod pattern;
 pub mod photo;
+mod pipeline;
 pub mod reconstruct;
 pub mod rectify;
 #[cfg(any(test, feature = "simulate"))]
@@ -30,9 +31,7 @@ mod cloud;
 mod error;
 mod matches;
 mod observations;
-mod photographs;
 mod rig;
-mod verify_photo;
 
 pub use calibrate::{
     CalibrateConfig, Calibration, CalibrationReport, DistortionModel, ExternalCalibration, FocalPrior,
@@ -45,9 +44,11 @@ pub use matches::{Match, Matches};
 pub use observations::{
     CornerPair, EdgePoint, ExternalObservations, Observations, SheetObservation, Unstated, ViewObservation,
 };
-pub use photographs::calibrate;
+pub use pipeline::{
+    Calibrator, CloudReport, PhotoVerifier, ReconstructConfig, Reconstruction, Reconstructor, SheetPhoto,
+    VerifiedPhoto, VerifyPhotoConfig, cloud_from_matches, verify_photo,
+};
 pub use rectify::{Rectification, rectify, rectify_checker, rectify_checker_picture, rectify_picture};
 pub use rig::{
     Covariance, Device, DeviceSigma, Projector, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning,
 };
-pub use verify_photo::{PhotoVerifier, VerifiedPhoto, VerifyPhotoConfig, verify_photo};

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Which folders each folder may use, a folder within another by rules of its own. What is not listed here meets in the plain types at the top of the crate.
-const MAY_USE: [(&str, &[&str]); 15] = [
+const MAY_USE: [(&str, &[&str]); 16] = [
     ("geometry", &[]),
     ("solve", &["geometry"]),
     ("photo", &[]),
@@ -17,8 +17,21 @@ const MAY_USE: [(&str, &[&str]); 15] = [
     ("verify", &["geometry", "solve", "pattern", "estimate", "calibrate", "advise"]),
     ("rectify", &["geometry", "solve", "pattern"]),
     ("decode", &["geometry", "solve", "photo", "pattern"]),
-    // The reusable object that goes from photograph to cloud runs the decoder.
-    ("reconstruct", &["geometry", "solve", "photo", "pattern", "decode"]),
+    ("reconstruct", &["geometry", "solve", "photo", "pattern"]),
+    (
+        "pipeline",
+        &[
+            "geometry",
+            "photo",
+            "pattern",
+            "detect",
+            "calibrate",
+            "verify",
+            "rectify",
+            "decode",
+            "reconstruct",
+        ],
+    ),
     ("evaluate", &["geometry", "solve"]),
     ("format", &["geometry", "photo", "pattern"]),
     // Runs the estimators and compares with the truth; nothing depends on it.

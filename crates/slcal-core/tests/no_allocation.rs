@@ -9,8 +9,8 @@ use nalgebra::{Point2, Point3};
 use slcal_core::format::read_rig;
 use slcal_core::pattern::{StripeConfig, StripePattern};
 use slcal_core::photo::{Layout, PhotoView, Samples};
-use slcal_core::reconstruct::{CullRule, Culler, ReconstructConfig, Reconstructor};
-use slcal_core::{CloudPoint, Frame, PointCloud, Rig};
+use slcal_core::reconstruct::{CullRule, Culler};
+use slcal_core::{CloudPoint, Frame, PointCloud, ReconstructConfig, Reconstructor, Rig};
 
 /// At most one of so many points may need a longer list; measured: one in 2000.
 const MOST_ONE_IN: u64 = 1000;

@@ -5,9 +5,8 @@ use std::sync::{Mutex, PoisonError};
 use pyo3::prelude::*;
 use slcal_core::Rig as CoreRig;
 use slcal_core::decode::DecodeConfig;
-use slcal_core::reconstruct::{
-    self, CullRule, ReconstructConfig, Reconstruction, cloud_from_matches, reconstruct as reconstruct_one,
-};
+use slcal_core::reconstruct::CullRule;
+use slcal_core::{ReconstructConfig, Reconstruction, cloud_from_matches};
 
 use crate::cloud::PointCloud;
 use crate::convert::option;
@@ -59,7 +58,11 @@ fn reconstruct(
     shape: Shape<'_, '_>,
 ) -> PyResult<PointCloud> {
     let config = shape.config(decode, CullRule::Auto)?;
-    let made = frames.read(py, |input| reconstruct_one(rig, &pattern.0, input, &config))?;
+    let made = frames.read(py, |input| {
+        let mut scanner = slcal_core::Reconstructor::new(rig, &pattern.0, config)?;
+        scanner.reconstruct(*input)?;
+        Ok(scanner.take_last())
+    })?;
     Ok(made.into())
 }
 
@@ -138,7 +141,7 @@ fn triangulate(
 /// True
 #[pyclass(frozen, module = "slcal")]
 pub(crate) struct Reconstructor {
-    scanner: Mutex<reconstruct::Reconstructor>,
+    scanner: Mutex<slcal_core::Reconstructor>,
     what: String,
 }
 
@@ -163,7 +166,7 @@ impl Reconstructor {
         let decode = decode::config(gamma, min_confidence)?;
         let config = Shape { frame, mesh, cull }.config(decode, CullRule::Auto)?;
         let (rig, pattern) = (&rig.get().rig, &pattern.get().0);
-        let scanner = py.detach(|| reconstruct::Reconstructor::new(rig, pattern, config));
+        let scanner = py.detach(|| slcal_core::Reconstructor::new(rig, pattern, config));
         let camera = &rig.camera.model;
         let [w, h] = pattern.projector;
         let what = format!(
@@ -208,7 +211,7 @@ impl Reconstructor {
         let made = frames.read(image.py(), |input| {
             // What an earlier photograph left behind is replaced: a panic within one does not spoil the next.
             let mut scanner = self.scanner.lock().unwrap_or_else(PoisonError::into_inner);
-            scanner.reconstruct_frames(input)?;
+            scanner.reconstruct(*input)?;
             Ok(scanner.take_last())
         })?;
         Ok(made.into())

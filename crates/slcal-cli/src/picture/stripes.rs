@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Point2;
-use slcal_core::PointCloud;
 use slcal_core::decode::{DecodeReport, Decoding};
-use slcal_core::reconstruct::Reconstruction;
+use slcal_core::{PointCloud, Reconstruction};
 
 use super::drawing::color::{Color, WHITE, ramp, slit_color};
 use super::drawing::legend::{Legend, Swatch};

@@ -1,8 +1,7 @@
 //! The report on a cloud: what `slcal reconstruct --report` writes.
 
 use maud::{Markup, html};
-use slcal_core::Rig;
-use slcal_core::reconstruct::Reconstruction;
+use slcal_core::{Reconstruction, Rig};
 
 use super::figure::Figures;
 use super::next_steps::{PIPED, file_word};

@@ -2,9 +2,8 @@
 
 use maud::{Markup, html};
 use serde_json::json;
-use slcal_core::PointCloud;
 use slcal_core::evaluate::{FitReport, PlaneFit, SphereFit};
-use slcal_core::reconstruct::Reconstruction;
+use slcal_core::{PointCloud, Reconstruction};
 
 use super::figure::{Figures, flat_layout};
 use super::number::{derived, fixed, significant};

@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use slcal_core::PointCloud;
-use slcal_core::reconstruct::Reconstruction;
+use slcal_core::{PointCloud, Reconstruction};
 
 use super::decoding::{add_counts, add_remarks, decoded_percent};
 use crate::output::{TextLayout, unbroken};

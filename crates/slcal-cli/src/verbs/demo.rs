@@ -1,16 +1,15 @@
 //! `slcal demo`: the whole chain on built-in photographs, explained to somebody who sees it for the first time.
 
 use image::DynamicImage;
-use slcal_core::decode::DecodeInput;
-use slcal_core::detect::{DetectConfig, Detection, observe};
+use slcal_core::detect::Detection;
 use slcal_core::evaluate::{FitConfig, FitReport, fit_plane};
 use slcal_core::format::{CloudFormat, read_rig};
 use slcal_core::geometry::RectangleSize;
 use slcal_core::pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
 use slcal_core::photo::PhotoView;
-use slcal_core::reconstruct::{ReconstructConfig, Reconstruction, reconstruct};
 use slcal_core::{
-    CalibrateConfig, Calibration, Device, Observations, Rig, ViewResiduals, calibrate_observations, residuals,
+    Calibration, Calibrator, Device, ExternalCalibration, Observations, ReconstructConfig, Reconstruction,
+    Reconstructor, Rig, SheetPhoto, ViewResiduals, residuals,
 };
 
 use super::calibrate::rig_bytes;
@@ -105,15 +104,10 @@ fn calibrate(
     checker: &CheckerPattern,
 ) -> Outcome<(Detection, Observations, Calibration)> {
     let size = RectangleSize::new(SHEET_SIZE_MM[0], SHEET_SIZE_MM[1])?;
-    let detection =
-        observe(PhotoView::try_from(sheet)?, None, size, Some(checker), &DetectConfig::default())?;
-    let camera = [sheet.width(), sheet.height()];
-    let observations =
-        Observations { camera, projector: Some(PANEL), views: vec![detection.observation.clone()] };
-    let mut calibration = calibrate_observations(&observations, &CalibrateConfig::default())?;
-    if let Some(view) = calibration.rig.views.first_mut() {
-        view.photo = Some("sheet.jpg".to_owned());
-    }
+    let mut calibrator = Calibrator::new(size).with_pattern(checker);
+    let photo = SheetPhoto::new(PhotoView::try_from(sheet)?).name("sheet.jpg");
+    let detection = calibrator.add(photo)?.clone();
+    let ExternalCalibration { calibration, observations, .. } = calibrator.calibrate()?;
     Ok((detection, observations, calibration))
 }
 
@@ -157,9 +151,10 @@ fn report(
 }
 
 fn cloud(rig: &Rig, stripes: &StripePattern, photo: &DynamicImage) -> Outcome<Reconstruction> {
-    let input = DecodeInput { photo: PhotoView::try_from(photo)?, black: None, white: None };
     let config = ReconstructConfig { mesh: true, ..ReconstructConfig::default() };
-    Ok(reconstruct(rig, stripes, &input, &config)?)
+    let mut reconstructor = Reconstructor::new(rig, stripes, config)?;
+    reconstructor.reconstruct(PhotoView::try_from(photo)?)?;
+    Ok(reconstructor.take_last())
 }
 
 /// What was done, how close it came to the truth, and what each file is.

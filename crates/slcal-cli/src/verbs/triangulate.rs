@@ -1,7 +1,7 @@
 //! `slcal triangulate`: matches of any decoder in, cloud out.
 
 use slcal_core::format::read_matches;
-use slcal_core::reconstruct::{ReconstructConfig, cloud_from_matches};
+use slcal_core::{ReconstructConfig, cloud_from_matches};
 
 use super::reconstruct::{cull_rule, frame, with_projector};
 use crate::args::TriangulateArgs;

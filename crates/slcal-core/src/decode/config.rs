@@ -50,6 +50,12 @@ pub struct DecodeInput<'a> {
     pub white: Option<PhotoView<'a>>,
 }
 
+impl<'a> From<PhotoView<'a>> for DecodeInput<'a> {
+    fn from(photo: PhotoView<'a>) -> Self {
+        Self { photo, black: None, white: None }
+    }
+}
+
 /// Stripe crossings that were detected and rejected, by reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Rejected {

@@ -1,14 +1,14 @@
-//! Matches + [`Rig`] → [`PointCloud`]: triangulation, removal of outliers, mesh.
+//! Matches + [`Rig`](crate::Rig) → [`PointCloud`](crate::PointCloud): triangulation, removal of outliers, mesh.
 
 mod components;
 mod cull;
 mod delaunay;
 mod expected_uncertainty;
+mod frame;
 mod length_uncertainty;
 mod light_plane;
 mod local_slant;
 mod point_covariance;
-mod report_json;
 mod synthetic_match;
 mod triangle_metrics;
 mod triangulate;
@@ -17,268 +17,16 @@ mod triangulate_tests;
 
 pub use cull::{CullReport, CullRule, Culler, cull};
 pub use expected_uncertainty::{ExpectedSigma, SigmaForecast};
+pub use frame::in_frame;
+pub(crate) use frame::{first_view, turn};
 pub use length_uncertainty::{LengthSigma, length_sigma};
-pub use report_json::CloudReport;
 pub use triangulate::{TriangulateConfig, TriangulateReport, Triangulator, triangulate};
-
-use nalgebra::Point3;
-use serde::{Deserialize, Serialize};
-
-use crate::cloud::{Frame, PointCloud};
-use crate::decode::{DecodeConfig, DecodeInput, DecodeReport, Decoder};
-use crate::error::{Error, ErrorSubject, Result};
-use crate::geometry::Pose;
-use crate::matches::Matches;
-use crate::pattern::StripePattern;
-use crate::photo::PhotoView;
-use crate::rig::Rig;
-
-/// Largest share of matches whose ray does not meet light from the panel in front of the devices. Above it pattern, rig
-/// and photograph do not belong together. The right pattern leaves a few in a thousand (labels that are wrong by
-/// chance); a wrong one that decodes nevertheless leaves a tenth.
-const MAX_IMPOSSIBLE: f64 = 0.05;
-
-/// Configuration of the reconstruction.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ReconstructConfig {
-    /// Photograph → matches.
-    pub decode: DecodeConfig,
-    /// Matches → points.
-    pub triangulate: TriangulateConfig,
-    /// Which triangles and outliers are removed.
-    pub cull: CullRule,
-    /// Coordinate frame of the cloud.
-    pub frame: Frame,
-    /// Whether the cloud keeps its triangles.
-    pub mesh: bool,
-}
-
-/// A cloud and the reports of its stages.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Reconstruction {
-    /// The points, and triangles if requested.
-    pub cloud: PointCloud,
-    /// Report of decoding; `None` when the matches were given.
-    pub decode: Option<DecodeReport>,
-    /// Counts of matches that gave no point.
-    pub triangulate: TriangulateReport,
-    /// Counts of removed triangles and points.
-    pub cull: CullReport,
-}
-
-/// Reconstructs one photograph after another with the same rig and pattern. After the first photographs no buffer grows
-/// any more (see "Cost" in the documentation of the architecture).
-#[derive(Debug, Clone)]
-pub struct Reconstructor {
-    /// Width and height of its photographs, px.
-    camera: [u32; 2],
-    decoder: Decoder,
-    stages: Stages,
-    result: Reconstruction,
-}
-
-impl Reconstructor {
-    /// Checks that rig, pattern and configuration fit together.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] for a rig without a projector, a pattern for another panel, the sheet's frame with a rig that
-    /// has no views, or a configuration out of range.
-    pub fn new(rig: &Rig, pattern: &StripePattern, config: ReconstructConfig) -> Result<Self> {
-        rig.projector_for(ErrorSubject::StripePattern, pattern.projector)?;
-        let stages = Stages::new(rig, &config)?;
-        let decoder = Decoder::new(pattern, config.decode)?;
-        let camera = [rig.camera.model.width, rig.camera.model.height];
-        Ok(Self { camera, decoder, stages, result: Reconstruction::default() })
-    }
-
-    /// The cloud of one photograph. It belongs to the reconstructor and is valid until the next photograph; clone it to
-    /// keep it.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] for a photograph of another size than the rig's camera; the errors of
-    /// [`crate::decode::decode`].
-    pub fn reconstruct(&mut self, photo: PhotoView<'_>) -> Result<&Reconstruction> {
-        self.reconstruct_frames(&DecodeInput { photo, black: None, white: None })
-    }
-
-    /// The cloud of one scene, with optional photographs of the dark and the white projector beside the striped one.
-    ///
-    /// # Errors
-    /// As [`Reconstructor::reconstruct`].
-    pub fn reconstruct_frames(&mut self, input: &DecodeInput<'_>) -> Result<&Reconstruction> {
-        let [width, height] = self.camera;
-        let found = (input.photo.width(), input.photo.height());
-        if found != (width as usize, height as usize) {
-            return Err(Error::invalid(
-                ErrorSubject::Photograph,
-                format!("the size of the rig's camera, {width}x{height} px"),
-                format!("{}x{} px; take it with the same camera at the same setting", found.0, found.1),
-            ));
-        }
-        let decoding = self.decoder.decode(input)?;
-        self.stages.run(&decoding.matches, &mut self.result)?;
-        check_possible(&self.result.triangulate, decoding.matches.items.len())?;
-        self.decoder.swap_report(self.result.decode.get_or_insert_default());
-        Ok(&self.result)
-    }
-
-    /// The result of the last photograph, moved out of the buffers instead of copied; the next one allocates new ones.
-    /// Empty when there was none, or it failed.
-    #[must_use]
-    pub fn take_last(&mut self) -> Reconstruction {
-        std::mem::take(&mut self.result)
-    }
-}
-
-/// The cloud of one photograph; see [`Reconstructor`] for many.
-///
-/// # Errors
-/// As [`Reconstructor::new`] and [`Reconstructor::reconstruct`].
-pub fn reconstruct(
-    rig: &Rig,
-    pattern: &StripePattern,
-    input: &DecodeInput<'_>,
-    config: &ReconstructConfig,
-) -> Result<Reconstruction> {
-    let mut scanner = Reconstructor::new(rig, pattern, *config)?;
-    scanner.reconstruct_frames(input)?;
-    Ok(scanner.take_last())
-}
-
-/// The cloud of matches from any decoder: triangulated, culled, in the requested frame.
-///
-/// # Errors
-/// [`Error::Invalid`] as for [`triangulate`] and [`in_frame`]; [`Error::NotFound`] when no point is left.
-pub fn cloud_from_matches(
-    rig: &Rig,
-    matches: &Matches,
-    config: &ReconstructConfig,
-) -> Result<Reconstruction> {
-    let mut result = Reconstruction::default();
-    Stages::new(rig, config)?.run(matches, &mut result)?;
-    Ok(result)
-}
-
-/// The stages after decoding, with their buffers.
-#[derive(Debug, Clone)]
-struct Stages {
-    triangulator: Triangulator,
-    culler: Culler,
-    rule: CullRule,
-    mesh: bool,
-    /// The transform into the requested frame, unless that is the camera's.
-    sheet_from_camera: Option<Pose>,
-}
-
-impl Stages {
-    fn new(rig: &Rig, config: &ReconstructConfig) -> Result<Self> {
-        let sheet_from_camera = match config.frame {
-            Frame::Camera => None,
-            Frame::Plane => Some(first_view(rig)?.camera_from_sheet.inverse()),
-        };
-        Ok(Self {
-            triangulator: Triangulator::new(rig, config.triangulate)?,
-            culler: Culler::default(),
-            rule: config.cull,
-            mesh: config.mesh,
-            sheet_from_camera,
-        })
-    }
-
-    /// Replaces the content of `result`.
-    fn run(&mut self, matches: &Matches, result: &mut Reconstruction) -> Result<()> {
-        result.cull = CullReport::default();
-        let cloud = &mut result.cloud;
-        result.triangulate = self.triangulator.triangulate(matches, cloud);
-        if self.mesh || self.rule != CullRule::Off {
-            result.cull = self.culler.cull(cloud, self.rule)?;
-        }
-        if cloud.points.is_empty() {
-            return Err(no_surface(matches.items.len(), &result.triangulate, &result.cull));
-        }
-        if !self.mesh {
-            cloud.triangles.clear();
-        }
-        if let Some(pose) = &self.sheet_from_camera {
-            turn(cloud, pose);
-            cloud.frame = Frame::Plane;
-        }
-        Ok(())
-    }
-}
-
-fn no_surface(matches: usize, report: &TriangulateReport, culled: &CullReport) -> Error {
-    Error::NotFound {
-        what: ErrorSubject::Surface,
-        seen: format!(
-            "{} points from {matches} matches (rejected: {} without coordinates, {} whose light plane nearly contains the camera ray, {} behind the devices, {} lit from outside the panel, {} with contradicting column and row, {} outside the depth limits); {} of the points are outliers",
-            report.points,
-            report.invalid,
-            report.grazing,
-            report.behind,
-            report.outside_panel,
-            report.contradicting,
-            report.outside_depth,
-            culled.outliers
-        ),
-        advice: "check that the rig, the pattern and the photograph belong together, and that nothing has moved since the calibration; with culling off, a few points without a surface are kept".into(),
-    }
-}
-
-/// Transforms positions and the camera's centre.
-fn turn(cloud: &mut PointCloud, pose: &Pose) {
-    for p in &mut cloud.points {
-        p.position = pose.transform(&p.position);
-    }
-    cloud.camera_centre = pose.transform(&cloud.camera_centre);
-}
-
-/// Refuses a cloud when many of its matches are impossible: the others are then chance, too.
-fn check_possible(report: &TriangulateReport, matches: usize) -> Result<()> {
-    let impossible = report.behind + report.grazing + report.outside_panel + report.contradicting;
-    if impossible as f64 <= MAX_IMPOSSIBLE * matches as f64 {
-        return Ok(());
-    }
-    Err(Error::NotFound {
-        what: ErrorSubject::Named("the pattern as this rig would project it"),
-        seen: format!(
-            "{impossible} of {matches} decoded crossings where the camera ray does not meet the light of their slit in front of both devices"
-        ),
-        advice: "check that the pattern file is the one that was projected, upright and not mirrored, that the rig is the one that took the photograph, and that nothing has moved since the calibration".into(),
-    })
-}
-
-fn first_view(rig: &Rig) -> Result<&crate::rig::View> {
-    rig.views.first().ok_or_else(|| {
-        Error::invalid("frame", "the camera's: this rig holds no view of a sheet", "the sheet's plane")
-    })
-}
-
-/// Transforms a cloud into another frame.
-///
-/// # Errors
-/// [`Error::Invalid`] for the sheet's frame when the rig holds no view.
-pub fn in_frame(mut cloud: PointCloud, rig: &Rig, frame: Frame) -> Result<PointCloud> {
-    if frame == cloud.frame {
-        return Ok(cloud);
-    }
-    let camera_from_sheet = first_view(rig)?.camera_from_sheet;
-    let to = if frame == Frame::Plane { camera_from_sheet.inverse() } else { camera_from_sheet };
-    turn(&mut cloud, &to);
-    if frame == Frame::Camera {
-        // Exactly, without rounding errors.
-        cloud.camera_centre = Point3::origin();
-    }
-    cloud.frame = frame;
-    Ok(cloud)
-}
 
 /// A camera and a projector about 220 mm to its left and above, both looking at a point a metre away.
 #[cfg(test)]
-pub(crate) fn test_rig() -> Rig {
-    use crate::geometry::{Camera, Distortion, Intrinsics};
-    use crate::rig::{Device, Projector, StereoPose};
+pub(crate) fn test_rig() -> crate::rig::Rig {
+    use crate::geometry::{Camera, Distortion, Intrinsics, Pose};
+    use crate::rig::{Device, Projector, Rig, StereoPose};
     use nalgebra::{Point2, Rotation3, Vector3};
     let device = |width, height, focal, pp| Device {
         model: Camera {
@@ -302,30 +50,5 @@ pub(crate) fn test_rig() -> Rig {
         method: "test".into(),
         quality: None,
         covariance: None,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::pattern::StripeConfig;
-
-    #[test]
-    fn inputs_that_do_not_belong_together_are_refused() {
-        let rig = test_rig();
-        let stripes = StripePattern::new([1024, 768], &StripeConfig::default()).unwrap();
-        let other = StripePattern::new([1280, 800], &StripeConfig::default()).unwrap();
-        let config = ReconstructConfig::default();
-        assert!(Reconstructor::new(&rig, &other, config).unwrap_err().to_string().contains("1280x800"));
-        let plane = ReconstructConfig { frame: Frame::Plane, ..config };
-        assert!(Reconstructor::new(&rig, &stripes, plane).unwrap_err().to_string().contains("no view"));
-        let mut scanner = Reconstructor::new(&rig, &stripes, config).unwrap();
-        let small = [0_u8; 300];
-        let photo =
-            PhotoView::new(crate::photo::Samples::U8(&small), 10, 10, 30, crate::photo::Layout::Rgb).unwrap();
-        assert!(scanner.reconstruct(photo).unwrap_err().to_string().contains("1280x960"));
-        let mut camera_alone = rig;
-        camera_alone.projector = None;
-        assert!(Reconstructor::new(&camera_alone, &stripes, config).is_err());
     }
 }

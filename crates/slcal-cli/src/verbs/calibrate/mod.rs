@@ -5,8 +5,7 @@ mod photographs;
 
 use std::path::{Path, PathBuf};
 
-use slcal_core::format::{KnownCamera, write_observations, write_rig};
-use slcal_core::geometry::Camera;
+use slcal_core::format::{write_observations, write_rig};
 use slcal_core::{
     CalibrateConfig, Calibration, DistortionModel, ExternalObservations, Method, NoiseFound, Observations,
     PrincipalPointRule, Rig, ViewResiduals, calibrate_external, residuals,
@@ -91,14 +90,18 @@ fn calibrate(
         None => None,
     };
     let external = if let Some(path) = &args.observations {
-        load_observations(path)?
+        let given = load_observations(path)?;
+        if let Some((path, known)) = &known {
+            config.known_camera = Some(known.for_image(given.observations.camera).in_file(path)?);
+        }
+        given
     } else {
-        let seen = observe_all(args, known.as_ref().map(|k| &k.1), gallery, printer)?;
-        config.focal_prior = seen.focal_prior;
-        seen.observations
+        let known = known.as_ref().map(|(path, camera)| (*path, camera));
+        let calibrator = observe_all(args, config, known, gallery, printer)?;
+        config = calibrator.config().clone();
+        calibrator.observations()?
     };
     if let Some((path, camera)) = &known {
-        config.known_camera = Some(for_image(path, camera, external.observations.camera)?);
         let unsized_note = camera
             .size
             .is_none()
@@ -128,11 +131,6 @@ fn calibrate(
         view.photo = photo;
     }
     Ok((calibration, done.observations))
-}
-
-/// The known camera, if it can be that of an image of this size.
-fn for_image(path: &Path, camera: &KnownCamera, size: [u32; 2]) -> Outcome<Camera> {
-    camera.for_image(size).in_file(Path::new(&input_name(path)))
 }
 
 fn noise_in_words(noise: &NoiseFound) -> String {

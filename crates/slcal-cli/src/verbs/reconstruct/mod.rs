@@ -13,8 +13,8 @@ use image::DynamicImage;
 use slcal_core::evaluate::{FitConfig, fit_plane, fit_sphere};
 use slcal_core::format::CloudFormat;
 use slcal_core::pattern::StripePattern;
-use slcal_core::reconstruct::{CullRule, ReconstructConfig, Reconstruction, Reconstructor};
-use slcal_core::{PointCloud, Rig};
+use slcal_core::reconstruct::CullRule;
+use slcal_core::{PointCloud, ReconstructConfig, Reconstruction, Reconstructor, Rig};
 
 use self::frames::{Frame, OutputFolder, Place};
 use self::report::{CloudReport, FrameResult};
@@ -201,7 +201,7 @@ impl Job<'_> {
             (None, Some(photo)) => self.scene.input(&name, photo)?,
             (None, None) => return Err(Failure::new(Exit::Other, "a frame without a picture")),
         };
-        let result = scanner.reconstruct_frames(&input).in_file(&name)?;
+        let result = scanner.reconstruct(input).in_file(&name)?;
         let mut files = vec![(output.clone(), cloud_bytes(self.format, &result.cloud)?)];
         let pictured = self.overlay.is_some() || self.report.is_some();
         let photo = photo.filter(|_| pictured).map(|p| for_display(p, self.scene.config().encoding));

@@ -1,7 +1,7 @@
 //! What is said of each frame, as JSON and in words.
 
 use serde::Serialize;
-use slcal_core::reconstruct::{self, Reconstruction};
+use slcal_core::Reconstruction;
 
 use crate::exit::{Failure, Outcome};
 use crate::output::print_json;
@@ -56,7 +56,7 @@ impl ErrorReport {
 #[derive(Debug, Serialize)]
 pub(super) struct CloudReport {
     #[serde(flatten)]
-    numbers: reconstruct::CloudReport,
+    numbers: slcal_core::CloudReport,
     /// The whole story, for one frame.
     #[serde(skip)]
     pub(super) text: String,

@@ -5,7 +5,8 @@ use nalgebra::{Matrix3, Point2, Point3, Vector3};
 use super::{bent_rig, block, exact, plane, rig, wall};
 use crate::geometry::{Homography, Pose, Ray, RectangleSize};
 use crate::pattern::{Axis, CheckerConfig, CheckerPattern, StripeConfig, StripePattern};
-use crate::reconstruct::{CullRule, ReconstructConfig, cloud_from_matches};
+use crate::pipeline::{ReconstructConfig, cloud_from_matches};
+use crate::reconstruct::CullRule;
 use crate::simulate::{Photographer, Shape, Surface};
 
 #[test]

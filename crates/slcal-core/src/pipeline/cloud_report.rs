@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::{CullReport, Reconstruction, TriangulateReport};
+use super::reconstructor::Reconstruction;
 use crate::decode::DecodeReport;
+use crate::reconstruct::{CullReport, TriangulateReport};
 
 /// Counts of a cloud and reports of its stages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
