@@ -13,7 +13,6 @@ mod output;
 mod picture;
 mod report;
 mod similar;
-mod size;
 mod summary;
 mod verbs;
 

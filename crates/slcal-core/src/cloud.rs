@@ -3,6 +3,8 @@
 use nalgebra::{Point2, Point3};
 use serde::{Deserialize, Serialize};
 
+use crate::named::named;
+
 /// The coordinate frame of a cloud.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -13,6 +15,8 @@ pub enum Frame {
     /// The sheet of the rig's first view.
     Plane,
 }
+
+named!(Frame, "frame", { Camera => "camera", Plane => "plane" });
 
 /// A reconstructed point.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -30,6 +30,7 @@ pub mod verify;
 mod cloud;
 mod error;
 mod matches;
+mod named;
 mod observations;
 mod rig;
 

@@ -80,7 +80,7 @@ impl ViewObservation {
     /// σ outside of this range are mistakes; their squares would overflow.
     pub const SIGMA_RANGE_PX: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
     /// Sides of a sheet, mm: outside of it a unit was mistaken.
-    pub const SIDE_RANGE_MM: std::ops::RangeInclusive<f64> = 1.0..=100_000.0;
+    pub const SIDE_RANGE_MM: std::ops::RangeInclusive<f64> = RectangleSize::SIDE_RANGE_MM;
     /// Stands for a σ that is unstated.
     pub const UNSTATED_SIGMA_PX: f64 = 1.0;
 }

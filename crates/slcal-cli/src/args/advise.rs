@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use slcal_core::geometry::RectangleSize;
+use slcal_core::{DistortionModel, PrincipalPointRule};
 
-use super::calibrate::{DistortionArg, PrincipalPointArg, parse_camera_pp, parse_projector_pp};
-use crate::size::{parse_length, parse_pair, parse_size};
+use super::value::{choice, parse_camera_pp, parse_length, parse_pair, parse_projector_pp, parse_size};
 
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("known").required(true))]
@@ -70,16 +70,17 @@ pub(crate) struct AdviseArgs {
     )]
     pub(crate) noise: f64,
     /// What will be known of the camera's principal point: prior, centre, free or X,Y.
-    #[arg(long, value_name = "prior|centre|free|X,Y", value_parser = parse_camera_pp, default_value = "prior",
+    #[arg(long, value_name = "prior|centre|free|X,Y", value_parser = parse_camera_pp, default_value_t = PrincipalPointRule::Prior,
           allow_hyphen_values = true, conflicts_with = "rig")]
-    pub(crate) camera_pp: PrincipalPointArg,
+    pub(crate) camera_pp: PrincipalPointRule,
     /// What will be known of the projector's: shift, prior, centre, free or X,Y.
     #[arg(long, value_name = "shift|prior|centre|free|X,Y", value_parser = parse_projector_pp,
-          default_value = "shift", allow_hyphen_values = true, conflicts_with = "rig")]
-    pub(crate) projector_pp: PrincipalPointArg,
+          default_value_t = PrincipalPointRule::Shift, allow_hyphen_values = true, conflicts_with = "rig")]
+    pub(crate) projector_pp: PrincipalPointRule,
     /// Which distortion of the camera will be estimated (auto plans with none).
-    #[arg(long, value_enum, default_value = "auto", conflicts_with = "rig")]
-    pub(crate) distortion: DistortionArg,
+    #[arg(long, value_parser = choice::<DistortionModel>(DistortionModel::NAMES), default_value_t,
+          conflicts_with = "rig")]
+    pub(crate) distortion: DistortionModel,
     /// Print the result as JSON instead of tables.
     #[arg(long)]
     pub(crate) json: bool,

@@ -2,13 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::{ArgAction, Args, ValueEnum};
-use nalgebra::Point2;
+use clap::{ArgAction, Args};
 use slcal_core::geometry::RectangleSize;
+use slcal_core::{DistortionModel, Method, PrincipalPointRule};
 
 use super::photo::GammaArg;
-use crate::similar::did_you_mean;
-use crate::size::{Corners, parse_corners, parse_point, parse_size};
+use super::value::{Corners, choice, parse_camera_pp, parse_corners, parse_projector_pp, parse_size};
 
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "a command line is made of switches")]
@@ -43,22 +42,23 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, conflicts_with_all = ["camera", "observations"])]
     pub(crate) exif: bool,
     /// The camera's principal point: prior (the centre, uncertain), centre, free, or X,Y exactly.
-    #[arg(long, value_name = "prior|centre|free|X,Y", value_parser = parse_camera_pp, default_value = "prior",
+    #[arg(long, value_name = "prior|centre|free|X,Y", value_parser = parse_camera_pp, default_value_t = PrincipalPointRule::Prior,
           allow_hyphen_values = true, conflicts_with = "camera")]
-    pub(crate) camera_pp: PrincipalPointArg,
+    pub(crate) camera_pp: PrincipalPointRule,
     /// The projector's principal point: shift (horizontally near the centre, vertically anywhere), or as for the camera.
     #[arg(long, value_name = "shift|prior|centre|free|X,Y", value_parser = parse_projector_pp,
-          default_value = "shift", allow_hyphen_values = true)]
-    pub(crate) projector_pp: PrincipalPointArg,
+          default_value_t = PrincipalPointRule::Shift, allow_hyphen_values = true)]
+    pub(crate) projector_pp: PrincipalPointRule,
     /// Lens distortion of the camera.
-    #[arg(long, value_enum, default_value = "auto", conflicts_with = "camera")]
-    pub(crate) distortion: DistortionArg,
+    #[arg(long, value_parser = choice::<DistortionModel>(DistortionModel::NAMES), default_value_t,
+          conflicts_with = "camera")]
+    pub(crate) distortion: DistortionModel,
     /// Lens distortion of the projector; coefficients need three photographs or more.
-    #[arg(long, value_enum, default_value = "auto")]
-    pub(crate) projector_distortion: DistortionArg,
+    #[arg(long, value_parser = choice::<DistortionModel>(DistortionModel::NAMES), default_value_t)]
+    pub(crate) projector_distortion: DistortionModel,
     /// Which estimator.
-    #[arg(long, value_enum, default_value = "ml")]
-    pub(crate) method: MethodArg,
+    #[arg(long, value_parser = choice::<Method>(Method::NAMES), default_value_t)]
+    pub(crate) method: Method,
     #[command(flatten)]
     pub(crate) gamma: GammaArg,
     /// Write the rig even when the view does not determine it.
@@ -82,61 +82,4 @@ pub(crate) struct CalibrateArgs {
     /// Replace files that exist.
     #[arg(long)]
     pub(crate) force: bool,
-}
-
-/// A principal point as it is asked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum PrincipalPointArg {
-    /// Horizontal centre as a prior, vertical free.
-    Shift,
-    /// The centre, uncertain.
-    Prior,
-    /// The centre, exactly.
-    Centre,
-    /// Estimated without a prior.
-    Free,
-    /// Given, exactly.
-    At(Point2<f64>),
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum DistortionArg {
-    /// Estimated when the photographs show it.
-    Auto,
-    /// A lens without distortion.
-    None,
-    /// The first radial coefficient.
-    K1,
-    /// The first two radial coefficients.
-    K1k2,
-    /// All five coefficients.
-    Full,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MethodArg {
-    /// Maximum likelihood over everything that was seen.
-    Ml,
-    /// The two vanishing points alone, as published.
-    TwoVp,
-}
-
-pub(super) fn parse_camera_pp(text: &str) -> Result<PrincipalPointArg, String> {
-    match text {
-        "shift" => Err("expected prior, centre, free or X,Y (shift is for projectors)".to_owned()),
-        other => parse_projector_pp(other),
-    }
-}
-
-pub(super) fn parse_projector_pp(text: &str) -> Result<PrincipalPointArg, String> {
-    Ok(match text {
-        "shift" => PrincipalPointArg::Shift,
-        "prior" => PrincipalPointArg::Prior,
-        "centre" | "center" => PrincipalPointArg::Centre,
-        "free" => PrincipalPointArg::Free,
-        point => PrincipalPointArg::At(parse_point(point).map_err(|e| {
-            let meant = did_you_mean(point, ["prior", "centre", "free"]);
-            format!("{meant}expected prior, centre, free or X,Y: {e}")
-        })?),
-    })
 }

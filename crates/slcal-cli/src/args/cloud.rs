@@ -1,44 +1,23 @@
-//! What clouds are to be.
+//! Options of clouds.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use slcal_core::Frame;
 
-/// What the clouds are to be.
+use super::value::{choice, parse_length};
+
+/// The coordinates and the extent of clouds.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct CloudArgs {
-    /// Whose coordinates the cloud has.
-    #[arg(long, value_enum, default_value = "camera")]
-    pub(crate) frame: FrameArg,
-    /// Write the triangles between the points too.
+    /// The frame of the coordinates: camera (x right, y down, z forward) or plane (the sheet of the rig's first view).
+    #[arg(long, value_parser = choice::<Frame>(Frame::NAMES), default_value_t)]
+    pub(crate) frame: Frame,
+    /// Write the triangles between the points, too.
     #[arg(long)]
     pub(crate) mesh: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FrameArg {
-    /// The camera's: x right, y down, z forward.
-    Camera,
-    /// The sheet of the rig's first view.
-    Plane,
-}
-
-/// Which triangles are removed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum CullArg {
-    /// Those far larger than their neighbourhood's.
-    Auto,
-    /// None.
-    Off,
-    /// Those above an area, mm².
-    Area(f64),
-}
-
-pub(super) fn parse_cull(text: &str) -> Result<CullArg, String> {
-    match text {
-        "auto" => Ok(CullArg::Auto),
-        "off" => Ok(CullArg::Off),
-        number => match number.parse::<f64>() {
-            Ok(area) if area.is_finite() && area > 0.0 => Ok(CullArg::Area(area)),
-            _ => Err("expected auto, off or an area in mm² above zero".to_owned()),
-        },
-    }
+    /// Leave out points nearer than this: distance along the camera's optical axis (300mm, 0.3m).
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length, allow_hyphen_values = true)]
+    pub(crate) near: Option<f64>,
+    /// Leave out points farther than this (2m, 2000mm).
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length, allow_hyphen_values = true)]
+    pub(crate) far: Option<f64>,
 }

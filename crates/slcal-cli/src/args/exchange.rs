@@ -5,11 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use slcal_core::format::ExchangeFormat;
 
-use crate::size::parse_pair;
-
-fn parse_format(text: &str) -> Result<ExchangeFormat, String> {
-    ExchangeFormat::of_name(text).map_err(|e| e.to_string())
-}
+use super::value::{choice, parse_pair};
 
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
@@ -17,7 +13,7 @@ pub(crate) struct ExportArgs {
     #[arg(long, value_name = "RIG.json")]
     pub(crate) rig: PathBuf,
     /// For which program: opencv, ros, colmap, kalibr, blender or npz (NumPy).
-    #[arg(long, value_name = "FORMAT", value_parser = parse_format)]
+    #[arg(long, value_name = "FORMAT", value_parser = choice::<ExchangeFormat>(ExchangeFormat::NAMES), ignore_case = true)]
     pub(crate) to: ExchangeFormat,
     /// The file; `-` for stdout. opencv: .yml, .xml or .json; ros: the camera's .yaml (the projector's goes beside it), or a folder;
     /// colmap: a folder; kalibr: .yaml; blender: .py; npz: .npz.
@@ -40,7 +36,7 @@ pub(crate) struct ImportArgs {
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
     /// Whose files they are: opencv, ros, colmap, kalibr, blender or npz [default: told by their content].
-    #[arg(long, value_name = "FORMAT", value_parser = parse_format)]
+    #[arg(long, value_name = "FORMAT", value_parser = choice::<ExchangeFormat>(ExchangeFormat::NAMES), ignore_case = true)]
     pub(crate) from: Option<ExchangeFormat>,
     /// The rig; `-` for stdout.
     #[arg(short, long, value_name = "RIG.json")]

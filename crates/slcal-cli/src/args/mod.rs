@@ -17,13 +17,14 @@ mod report;
 mod shell;
 mod simulate;
 mod triangulate;
+mod value;
 mod verify;
 
 use clap::{Parser, Subcommand};
 
 pub(crate) use advise::AdviseArgs;
-pub(crate) use calibrate::{CalibrateArgs, DistortionArg, MethodArg, PrincipalPointArg};
-pub(crate) use cloud::{CullArg, FrameArg};
+pub(crate) use calibrate::CalibrateArgs;
+pub(crate) use cloud::CloudArgs;
 pub(crate) use decode::{DecodeArgs, DecodeInput};
 pub(crate) use demo::DemoArgs;
 pub(crate) use evaluate::{EvaluateArgs, ShapeArg};
@@ -35,8 +36,8 @@ pub(crate) use rectify::RectifyArgs;
 pub(crate) use report::ReportArgs;
 pub(crate) use shell::{CompletionsArgs, ManArgs};
 pub(crate) use simulate::{
-    Crosstalk, LightArgs, MeshFrameArg, NoiseArgs, PlaceArgs, PrincipalPointsArg, RigArgs, SceneArgs,
-    SimulateVerb, ViewsArgs, WallArg,
+    Crosstalk, LightArgs, MeshFrameArg, NoiseArgs, PlaceArgs, RigArgs, SceneArgs, SimulateVerb, ViewsArgs,
+    WallArg,
 };
 pub(crate) use triangulate::TriangulateArgs;
 pub(crate) use verify::VerifyArgs;
@@ -132,6 +133,7 @@ pub(crate) enum Verb {
 mod tests {
     use clap::CommandFactory;
     use nalgebra::Point2;
+    use slcal_core::PrincipalPointRule;
 
     use super::*;
 
@@ -158,7 +160,7 @@ mod tests {
         .unwrap();
         let Verb::Calibrate(args) = cli.verb else { panic!("another verb") };
         assert_eq!(args.corners[0][0], Point2::new(-12.0, 40.0));
-        assert_eq!(args.camera_pp, PrincipalPointArg::At(Point2::new(-3.0, 4.0)));
+        assert_eq!(args.camera_pp, PrincipalPointRule::Exact(-3.0, 4.0));
     }
 
     #[test]

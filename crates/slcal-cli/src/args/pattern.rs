@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::examples;
-use crate::size::parse_pair;
+use crate::args::value::parse_pair;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum PatternVerb {

@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use slcal_core::format::CloudFormat;
+use slcal_core::reconstruct::CullRule;
 
-use super::cloud::{CloudArgs, CullArg, parse_cull};
+use super::cloud::CloudArgs;
 use super::decode::DecodeInput;
 use super::evaluate::ShapeArg;
-use crate::io::{RawFormat, parse_cloud_format};
+use super::value::{choice, parse_cull};
+use crate::io::RawFormat;
 
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("place").required(true))]
@@ -24,9 +26,8 @@ pub(crate) struct ReconstructArgs {
     #[command(flatten)]
     pub(crate) shape: CloudArgs,
     /// Which triangles, and with them lone points, are removed: auto, off, or those above an area in mm².
-    #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value = "auto",
-          allow_hyphen_values = true)]
-    pub(crate) cull: CullArg,
+    #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value_t, allow_hyphen_values = true)]
+    pub(crate) cull: CullRule,
     /// Where to write the cloud of one IMAGE: .ply, .pcd, .xyz, .obj or .glb by the name; `-` for a PLY on stdout.
     #[arg(short, long, value_name = "CLOUD.ply", group = "place")]
     pub(crate) output: Option<PathBuf>,
@@ -34,13 +35,8 @@ pub(crate) struct ReconstructArgs {
     #[arg(long, value_name = "DIR", group = "place")]
     pub(crate) out_dir: Option<PathBuf>,
     /// What the clouds in DIR are.
-    #[arg(
-        long,
-        value_parser = parse_cloud_format,
-        default_value = "ply",
-        conflicts_with = "output",
-        value_name = "ply|pcd|xyz|obj|glb"
-    )]
+    #[arg(long, value_parser = choice::<CloudFormat>(CloudFormat::NAMES), ignore_case = true, default_value_t,
+          conflicts_with = "output")]
     pub(crate) format: CloudFormat,
     /// Read frames without a file format from stdin, pixels as rgb24, bgr24 or rgb48le; the clouds are frame_000000 and on.
     #[arg(long, value_name = "WxH:rgb24", value_parser = RawFormat::parse, conflicts_with = "output",

@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::cloud::{CloudArgs, CullArg, parse_cull};
+use slcal_core::reconstruct::CullRule;
+
+use super::cloud::CloudArgs;
+use super::value::parse_cull;
 
 #[derive(Debug, Args)]
 pub(crate) struct TriangulateArgs {
@@ -16,9 +19,9 @@ pub(crate) struct TriangulateArgs {
     #[command(flatten)]
     pub(crate) shape: CloudArgs,
     /// Which triangles, and with them lone points, are removed: auto, off, or those above an area in mm².
-    #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value = "off",
+    #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value_t = CullRule::Off,
           allow_hyphen_values = true)]
-    pub(crate) cull: CullArg,
+    pub(crate) cull: CullRule,
     /// Where to write the cloud: .ply, .pcd, .xyz, .obj or .glb by the name; `-` for a PLY on stdout.
     #[arg(short, long, value_name = "CLOUD.ply")]
     pub(crate) output: PathBuf,

@@ -6,7 +6,7 @@ use clap::Args;
 use slcal_core::geometry::RectangleSize;
 
 use super::photo::GammaArg;
-use crate::size::{Corners, parse_corners, parse_size};
+use crate::args::value::{Corners, parse_corners, parse_size};
 
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "a command line is made of switches")]

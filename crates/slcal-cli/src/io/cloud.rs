@@ -8,19 +8,10 @@ use slcal_core::format::{CloudFormat, read_ply};
 
 use super::is_dash;
 use crate::exit::{Failure, Outcome};
-use crate::similar::did_you_mean;
-
-/// Parses the name of a format.
-pub(crate) fn parse_cloud_format(text: &str) -> Result<CloudFormat, String> {
-    CloudFormat::of_extension(text).ok_or_else(|| {
-        let meant = did_you_mean(text, CloudFormat::ALL.map(CloudFormat::extension));
-        format!("{meant}expected ply, pcd, xyz, obj or glb")
-    })
-}
 
 /// The format of an output by its extension; PLY for stdout and for devices, whose names say nothing.
 pub(crate) fn cloud_format_of(path: &Path) -> Outcome<CloudFormat> {
-    match path.extension().and_then(|e| CloudFormat::of_extension(e.to_str()?)) {
+    match path.extension().and_then(|e| e.to_str()?.parse().ok()) {
         Some(format) => Ok(format),
         None if is_dash(path) || is_device(path) => Ok(CloudFormat::Ply),
         None => Err(Failure::usage(format!(

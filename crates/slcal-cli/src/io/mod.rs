@@ -12,7 +12,7 @@ use std::fs;
 use std::io::Read as _;
 use std::path::Path;
 
-pub(crate) use cloud::{cloud_bytes, cloud_format_of, cloud_is_complete, parse_cloud_format};
+pub(crate) use cloud::{cloud_bytes, cloud_format_of, cloud_is_complete};
 pub(crate) use exchange::{export_places, import_paths, storage_of};
 pub(crate) use exif::focal_35mm;
 pub(crate) use photo::{decode_photo, load_photo, load_photo_and_file, read_photo};

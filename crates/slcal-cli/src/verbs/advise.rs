@@ -4,7 +4,6 @@ use slcal_core::advise::{CameraPlan, advise_first, advise_next};
 use slcal_core::geometry::Camera;
 use slcal_core::{CalibrateConfig, Error, PrincipalPointRule};
 
-use super::calibrate::{distortion, rule};
 use crate::args::AdviseArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{check_panel, load_camera, load_checker, load_rig};
@@ -29,9 +28,9 @@ pub(super) fn run(args: &AdviseArgs) -> Outcome {
 fn plan(args: &AdviseArgs) -> Outcome<CameraPlan> {
     let size = args.size.ok_or_else(|| Failure::usage("expected --size"))?;
     let config = CalibrateConfig {
-        camera_pp: rule(args.camera_pp),
-        projector_pp: rule(args.projector_pp),
-        distortion: distortion(args.distortion),
+        camera_pp: args.camera_pp,
+        projector_pp: args.projector_pp,
+        distortion: args.distortion,
         ..CalibrateConfig::default()
     };
     config.validate()?;

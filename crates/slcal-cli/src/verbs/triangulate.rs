@@ -1,9 +1,9 @@
 //! `slcal triangulate`: matches of any decoder in, cloud out.
 
+use slcal_core::cloud_from_matches;
 use slcal_core::format::read_matches;
-use slcal_core::{ReconstructConfig, cloud_from_matches};
 
-use super::reconstruct::{cull_rule, frame, with_projector};
+use super::reconstruct::{cloud_config, with_projector};
 use crate::args::TriangulateArgs;
 use crate::exit::{InFile as _, Outcome};
 use crate::io::{
@@ -21,12 +21,7 @@ pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
     let busy = printer.busy(format!("triangulating {}", input_name(&args.matches)));
     let matches =
         read_matches(read_bytes(&args.matches, "matches as CSV")?.as_slice()).in_file(&args.matches)?;
-    let config = ReconstructConfig {
-        cull: cull_rule(args.cull),
-        frame: frame(args.shape.frame, &rig, &args.rig)?,
-        mesh: args.shape.mesh,
-        ..ReconstructConfig::default()
-    };
+    let config = cloud_config(&args.shape, args.cull, &rig, &args.rig)?;
     let result = cloud_from_matches(&rig, &matches, &config).in_file(&args.matches)?;
     write_all(&[(output.clone(), cloud_bytes(format, &result.cloud)?)])?;
     drop(busy);

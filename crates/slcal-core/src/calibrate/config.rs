@@ -1,10 +1,14 @@
 //! What the user may ask of a calibration.
 
+use std::fmt;
+use std::str::FromStr;
+
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, FILM_DIAGONAL_MM};
+use crate::named::{named, unnamed};
 
 /// Fewest views in which the projector's distortion can be told from its principal point and from the camera's lens.
 pub(crate) const VIEWS_FOR_PROJECTOR_DISTORTION: usize = 3;
@@ -27,6 +31,9 @@ pub enum PrincipalPointRule {
 }
 
 impl PrincipalPointRule {
+    /// The names of the rules; a pixel has none.
+    pub const NAMES: &'static [&'static str] = &["shift", "prior", "centre", "free"];
+
     /// Where the principal point of a device of width and height `size` is expected before anything was photographed, px:
     /// the stated one, the lower edge's middle where lens shift is expected, else the centre.
     #[must_use]
@@ -37,6 +44,42 @@ impl PrincipalPointRule {
             Self::Shift => Point2::new(centre.x, f64::from(height) - 0.5),
             Self::Prior | Self::Centre | Self::Free => centre,
         }
+    }
+}
+
+impl fmt::Display for PrincipalPointRule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Shift => f.pad("shift"),
+            Self::Prior => f.pad("prior"),
+            Self::Centre => f.pad("centre"),
+            Self::Free => f.pad("free"),
+            Self::Exact(x, y) => write!(f, "{x},{y}"),
+        }
+    }
+}
+
+impl FromStr for PrincipalPointRule {
+    type Err = Error;
+
+    /// `shift`, `prior`, `centre`, `free`, or a pixel as `X,Y`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] that lists these.
+    fn from_str(text: &str) -> Result<Self> {
+        let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+        Ok(match text.to_ascii_lowercase().as_str() {
+            "shift" => Self::Shift,
+            "prior" => Self::Prior,
+            "centre" | "center" => Self::Centre,
+            "free" => Self::Free,
+            _ => {
+                let point = text.split_once(',').and_then(|(x, y)| number(x).zip(number(y)));
+                let wrong = || unnamed("principal point", Self::NAMES, " or X,Y in pixels", text);
+                let (x, y) = point.ok_or_else(wrong)?;
+                Self::Exact(x, y)
+            }
+        })
     }
 }
 
@@ -79,6 +122,8 @@ pub enum Method {
     TwoVp,
 }
 
+named!(Method, "method", { Ml => "ml", TwoVp => "two-vp" });
+
 /// Which distortion coefficients of a device are estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -95,6 +140,14 @@ pub enum DistortionModel {
     /// k1, k2, p1, p2, k3.
     Full,
 }
+
+named!(DistortionModel, "distortion", {
+    Auto => "auto",
+    None => "none",
+    K1 => "k1",
+    K1K2 => "k1k2",
+    Full => "full",
+});
 
 /// Parameters of [`calibrate_observations`](crate::calibrate::calibrate_observations).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -5,6 +5,7 @@ use std::io::Write;
 use super::{write_glb, write_obj, write_pcd, write_ply, write_xyz};
 use crate::cloud::PointCloud;
 use crate::error::Result;
+use crate::named::named;
 
 /// A file format of clouds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -22,28 +23,10 @@ pub enum CloudFormat {
     Glb,
 }
 
+// The names are the endings of the files.
+named!(CloudFormat, "format", { Ply => "ply", Pcd => "pcd", Xyz => "xyz", Obj => "obj", Glb => "glb" });
+
 impl CloudFormat {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::Ply, Self::Pcd, Self::Xyz, Self::Obj, Self::Glb];
-
-    /// The ending of its files' names, without the dot.
-    #[must_use]
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Ply => "ply",
-            Self::Pcd => "pcd",
-            Self::Xyz => "xyz",
-            Self::Obj => "obj",
-            Self::Glb => "glb",
-        }
-    }
-
-    /// The format with this extension, in capitals or not; `None` when there is none.
-    #[must_use]
-    pub fn of_extension(extension: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|f| f.extension().eq_ignore_ascii_case(extension))
-    }
-
     /// Whether its files are text.
     #[must_use]
     pub fn is_text(self) -> bool {
@@ -70,14 +53,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn extensions_name_formats_in_any_case() {
+    fn extensions_name_formats_in_upper_and_lower_case() {
         for format in CloudFormat::ALL {
-            assert_eq!(CloudFormat::of_extension(&format.extension().to_uppercase()), Some(format));
+            assert_eq!(format.name().to_uppercase().parse(), Ok(format));
             let mut bytes = Vec::new();
             format.write(&crate::format::test_cloud(), &mut bytes).unwrap();
             assert_eq!(std::str::from_utf8(&bytes).is_ok(), format.is_text(), "{format:?}");
         }
-        assert_eq!(CloudFormat::of_extension("stl"), None);
-        assert_eq!(CloudFormat::of_extension(""), None);
+        assert!("stl".parse::<CloudFormat>().is_err());
+        assert!("".parse::<CloudFormat>().is_err());
     }
 }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::de_bruijn::de_bruijn;
 use super::draw::check_panel;
 use crate::error::{Error, ErrorSubject, Result};
+use crate::named::named;
 
 /// What the slits follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -16,6 +17,8 @@ pub enum Axis {
     /// Horizontal slits, each at one projector row.
     Rows,
 }
+
+named!(Axis, "axis", { Columns => "columns", Rows => "rows" });
 
 /// A multi-slit pattern: coloured slits between black bands (paper, section 3; J. Pagès, J. Salvi, C. Collewet,
 /// J. Forest, "Optimised De Bruijn patterns for one-shot shape acquisition", Image and Vision Computing 23:707-720, 2005).

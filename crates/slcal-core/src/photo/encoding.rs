@@ -1,9 +1,13 @@
 //! From code values to linear light.
 
+use std::fmt;
+use std::str::FromStr;
+
 use serde::{Deserialize, Serialize};
 
 use super::Samples;
 use crate::error::{Error, Result};
+use crate::named::unnamed;
 
 /// The transfer curve of a photograph.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -18,7 +22,37 @@ pub enum Encoding {
     Gamma(f64),
 }
 
+impl fmt::Display for Encoding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Srgb => f.pad("srgb"),
+            Self::Linear => f.pad("linear"),
+            Self::Gamma(gamma) => write!(f, "{gamma}"),
+        }
+    }
+}
+
+impl FromStr for Encoding {
+    type Err = Error;
+
+    /// `srgb`, `linear`, or γ as a number from 0.1 to 10.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] that lists these.
+    fn from_str(text: &str) -> Result<Self> {
+        let encoding = match text.to_ascii_lowercase().as_str() {
+            "srgb" => Some(Self::Srgb),
+            "linear" => Some(Self::Linear),
+            number => number.parse().ok().map(Self::Gamma).filter(|gamma| gamma.validate().is_ok()),
+        };
+        encoding.ok_or_else(|| unnamed("gamma", Self::NAMES, " or a number from 0.1 to 10", text))
+    }
+}
+
 impl Encoding {
+    /// The names of the curves; a number has none.
+    pub const NAMES: &'static [&'static str] = &["srgb", "linear"];
+
     /// Checks the parameter.
     ///
     /// # Errors

@@ -1,6 +1,9 @@
 //! Removal of outliers: triangles between neighbours in the image, without those that span a jump of depth. A point
 //! without a triangle, or in a small component, is an outlier.
 
+use std::fmt;
+use std::str::FromStr;
+
 use serde::{Deserialize, Serialize};
 
 use super::components::Components;
@@ -9,6 +12,7 @@ use super::local_slant::LocalSlant;
 use super::triangle_metrics::{TriangleMetrics, area_mm2};
 use crate::cloud::PointCloud;
 use crate::error::{Error, Result};
+use crate::named::unnamed;
 use crate::solve::median;
 
 /// Which triangles are removed.
@@ -22,6 +26,40 @@ pub enum CullRule {
     Off,
     /// Triangles of more than this area, mm².
     MaxAreaMm2(f64),
+}
+
+impl CullRule {
+    /// The names of the rules; an area has none.
+    pub const NAMES: &'static [&'static str] = &["auto", "off"];
+}
+
+impl fmt::Display for CullRule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.pad("auto"),
+            Self::Off => f.pad("off"),
+            Self::MaxAreaMm2(area) => write!(f, "{area}"),
+        }
+    }
+}
+
+impl FromStr for CullRule {
+    type Err = Error;
+
+    /// `auto`, `off`, or the largest area in mm².
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] that lists these.
+    fn from_str(text: &str) -> Result<Self> {
+        match text.to_ascii_lowercase().as_str() {
+            "auto" => Ok(Self::Auto),
+            "off" => Ok(Self::Off),
+            number => match number.parse::<f64>() {
+                Ok(area) if area.is_finite() && area > 0.0 => Ok(Self::MaxAreaMm2(area)),
+                _ => Err(unnamed("cull", Self::NAMES, " or an area above zero in mm²", text)),
+            },
+        }
+    }
 }
 
 /// Counts of removed triangles and points.

@@ -14,6 +14,7 @@ use super::scene::{NoiseModel, Scene};
 use super::trial::{MethodName, MethodReport, Tally};
 use crate::calibrate::{CalibrateConfig, DistortionModel, Method, PrincipalPointRule};
 use crate::error::{Error, Result};
+use crate::named::named;
 
 /// Largest noise, px: beyond it no corner is detectable.
 const MOST_LEVEL_PX: f64 = 100.0;
@@ -38,6 +39,8 @@ pub enum PrincipalPoints {
     /// the priors for every draw. (The projector's row, which is unknown by default, is the one of its lens shift.)
     Prior,
 }
+
+named!(PrincipalPoints, "principal points", { Exact => "exact", Prior => "prior" });
 
 /// Parameters of [`NoiseExperiment`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -24,7 +24,7 @@ fn format_named(name: &Bound<'_, PyAny>) -> PyResult<CloudFormat> {
 /// By the extension of a path; PLY for file objects.
 fn format_of(file: &Bound<'_, PyAny>) -> PyResult<CloudFormat> {
     let Some(path) = files::path_of(file)? else { return Ok(CloudFormat::Ply) };
-    let found = path.extension().and_then(|e| CloudFormat::of_extension(e.to_str()?));
+    let found = path.extension().and_then(|e| e.to_str()?.parse::<CloudFormat>().ok());
     found.ok_or_else(|| {
         let wanted = "a file name that ends in .ply, .pcd, .xyz, .obj or .glb, or format=";
         errors::invalid(file.py(), "file", wanted, &path.display().to_string())

@@ -4,14 +4,15 @@ mod scene;
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use nalgebra::Point2;
 use slcal_core::geometry::RectangleSize;
+use slcal_core::simulate::PrincipalPoints;
 
 pub(crate) use scene::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs, WallArg};
 
 use super::examples;
-use crate::size::{parse_pair, parse_point, parse_size};
+use crate::args::value::{choice, parse_pair, parse_point, parse_size};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SimulateVerb {
@@ -76,8 +77,8 @@ pub(crate) struct NoiseArgs {
     pub(crate) tilt: Point2<f64>,
     /// What the methods are told about principal points: exact as in the published experiment, or the default priors, from
     /// which the truth is then drawn (two-vp takes the centres for exact).
-    #[arg(long, value_enum, default_value = "exact")]
-    pub(crate) principal_points: PrincipalPointsArg,
+    #[arg(long, value_parser = choice::<PrincipalPoints>(PrincipalPoints::NAMES), default_value_t)]
+    pub(crate) principal_points: PrincipalPoints,
     /// Edge of the reference cube that stands on the sheet [default: a quarter of the sheet's
     /// shorter side, or less where that is not seen whole].
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
@@ -93,14 +94,6 @@ pub(crate) struct NoiseArgs {
     /// Replace files that exist.
     #[arg(long)]
     pub(crate) force: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PrincipalPointsArg {
-    /// The truth.
-    Exact,
-    /// The default priors.
-    Prior,
 }
 
 #[derive(Debug, Args)]

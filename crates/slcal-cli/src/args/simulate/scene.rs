@@ -7,7 +7,7 @@ use nalgebra::Point2;
 
 use super::{Distortion, PoseArg, RigArgs, numbers, parse_distortion, parse_pose};
 use crate::args::photo::GammaArg;
-use crate::size::parse_point;
+use crate::args::value::parse_point;
 
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {

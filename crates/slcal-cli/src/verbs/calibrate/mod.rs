@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 
 use slcal_core::format::{write_observations, write_rig};
 use slcal_core::{
-    CalibrateConfig, Calibration, DistortionModel, ExternalObservations, Method, NoiseFound, Observations,
-    PrincipalPointRule, Rig, ViewResiduals, calibrate_external, residuals,
+    CalibrateConfig, Calibration, ExternalObservations, Method, NoiseFound, Observations, Rig, ViewResiduals,
+    calibrate_external, residuals,
 };
 
 use self::overlay::{Calibrated, Gallery};
 use self::photographs::observe_all;
-use crate::args::{CalibrateArgs, DistortionArg, MethodArg, PrincipalPointArg};
+use crate::args::CalibrateArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
     Destination, check_distinct, check_spares, input_name, is_dash, load_camera, load_observations, write_all,
@@ -191,20 +191,17 @@ impl Places {
 }
 
 fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
-    if args.exif && args.method == MethodArg::TwoVp {
+    if args.exif && args.method == Method::TwoVp {
         return Err(Failure::usage(
             "--exif: expected --method ml, as two-vp computes the focal length from the vanishing points alone",
         ));
     }
     let config = CalibrateConfig {
-        camera_pp: rule(args.camera_pp),
-        projector_pp: rule(args.projector_pp),
-        method: match args.method {
-            MethodArg::Ml => Method::Ml,
-            MethodArg::TwoVp => Method::TwoVp,
-        },
-        distortion: distortion(args.distortion),
-        projector_distortion: distortion(args.projector_distortion),
+        camera_pp: args.camera_pp,
+        projector_pp: args.projector_pp,
+        method: args.method,
+        distortion: args.distortion,
+        projector_distortion: args.projector_distortion,
         allow_degenerate: args.allow_degenerate,
         ..CalibrateConfig::default()
     };
@@ -213,27 +210,6 @@ fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
     }
     config.validate()?;
     Ok(config)
-}
-
-/// What an option says of a principal point.
-pub(super) fn rule(asked: PrincipalPointArg) -> PrincipalPointRule {
-    match asked {
-        PrincipalPointArg::Shift => PrincipalPointRule::Shift,
-        PrincipalPointArg::Prior => PrincipalPointRule::Prior,
-        PrincipalPointArg::Centre => PrincipalPointRule::Centre,
-        PrincipalPointArg::Free => PrincipalPointRule::Free,
-        PrincipalPointArg::At(p) => PrincipalPointRule::Exact(p.x, p.y),
-    }
-}
-
-pub(super) fn distortion(asked: DistortionArg) -> DistortionModel {
-    match asked {
-        DistortionArg::Auto => DistortionModel::Auto,
-        DistortionArg::None => DistortionModel::None,
-        DistortionArg::K1 => DistortionModel::K1,
-        DistortionArg::K1k2 => DistortionModel::K1K2,
-        DistortionArg::Full => DistortionModel::Full,
-    }
 }
 
 /// Writes the rig and its report, together or not at all, and says what came out.

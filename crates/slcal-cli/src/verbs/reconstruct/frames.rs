@@ -67,7 +67,7 @@ impl OutputFolder {
     fn file(&self, stem: &OsStr) -> PathBuf {
         let mut name = stem.to_owned();
         name.push(".");
-        name.push(self.format.extension());
+        name.push(self.format.name());
         self.path.join(name)
     }
 
@@ -106,7 +106,7 @@ impl OutputFolder {
         }
         let is_frame = |name: &OsStr| {
             let name = name.to_string_lossy();
-            let number = name.strip_prefix("frame_").and_then(|n| n.strip_suffix(self.format.extension()));
+            let number = name.strip_prefix("frame_").and_then(|n| n.strip_suffix(self.format.name()));
             number.and_then(|n| n.strip_suffix('.')).is_some_and(|n| n.parse::<usize>().is_ok())
         };
         let found = fs::read_dir(&self.path).ok().into_iter().flatten().filter_map(Result::ok);

@@ -13,14 +13,14 @@ use image::DynamicImage;
 use slcal_core::evaluate::{FitConfig, fit_plane, fit_sphere};
 use slcal_core::format::CloudFormat;
 use slcal_core::pattern::StripePattern;
-use slcal_core::reconstruct::CullRule;
+use slcal_core::reconstruct::{CullRule, TriangulateConfig};
 use slcal_core::{PointCloud, ReconstructConfig, Reconstruction, Reconstructor, Rig};
 
 use self::frames::{Frame, OutputFolder, Place};
 use self::report::{CloudReport, FrameResult};
 use self::reporter::{Done, Reporter};
 use super::decode::References;
-use crate::args::{CullArg, FrameArg, ReconstructArgs, ShapeArg};
+use crate::args::{CloudArgs, ReconstructArgs, ShapeArg};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
     Destination, RawFormat, check_distinct, check_json, check_panel, check_spares, cloud_bytes,
@@ -37,6 +37,7 @@ pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer)
     let rig = load_rig(&args.rig)?;
     let pattern = load_stripes(&args.input.pattern)?;
     check_panel(&args.input.pattern, pattern.projector, &args.rig, &rig)?;
+    let config = cloud_config(&args.shape, args.cull, &rig, &args.rig)?;
     if let Some(raw) = args.raw {
         check_raw_size(raw, &rig, &args.rig)?;
     }
@@ -54,13 +55,7 @@ pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer)
         typed,
         args,
     };
-    let config = ReconstructConfig {
-        decode: job.scene.config(),
-        cull: cull_rule(args.cull),
-        frame: frame(args.shape.frame, &rig, &args.rig)?,
-        mesh: args.shape.mesh,
-        ..ReconstructConfig::default()
-    };
+    let config = ReconstructConfig { decode: job.scene.config(), ..config };
     if let (Some(folder), Some(raw)) = (OutputFolder::of(args), args.raw) {
         return job.run(config, folder.frames(raw), None, printer);
     }
@@ -271,27 +266,32 @@ pub(super) fn with_projector(rig: &Rig, path: &Path) -> Outcome {
     }
 }
 
-pub(super) fn cull_rule(arg: CullArg) -> CullRule {
-    match arg {
-        CullArg::Auto => CullRule::Auto,
-        CullArg::Off => CullRule::Off,
-        CullArg::Area(area) => CullRule::MaxAreaMm2(area),
-    }
-}
-
-/// The frame of the clouds; that of the sheet needs a rig that has seen one.
-pub(super) fn frame(arg: FrameArg, rig: &Rig, path: &Path) -> Outcome<slcal_core::Frame> {
-    match arg {
-        FrameArg::Camera => Ok(slcal_core::Frame::Camera),
-        FrameArg::Plane if rig.views.is_empty() => Err(Failure::new(
+/// How clouds are made; the frame of the sheet needs a rig that has seen one.
+pub(super) fn cloud_config(
+    args: &CloudArgs,
+    cull: CullRule,
+    rig: &Rig,
+    path: &Path,
+) -> Outcome<ReconstructConfig> {
+    if args.frame == slcal_core::Frame::Plane && rig.views.is_empty() {
+        return Err(Failure::new(
             Exit::Input,
             format!(
                 "{}: expected a rig with a view of the sheet for --frame plane, found none",
                 input_name(path)
             ),
-        )),
-        FrameArg::Plane => Ok(slcal_core::Frame::Plane),
+        ));
     }
+    let triangulate =
+        TriangulateConfig { near_mm: args.near, far_mm: args.far, ..TriangulateConfig::default() };
+    triangulate.validate()?;
+    Ok(ReconstructConfig {
+        triangulate,
+        cull,
+        frame: args.frame,
+        mesh: args.mesh,
+        ..ReconstructConfig::default()
+    })
 }
 
 /// The points that were kept, drawn on the photograph, as PNG.

@@ -8,12 +8,11 @@ use std::ops::ControlFlow;
 use slcal_core::ExternalObservations;
 use slcal_core::format::write_observations;
 use slcal_core::simulate::{
-    Draws, NoiseConfig, NoiseExperiment, NoiseModel, PoseConfig, PrincipalPoints, RigConfig, Scene,
-    SpreadConfig, spread_poses,
+    Draws, NoiseConfig, NoiseExperiment, NoiseModel, PoseConfig, RigConfig, Scene, SpreadConfig, spread_poses,
 };
 
 use super::calibrate::rig_bytes;
-use crate::args::{NoiseArgs, PrincipalPointsArg, RigArgs, SimulateVerb, ViewsArgs};
+use crate::args::{NoiseArgs, RigArgs, SimulateVerb, ViewsArgs};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{Destination, check_distinct, write_all};
 use crate::output::{Printer, Table, TextLayout, print_json, print_result, unbroken};
@@ -56,10 +55,7 @@ fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
         levels_px: args.levels.0.clone(),
         draws: args.draws,
         seed: args.seed,
-        principal_points: match args.principal_points {
-            PrincipalPointsArg::Exact => PrincipalPoints::Exact,
-            PrincipalPointsArg::Prior => PrincipalPoints::Prior,
-        },
+        principal_points: args.principal_points,
         cube_mm: args.cube,
     };
     let experiment = NoiseExperiment::new(config.clone())?;

@@ -9,7 +9,7 @@ const FILE: Expecting = expecting(ErrorSubject::ImportFile);
 /// The format of these files.
 pub(super) fn format_of(files: &[NamedBytes<'_>]) -> Result<ExchangeFormat> {
     let unknown = || {
-        let all = ExchangeFormat::ALL.map(ExchangeFormat::name).join(", ");
+        let all = ExchangeFormat::NAMES.join(", ");
         FILE.malformed(format!("its content is that of none of the formats ({all}); say which one it is"))
     };
     if files.iter().any(|f| f.name.eq_ignore_ascii_case("cameras.txt")) {

@@ -29,6 +29,7 @@ use super::rig_json::exact_pose;
 use super::tree::Expecting;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Intrinsics, Pose};
+use crate::named::named;
 use crate::rig::{Device, Projector, Rig};
 
 /// A format of other programs that holds a rig, or part of one.
@@ -49,35 +50,16 @@ pub enum ExchangeFormat {
     Npz,
 }
 
+named!(ExchangeFormat, "format", {
+    OpenCv => "opencv",
+    Ros => "ros",
+    Colmap => "colmap",
+    Kalibr => "kalibr",
+    Blender => "blender",
+    Npz => "npz",
+});
+
 impl ExchangeFormat {
-    /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::OpenCv, Self::Ros, Self::Colmap, Self::Kalibr, Self::Blender, Self::Npz];
-
-    /// Its name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::OpenCv => "opencv",
-            Self::Ros => "ros",
-            Self::Colmap => "colmap",
-            Self::Kalibr => "kalibr",
-            Self::Blender => "blender",
-            Self::Npz => "npz",
-        }
-    }
-
-    /// The format of this name, in capitals or not.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] naming all formats.
-    pub fn of_name(name: &str) -> Result<Self> {
-        Self::ALL.into_iter().find(|f| f.name().eq_ignore_ascii_case(name)).ok_or_else(|| {
-            let all = Self::ALL.map(Self::name).join(", ");
-            Error::invalid("format", format!("one of {all}"), name.chars().take(40).collect::<String>())
-        })
-    }
-
     /// How it differs from this library's own conventions, in one line.
     #[must_use]
     pub fn convention(self) -> &'static str {

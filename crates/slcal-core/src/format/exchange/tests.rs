@@ -500,5 +500,5 @@ fn what_is_no_import_is_told() {
     has(&import(b"PK\x03\x04 no zip"), &["zip"]);
     has(&import(b"import bpy\nprint()"), &["slcal wrote for Blender"]);
     assert!(import_rig(None, &[], &ImportConfig::default()).is_err());
-    has(&ExchangeFormat::of_name("collada").unwrap_err().to_string(), &["opencv, ros, colmap", "collada"]);
+    has(&"collada".parse::<ExchangeFormat>().unwrap_err().to_string(), &["opencv, ros, colmap", "collada"]);
 }
