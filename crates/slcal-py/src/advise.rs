@@ -2,11 +2,12 @@
 
 use pyo3::prelude::*;
 use slcal_core::advise::{Advice, CameraPlan, advise_first, advise_next};
-use slcal_core::{CalibrateConfig, PrincipalPointRule, Rig as CoreRig};
+use slcal_core::{CalibrateConfig, PrincipalPointRule};
 
+use crate::convert::object::{object, optional};
 use crate::convert::option;
 use crate::convert::report::record;
-use crate::errors::{Looking, Raise as _};
+use crate::errors::{Raise as _, Stage};
 use crate::geometry::Camera;
 use crate::pattern::CheckerPattern;
 use crate::rig::Rig;
@@ -16,16 +17,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 }
 
 fn recorded<'py>(py: Python<'py>, advice: slcal_core::Result<Advice>) -> PyResult<Bound<'py, PyAny>> {
-    record(py, "Advice", &advice.raise(py, Looking::ForSheet)?.to_json())
-}
-
-/// See `Rig.advise`.
-fn next<'py>(
-    py: Python<'py>,
-    rig: &CoreRig,
-    pattern: Option<&CheckerPattern>,
-) -> PyResult<Bound<'py, PyAny>> {
-    recorded(py, py.detach(|| advise_next(rig, pattern.map(|p| &p.0))))
+    record(py, "Advice", &advice.raise(py, Stage::Detect)?.to_json())
 }
 
 /// How to hold the sheet for the first photographs, and what they will bring: σ of the focal lengths against tilt.
@@ -75,9 +67,9 @@ fn next<'py>(
 )]
 #[allow(clippy::too_many_arguments, reason = "they are named in Python")]
 fn advise<'py>(
-    camera: &Camera,
+    camera: &Bound<'py, PyAny>,
     size_mm: &Bound<'py, PyAny>,
-    projector: Option<&Camera>,
+    projector: Option<&Bound<'py, PyAny>>,
     distance_mm: Option<f64>,
     noise_px: f64,
     camera_pp: Option<&Bound<'py, PyAny>>,
@@ -91,10 +83,10 @@ fn advise<'py>(
         distortion: option::distortion(distortion, "distortion")?,
         ..CalibrateConfig::default()
     };
-    config.validate().raise(py, Looking::ForSheet)?;
+    config.validate().raise(py, Stage::Detect)?;
     let plan = CameraPlan {
-        camera: camera.0.model,
-        projector: projector.map(|p| p.0.model),
+        camera: object::<Camera>(camera, "camera")?.get().0.model,
+        projector: optional::<Camera>(projector, "projector")?.map(|p| p.get().0.model),
         size: option::sheet_size(size_mm)?,
         distance_mm,
         noise_px: [noise_px; 2],
@@ -122,7 +114,12 @@ impl Rig {
     /// Error
     ///     For a rig without views or covariance (see `slcal.advise` for these), or a pattern for another panel.
     #[pyo3(signature = (pattern=None))]
-    fn advise<'py>(&self, py: Python<'py>, pattern: Option<&CheckerPattern>) -> PyResult<Bound<'py, PyAny>> {
-        next(py, &self.rig, pattern)
+    fn advise<'py>(
+        &self,
+        py: Python<'py>,
+        pattern: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let pattern = optional::<CheckerPattern>(pattern, "pattern")?.map(|p| &p.get().0);
+        recorded(py, py.detach(|| advise_next(&self.rig, pattern)))
     }
 }

@@ -3,8 +3,9 @@
 use pyo3::prelude::*;
 use slcal_core::{CalibrateConfig, ExternalObservations, FocalPrior, PrincipalPointRule, calibrate_external};
 
+use crate::convert::object::optional;
 use crate::convert::option;
-use crate::errors::{self, Looking, Raise as _};
+use crate::errors::{self, Raise as _, Stage};
 use crate::geometry::Camera;
 use crate::observations::observations_of;
 use crate::observe::{Request, observe_all};
@@ -18,7 +19,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 
 /// What the keyword arguments of both functions say.
 struct Options<'a, 'py> {
-    camera: Option<&'a Camera>,
+    camera: Option<&'a Bound<'py, PyAny>>,
     camera_pp: Option<&'a Bound<'py, PyAny>>,
     projector_pp: Option<&'a Bound<'py, PyAny>>,
     distortion: Option<&'a Bound<'py, PyAny>>,
@@ -49,10 +50,11 @@ impl Options<'_, '_> {
 
     fn rig(&self, py: Python<'_>, mut config: CalibrateConfig, seen: &ExternalObservations) -> PyResult<Rig> {
         let size = seen.observations.camera;
-        config.known_camera = self.camera.map(|c| of_size(py, c, size)).transpose()?;
+        let camera = optional::<Camera>(self.camera, "camera")?;
+        config.known_camera = camera.map(|c| of_size(py, c.get(), size)).transpose()?;
         config.focal_prior = self.focal_35mm.map(|mm| FocalPrior::from_35mm_equivalent(mm, size));
-        config.validate().raise(py, Looking::ForSheet)?;
-        let done = py.detach(|| calibrate_external(seen, &config)).raise(py, Looking::ForSheet)?;
+        config.validate().raise(py, Stage::Detect)?;
+        let done = py.detach(|| calibrate_external(seen, &config)).raise(py, Stage::Detect)?;
         let mut calibration = done.calibration;
         for (view, photo) in calibration.rig.views.iter_mut().zip(&seen.photos) {
             view.photo.clone_from(photo);
@@ -83,8 +85,9 @@ fn of_size(py: Python<'_>, camera: &Camera, size: [u32; 2]) -> PyResult<slcal_co
 ///     Width and height of the sheet, mm. Width is the side that runs most nearly along the image's x axis.
 /// pattern : CheckerPattern, optional
 ///     What was projected; without it the camera alone is calibrated.
-/// screen : sequence of ndarray, optional
-///     The same poses with a dark or plain projector, in the same order; the sheet's sides are then measured there.
+/// plain : sequence of ndarray, optional
+///     Photographs of the same poses without the pattern, in the same order: projector dark or plain white. The sheet's sides
+///     are then measured in them.
 /// corners : array_like, optional
 ///     The sheet's corners TL, TR, BR, BL by hand where it is not found: (4, 2), px, for one photograph, or one of these for
 ///     each. They may lie outside the frame.
@@ -107,6 +110,8 @@ fn of_size(py: Python<'_>, camera: &Camera, size: [u32; 2]) -> PyResult<slcal_co
 ///     Give a rig with the verdict "degenerate" rather than an error.
 /// names : sequence of str, optional
 ///     Names of the photographs, for the rig's views and for messages.
+/// screen : sequence of ndarray, optional
+///     The older name of `plain`.
 ///
 /// Returns
 /// -------
@@ -133,19 +138,19 @@ fn of_size(py: Python<'_>, camera: &Camera, size: [u32; 2]) -> PyResult<slcal_co
 /// 'good'
 #[pyfunction]
 #[pyo3(
-    signature = (photos, size_mm, pattern=None, *, screen=None, corners=None, camera=None, camera_pp=None, projector_pp=None,
+    signature = (photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp=None, projector_pp=None,
         distortion=None, projector_distortion=None, method=None, focal_35mm=None, gamma=None, allow_degenerate=false,
-        names=None),
-    text_signature = "(photos, size_mm, pattern=None, *, screen=None, corners=None, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', method='ml', focal_35mm=None, gamma='srgb', allow_degenerate=False, names=None)"
+        names=None, screen=None),
+    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', method='ml', focal_35mm=None, gamma='srgb', allow_degenerate=False, names=None, screen=None)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments are what a Python user expects")]
 fn calibrate(
     photos: &Bound<'_, PyAny>,
     size_mm: &Bound<'_, PyAny>,
-    pattern: Option<&CheckerPattern>,
-    screen: Option<&Bound<'_, PyAny>>,
+    pattern: Option<&Bound<'_, PyAny>>,
+    plain: Option<&Bound<'_, PyAny>>,
     corners: Option<&Bound<'_, PyAny>>,
-    camera: Option<&Camera>,
+    camera: Option<&Bound<'_, PyAny>>,
     camera_pp: Option<&Bound<'_, PyAny>>,
     projector_pp: Option<&Bound<'_, PyAny>>,
     distortion: Option<&Bound<'_, PyAny>>,
@@ -155,6 +160,7 @@ fn calibrate(
     gamma: Option<&Bound<'_, PyAny>>,
     allow_degenerate: bool,
     names: Option<&Bound<'_, PyAny>>,
+    screen: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Rig> {
     let py = photos.py();
     let options = Options {
@@ -169,8 +175,10 @@ fn calibrate(
     };
     // Before the work on the photographs begins.
     let config = options.config()?;
-    let seen = observe_all(&Request { photos, size_mm, pattern, screen, corners, gamma, names })?;
-    config.validate_for(seen.observations.views.len(), pattern.is_some()).raise(py, Looking::ForSheet)?;
+    let pattern = optional::<CheckerPattern>(pattern, "pattern")?.map(|p| &p.get().0);
+    let plain = option::plain(plain, screen)?;
+    let seen = observe_all(&Request { photos, size_mm, pattern, plain, corners, gamma, names })?;
+    config.validate_for(seen.observations.views.len(), pattern.is_some()).raise(py, Stage::Detect)?;
     options.rig(py, config, &seen)
 }
 
@@ -205,7 +213,7 @@ fn calibrate(
 #[allow(clippy::too_many_arguments, reason = "keyword arguments are what a Python user expects")]
 fn calibrate_observations(
     observations: &Bound<'_, PyAny>,
-    camera: Option<&Camera>,
+    camera: Option<&Bound<'_, PyAny>>,
     camera_pp: Option<&Bound<'_, PyAny>>,
     projector_pp: Option<&Bound<'_, PyAny>>,
     distortion: Option<&Bound<'_, PyAny>>,

@@ -5,9 +5,10 @@ use slcal_core::decode::{DecodeConfig, DecodeInput, decode_frames};
 use slcal_core::{Error, Result};
 
 use crate::convert::image::Photo;
+use crate::convert::object::object;
 use crate::convert::option;
 use crate::convert::report::Reported;
-use crate::errors::{Looking, raised};
+use crate::errors::{Stage, raised};
 use crate::matches::Matches;
 use crate::pattern::StripePattern;
 
@@ -60,7 +61,7 @@ impl<'py> Frames<'py> {
                 if missing && work(&swapped).is_ok() { blue_first(error) } else { error }
             })
         });
-        done.map_err(|error| raised(py, &error, Looking::ForStripes))
+        done.map_err(|error| raised(py, &error, Stage::Decode))
     }
 }
 
@@ -130,16 +131,16 @@ pub(crate) fn config(gamma: Option<&Bound<'_, PyAny>>, min_confidence: f64) -> P
 )]
 fn decode(
     image: &Bound<'_, PyAny>,
-    pattern: &Bound<'_, StripePattern>,
+    pattern: &Bound<'_, PyAny>,
     black: Option<&Bound<'_, PyAny>>,
     white: Option<&Bound<'_, PyAny>>,
     gamma: Option<&Bound<'_, PyAny>>,
     min_confidence: f64,
 ) -> PyResult<Matches> {
     let py = image.py();
+    let pattern = &object::<StripePattern>(pattern, "pattern")?.get().0;
     let frames = Frames::of(image, black, white)?;
     let config = config(gamma, min_confidence)?;
-    let pattern = &pattern.get().0;
     let decoding = frames.read(py, |input| decode_frames(input, pattern, &config))?;
     let report = Reported::of("DecodeReport", &decoding.report);
     Ok(Matches { matches: decoding.matches, report })

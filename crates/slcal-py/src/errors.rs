@@ -5,38 +5,37 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict};
 use slcal_core::Error;
 
-/// What it means that something is not found.
+/// The stage of the work, which decides the exception where something is not found.
 #[derive(Debug, Clone, Copy)]
-#[allow(clippy::enum_variant_names, reason = "read as a sentence where they are used: Looking::ForSheet")]
-pub(crate) enum Looking {
-    /// For a sheet or a checkerboard.
-    ForSheet,
-    /// For stripes.
-    ForStripes,
-    /// For a surface in a cloud.
-    ForSurface,
+pub(crate) enum Stage {
+    /// Sheet and checkerboard.
+    Detect,
+    /// Stripes.
+    Decode,
+    /// A plane or a sphere in a cloud.
+    Evaluate,
 }
 
-impl Looking {
+impl Stage {
     fn class(self) -> &'static str {
         match self {
-            Self::ForSheet => "DetectionError",
-            Self::ForStripes => "DecodeError",
-            Self::ForSurface => "Error",
+            Self::Detect => "DetectionError",
+            Self::Decode => "DecodeError",
+            Self::Evaluate => "Error",
         }
     }
 }
 
 /// The exception for an error of the core.
-pub(crate) fn raised(py: Python<'_>, error: &Error, looking: Looking) -> PyErr {
-    raised_from(py, error, looking, None)
+pub(crate) fn raised(py: Python<'_>, error: &Error, stage: Stage) -> PyErr {
+    raised_from(py, error, stage, None)
 }
 
 /// The same for one that arose from a file, which the message then names.
-pub(crate) fn raised_from(py: Python<'_>, error: &Error, looking: Looking, file: Option<&str>) -> PyErr {
+pub(crate) fn raised_from(py: Python<'_>, error: &Error, stage: Stage, file: Option<&str>) -> PyErr {
     let message = file.map_or_else(|| error.to_string(), |name| format!("{name}: {error}"));
     let fields = PyDict::new(py);
-    let class = match fill(&fields, error, looking) {
+    let class = match fill(&fields, error, stage) {
         Ok(class) => class,
         Err(failed) => return failed,
     };
@@ -47,7 +46,7 @@ pub(crate) fn raised_from(py: Python<'_>, error: &Error, looking: Looking, file:
 }
 
 /// Sets the error's fields and returns its class; `None` for one of the operating system.
-fn fill(fields: &Bound<'_, PyDict>, error: &Error, looking: Looking) -> PyResult<Option<&'static str>> {
+fn fill(fields: &Bound<'_, PyDict>, error: &Error, stage: Stage) -> PyResult<Option<&'static str>> {
     Ok(Some(match error {
         Error::Invalid { what, expected, found } => {
             fields.set_item("what", what.to_string())?;
@@ -59,7 +58,7 @@ fn fill(fields: &Bound<'_, PyDict>, error: &Error, looking: Looking) -> PyResult
             fields.set_item("what", what.to_string())?;
             fields.set_item("seen", seen)?;
             fields.set_item("advice", advice)?;
-            looking.class()
+            stage.class()
         }
         Error::Degenerate { what, measure, limit, advice } => {
             fields.set_item("what", what.to_string())?;
@@ -118,11 +117,11 @@ pub(crate) fn malformed(py: Python<'_>, what: &str, message: &str) -> PyErr {
 /// Results of the core as results of Python.
 pub(crate) trait Raise<T> {
     /// See [`raised`].
-    fn raise(self, py: Python<'_>, looking: Looking) -> PyResult<T>;
+    fn raise(self, py: Python<'_>, stage: Stage) -> PyResult<T>;
 }
 
 impl<T> Raise<T> for slcal_core::Result<T> {
-    fn raise(self, py: Python<'_>, looking: Looking) -> PyResult<T> {
-        self.map_err(|error| raised(py, &error, looking))
+    fn raise(self, py: Python<'_>, stage: Stage) -> PyResult<T> {
+        self.map_err(|error| raised(py, &error, stage))
     }
 }

@@ -8,9 +8,11 @@ use slcal_core::{CloudPoint, Result};
 
 use crate::cloud::PointCloud;
 use crate::convert::array::rows_of;
+use crate::convert::object::refused;
 use crate::convert::option::one_of;
 use crate::convert::report::record;
-use crate::errors::{Looking, Raise as _};
+use crate::errors::{Raise as _, Stage};
+use crate::files;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(evaluate, module)?)
@@ -62,6 +64,9 @@ fn evaluate<'py>(cloud: &Bound<'py, PyAny>, shape: &Bound<'py, PyAny>) -> PyResu
         slit: None,
         confidence: 1.0,
     };
+    if files::path_of(cloud)?.is_some() || cloud.is_none() {
+        return Err(refused::<PointCloud>(cloud, "cloud", "a PointCloud, or an array of shape (N, 3)"));
+    }
     let points = rows_of::<3>(cloud, "cloud")?.into_iter().map(point).collect();
     fit(py, &slcal_core::PointCloud { points, ..slcal_core::PointCloud::default() })
 }
@@ -118,7 +123,7 @@ fn fitted<'py>(
     shape: &str,
     fit: impl FnOnce(&FitConfig) -> Result<Value> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let mut said = py.detach(|| fit(&FitConfig::default())).raise(py, Looking::ForSurface)?;
+    let mut said = py.detach(|| fit(&FitConfig::default())).raise(py, Stage::Evaluate)?;
     let mut fields = said.get_mut(shape).map(Value::take).unwrap_or_default();
     fields["report"] = said;
     record(py, class, &fields)

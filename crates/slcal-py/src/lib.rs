@@ -20,6 +20,7 @@ mod observe;
 mod pattern;
 mod read_image;
 mod reconstruct;
+mod reconstructor;
 mod rectify;
 mod report;
 mod rig;
@@ -56,7 +57,7 @@ fn _slcal(module: &Bound<'_, PyModule>) -> PyResult<()> {
     matches::register(module)?;
     decode::register(module)?;
     cloud::register(module)?;
-    reconstruct::register(module)?;
+    reconstructor::register(module)?;
     evaluate::register(module)?;
     simulate::register(module)?;
     module.add_function(wrap_pyfunction!(run_command, module)?)

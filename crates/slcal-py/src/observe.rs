@@ -8,8 +8,9 @@ use slcal_core::{ExternalObservations, Unstated};
 
 use crate::convert::array::Numbers;
 use crate::convert::image::{Photo, Pixels, photos_of};
+use crate::convert::object::optional;
 use crate::convert::option;
-use crate::errors::{self, Looking, raised_from};
+use crate::errors::{self, Stage, raised_from};
 use crate::observations::Observations;
 use crate::pattern::CheckerPattern;
 use crate::view_observation::four_corners;
@@ -29,8 +30,9 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///     Width and height of the sheet, mm; the width belongs to the sides that run most nearly along the image's x axis.
 /// pattern : CheckerPattern, optional
 ///     What is projected; without it the camera alone is calibrated.
-/// screen : sequence of ndarray, optional
-///     The same poses with a dark or plain projector, in the same order; the sheet's sides are then measured there.
+/// plain : sequence of ndarray, optional
+///     Photographs of the same poses without the pattern, in the same order: projector dark or plain white. The sheet's sides
+///     are then measured in them.
 /// corners : array_like or sequence of array_like, optional
 ///     (4, 2), px, for one photograph, or one such array or None for each: the sheet's corners TL, TR, BR, BL by hand, where
 ///     it is not found. They may lie outside the frame.
@@ -38,6 +40,8 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///     The transfer curve of the photographs.
 /// names : sequence of str, optional
 ///     Names of the photographs.
+/// screen : sequence of ndarray, optional
+///     The older name of `plain`.
 ///
 /// Returns
 /// -------
@@ -53,27 +57,30 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///     When a photograph is no such array.
 #[pyfunction]
 #[pyo3(
-    signature = (photos, size_mm, pattern=None, *, screen=None, corners=None, gamma=None, names=None),
-    text_signature = "(photos, size_mm, pattern=None, *, screen=None, corners=None, gamma='srgb', names=None)"
+    signature = (photos, size_mm, pattern=None, *, plain=None, corners=None, gamma=None, names=None, screen=None),
+    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, gamma='srgb', names=None, screen=None)"
 )]
 fn observe(
     photos: &Bound<'_, PyAny>,
     size_mm: &Bound<'_, PyAny>,
-    pattern: Option<&CheckerPattern>,
-    screen: Option<&Bound<'_, PyAny>>,
+    pattern: Option<&Bound<'_, PyAny>>,
+    plain: Option<&Bound<'_, PyAny>>,
     corners: Option<&Bound<'_, PyAny>>,
     gamma: Option<&Bound<'_, PyAny>>,
     names: Option<&Bound<'_, PyAny>>,
+    screen: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Observations> {
-    observe_all(&Request { photos, size_mm, pattern, screen, corners, gamma, names }).map(Observations)
+    let pattern = optional::<CheckerPattern>(pattern, "pattern")?.map(|p| &p.get().0);
+    let plain = option::plain(plain, screen)?;
+    observe_all(&Request { photos, size_mm, pattern, plain, corners, gamma, names }).map(Observations)
 }
 
 /// The arguments of [`observe`].
 pub(crate) struct Request<'a, 'py> {
     pub(crate) photos: &'a Bound<'py, PyAny>,
     pub(crate) size_mm: &'a Bound<'py, PyAny>,
-    pub(crate) pattern: Option<&'a CheckerPattern>,
-    pub(crate) screen: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) pattern: Option<&'a slcal_core::pattern::CheckerPattern>,
+    pub(crate) plain: Option<&'a Bound<'py, PyAny>>,
     pub(crate) corners: Option<&'a Bound<'py, PyAny>>,
     pub(crate) gamma: Option<&'a Bound<'py, PyAny>>,
     pub(crate) names: Option<&'a Bound<'py, PyAny>>,
@@ -84,7 +91,7 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservati
     let py = asked.photos.py();
     let photos = photos_of(asked.photos, "photos")?;
     let size = option::sheet_size(asked.size_mm)?;
-    let screens = asked.screen.map_or(Ok(Vec::new()), |s| photos_of(s, "screen"))?;
+    let plain = asked.plain.map_or(Ok(Vec::new()), |p| photos_of(p, "plain"))?;
     let encoding = option::gamma(asked.gamma)?;
     let n = photos.len();
     if n == 0 {
@@ -98,7 +105,7 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservati
             Err(errors::invalid(py, what, &expected, &found.to_string()))
         }
     };
-    one_each("screen", screens.len())?;
+    one_each("plain", plain.len())?;
     let corners = asked.corners.map_or(Ok(Vec::new()), |c| corners_of(c, n))?;
     one_each("corners", corners.len())?;
     let names = asked.names.map_or(Ok(Vec::new()), names_of)?;
@@ -112,20 +119,20 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservati
         .collect();
 
     let pixels: Vec<Pixels<'_>> = photos.iter().map(Photo::pixels).collect();
-    let screen_pixels: Vec<Pixels<'_>> = screens.iter().map(Photo::pixels).collect();
+    let plain_pixels: Vec<Pixels<'_>> = plain.iter().map(Photo::pixels).collect();
     let views = pixels.iter().map(|p| p.view(py)).collect::<PyResult<Vec<_>>>()?;
-    let screens = screen_pixels.iter().map(|p| p.view(py)).collect::<PyResult<Vec<_>>>()?;
-    let camera = one_size(py, &views, &screens)?;
+    let plain = plain_pixels.iter().map(|p| p.view(py)).collect::<PyResult<Vec<_>>>()?;
+    let camera = one_size(py, &views, &plain)?;
 
-    let pattern = asked.pattern.map(|p| &p.0);
+    let pattern = asked.pattern;
     let mut seen = Vec::with_capacity(n);
     for (i, (view, config)) in views.iter().zip(&configs).enumerate() {
         py.check_signals()?;
-        let found = py.detach(|| observe_one(*view, screens.get(i).copied(), size, pattern, config));
+        let found = py.detach(|| observe_one(*view, plain.get(i).copied(), size, pattern, config));
         let place = (n > 1).then(|| {
             names.get(i).map_or_else(|| format!("photos[{i}]"), |name| format!("photos[{i}] ({name})"))
         });
-        let found = found.map_err(|e| raised_from(py, &e, Looking::ForSheet, place.as_deref()))?;
+        let found = found.map_err(|e| raised_from(py, &e, Stage::Detect, place.as_deref()))?;
         seen.push(found.observation);
     }
     let observations =
@@ -134,10 +141,10 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservati
     Ok(ExternalObservations { observations, unstated: vec![Unstated::default(); n], photos })
 }
 
-fn one_size(py: Python<'_>, photos: &[PhotoView<'_>], screens: &[PhotoView<'_>]) -> PyResult<[u32; 2]> {
+fn one_size(py: Python<'_>, photos: &[PhotoView<'_>], plain: &[PhotoView<'_>]) -> PyResult<[u32; 2]> {
     let size = |p: &PhotoView<'_>| [p.width() as u32, p.height() as u32];
     let first = photos.first().map(size).unwrap_or_default();
-    for (what, list) in [("photos", photos), ("screen", screens)] {
+    for (what, list) in [("photos", photos), ("plain", plain)] {
         if let Some(i) = list.iter().position(|p| size(p) != first) {
             let ([w, h], [fw, fh]) = (size(&list[i]), first);
             return Err(errors::invalid(

@@ -11,7 +11,8 @@ use slcal_core::{
 
 use crate::convert::array::{rows, rows_of, shaped};
 use crate::convert::image::Photo;
-use crate::errors::{self, Looking, Raise as _};
+use crate::convert::object::refused;
+use crate::errors::{self, Raise as _, Stage};
 use crate::geometry::Camera;
 use crate::pattern::CheckerPattern;
 use crate::rig::Rig;
@@ -32,9 +33,8 @@ impl Source {
             return Ok(Self::Checker(checker.get().0.clone()));
         }
         if source.cast::<PyUntypedArray>().is_err() {
-            let found = source.get_type().name()?.to_string();
             let wanted = "a CheckerPattern, or an array of uint8 or uint16 with shape (H, W, 3) or (H, W)";
-            return Err(errors::wrong_type("source", wanted, &found));
+            return Err(refused::<CheckerPattern>(source, "source", wanted));
         }
         picture(&Photo::of(source, "source")?).map(Self::Picture).ok_or_else(|| {
             errors::invalid(
@@ -91,7 +91,7 @@ fn drawn<'py>(rig: &CoreRig, source: &Bound<'py, PyAny>, view: i64) -> PyResult<
         Source::Checker(pattern) => rectify_checker_picture(rig, view, pattern),
         Source::Picture(picture) => rectify_picture(rig, view, picture),
     };
-    let picture = py.detach(draw).raise(py, Looking::ForSheet)?.0;
+    let picture = py.detach(draw).raise(py, Stage::Detect)?.0;
     let shape = [picture.height() as usize, picture.width() as usize, 3];
     shaped(py, picture.into_raw(), &shape)
 }
@@ -110,7 +110,7 @@ fn place(rig: &CoreRig, source: &Bound<'_, PyAny>, view: i64) -> PyResult<Rectif
             rectify(rig, view, Point2::new(-0.5, -0.5), Point2::new(w, h))
         }
     };
-    py.detach(place).map(Rectification).raise(py, Looking::ForSheet)
+    py.detach(place).map(Rectification).raise(py, Stage::Detect)
 }
 
 /// Where a picture is drawn on the projector's panel so that it appears upright on the sheet.

@@ -7,7 +7,8 @@ use slcal_core::{Rig as CoreRig, external_residuals};
 
 use crate::cloud::PointCloud;
 use crate::convert::image::photos_of;
-use crate::errors::{self, Looking, Raise as _};
+use crate::convert::object::optional;
+use crate::errors::{self, Raise as _, Stage};
 use crate::files;
 use crate::observations::observations_of;
 use crate::rig::Rig;
@@ -18,20 +19,20 @@ fn save(
     file: &Bound<'_, PyAny>,
     photos: Option<&Bound<'_, PyAny>>,
     observations: Option<&Bound<'_, PyAny>>,
-    cloud: Option<&PointCloud>,
+    cloud: Option<&slcal_core::PointCloud>,
 ) -> PyResult<()> {
     let py = file.py();
     let photos = photos.map(|p| pictures(rig, p)).transpose()?.unwrap_or_default();
     let (seen, residuals) = match observations {
         Some(given) => {
-            Some(external_residuals(rig, &observations_of(given)?).raise(py, Looking::ForSheet)?).unzip()
+            Some(external_residuals(rig, &observations_of(given)?).raise(py, Stage::Detect)?).unzip()
         }
         None => (None, None),
     };
     let page = py
         .detach(|| {
             let measured = seen.as_ref().zip(residuals);
-            slcal_cli::files::rig_report(rig, &photos, measured, cloud.map(|c| &c.cloud))
+            slcal_cli::files::rig_report(rig, &photos, measured, cloud)
         })
         .map_err(|message| errors::invalid(py, "photos", "pictures that can be written as JPEG", &message))?;
     files::write(file, &page, true)
@@ -102,8 +103,9 @@ impl Rig {
         file: &Bound<'_, PyAny>,
         photos: Option<&Bound<'_, PyAny>>,
         observations: Option<&Bound<'_, PyAny>>,
-        cloud: Option<&PointCloud>,
+        cloud: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
+        let cloud = optional::<PointCloud>(cloud, "cloud")?.map(|c| &c.get().cloud);
         save(&self.rig, file, photos, observations, cloud)
     }
 }

@@ -1,48 +1,16 @@
 //! Rig + photograph → how square the projection is, and whether the rig has moved.
 
 use pyo3::prelude::*;
-use slcal_core::{Rig as CoreRig, VerifyPhotoConfig, verify_photo};
+use slcal_core::{VerifyPhotoConfig, verify_photo};
 
 use crate::convert::image::Photo;
+use crate::convert::object::object;
 use crate::convert::option;
 use crate::convert::report::record;
-use crate::errors::{Looking, Raise as _};
+use crate::errors::{Raise as _, Stage};
 use crate::pattern::CheckerPattern;
 use crate::rig::Rig;
 use crate::view_observation::four_corners;
-
-/// What is known beside the photograph: the keyword arguments of `Rig.verify`.
-struct Known<'a, 'py> {
-    size_mm: Option<&'a Bound<'py, PyAny>>,
-    as_drawn: bool,
-    corners: Option<&'a Bound<'py, PyAny>>,
-    gamma: Option<&'a Bound<'py, PyAny>>,
-    significance: f64,
-}
-
-/// See `Rig.verify`.
-fn verified<'py>(
-    rig: &CoreRig,
-    photo: &Bound<'py, PyAny>,
-    pattern: &CheckerPattern,
-    known: &Known<'_, 'py>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let py = photo.py();
-    let config = VerifyPhotoConfig {
-        size: known.size_mm.map(option::sheet_size).transpose()?,
-        as_drawn: known.as_drawn,
-        encoding: option::gamma(known.gamma)?,
-        corners: known.corners.map(|c| four_corners(c, "corners")).transpose()?,
-        significance: known.significance,
-    };
-    config.validate().raise(py, Looking::ForSheet)?;
-    let photo = Photo::of(photo, "photo")?;
-    let pixels = photo.pixels();
-    let view = pixels.view(py)?;
-    let found = py.detach(|| verify_photo(rig, view, &pattern.0, &config)).raise(py, Looking::ForSheet)?;
-    let corners = found.detection.pattern_corners;
-    record(py, "Verification", &found.verification.to_json(None, known.as_drawn, corners))
-}
 
 #[pymethods]
 impl Rig {
@@ -89,14 +57,28 @@ impl Rig {
     fn verify<'py>(
         &self,
         photo: &Bound<'py, PyAny>,
-        pattern: &CheckerPattern,
+        pattern: &Bound<'py, PyAny>,
         size_mm: Option<&Bound<'py, PyAny>>,
         as_drawn: bool,
         corners: Option<&Bound<'py, PyAny>>,
         gamma: Option<&Bound<'py, PyAny>>,
         significance: f64,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let known = Known { size_mm, as_drawn, corners, gamma, significance };
-        verified(&self.rig, photo, pattern, &known)
+        let py = photo.py();
+        let pattern = &object::<CheckerPattern>(pattern, "pattern")?.get().0;
+        let config = VerifyPhotoConfig {
+            size: size_mm.map(option::sheet_size).transpose()?,
+            as_drawn,
+            encoding: option::gamma(gamma)?,
+            corners: corners.map(|c| four_corners(c, "corners")).transpose()?,
+            significance,
+        };
+        config.validate().raise(py, Stage::Detect)?;
+        let photo = Photo::of(photo, "photo")?;
+        let pixels = photo.pixels();
+        let view = pixels.view(py)?;
+        let found = py.detach(|| verify_photo(&self.rig, view, pattern, &config)).raise(py, Stage::Detect)?;
+        let corners = found.detection.pattern_corners;
+        record(py, "Verification", &found.verification.to_json(None, as_drawn, corners))
     }
 }

@@ -57,7 +57,13 @@ __all__ = [
 ]
 __version__: Final[str]
 
+#: There in the usual case, None in the cases that the docstring names: it may be used without a check, as in typeshed.
+_MaybeNone: TypeAlias = Any
 _Image: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16]
+#: uint8 or uint16. Wider than that, since OpenCV's functions are typed to return any number.
+_ImageLike: TypeAlias = NDArray[np.integer[Any] | np.floating[Any]]
+_Size: TypeAlias = tuple[float, float] | str
+_Indices: TypeAlias = slice | NDArray[np.bool_] | NDArray[np.integer[Any]] | Sequence[int]
 _Path: TypeAlias = str | PathLike[str]
 _ExchangeFormat: TypeAlias = Literal["opencv", "ros", "colmap", "kalibr", "blender", "npz"]
 _File: TypeAlias = _Path | IO[bytes] | IO[str]
@@ -332,7 +338,7 @@ class SheetDetection:
     """The sheet as found in a photograph: points on its sides, and the corners in which these meet."""
 
     @property
-    def corners(self) -> NDArray[np.float64] | None:
+    def corners(self) -> NDArray[np.float64] | _MaybeNone:
         """Corners TL, TR, BR, BL: (4, 2) float64, px; lines through the sides meet there, in a distorted photograph to within the
         sides' bend. None where neighbouring sides are parallel.
         """
@@ -390,13 +396,14 @@ class Detection:
     def __eq__(self, other: object, /) -> bool: ...
 
 def detect(
-    photo: _Image,
-    size_mm: tuple[float, float],
+    photo: _ImageLike,
+    size_mm: _Size,
     pattern: CheckerPattern | None = None,
     *,
-    screen: _Image | None = None,
+    plain: _ImageLike | None = None,
     corners: ArrayLike | None = None,
     gamma: _Gamma = "srgb",
+    screen: _ImageLike | None = None,
 ) -> Detection:
     """Finds the sheet, and the pattern when there is one, in a photograph.
 
@@ -449,7 +456,7 @@ def detect(
            [519.5, 379.5],
            [119.5, 379.5]])
     """
-def detect_sheet(photo: _Image, *, corners: ArrayLike | None = None, gamma: _Gamma = "srgb") -> SheetDetection:
+def detect_sheet(photo: _ImageLike, *, corners: ArrayLike | None = None, gamma: _Gamma = "srgb") -> SheetDetection:
     """Finds the sheet alone, of whatever size: the brightest large quadrilateral with straight sides.
 
     Parameters
@@ -484,7 +491,7 @@ def detect_sheet(photo: _Image, *, corners: ArrayLike | None = None, gamma: _Gam
     >>> float(sheet.edges["top"][:, 1].mean().round(1))
     99.5
     """
-def detect_corners(photo: _Image, pattern: CheckerPattern, *, gamma: _Gamma = "srgb") -> CornerDetection:
+def detect_corners(photo: _ImageLike, pattern: CheckerPattern, *, gamma: _Gamma = "srgb") -> CornerDetection:
     """Finds the corners of the projected checkerboard alone, on the sheet or beside it.
 
     Parameters
@@ -564,7 +571,7 @@ class ViewObservation:
 
     def __new__(
         cls,
-        size_mm: tuple[float, float],
+        size_mm: _Size,
         *,
         sheet_corners: ArrayLike | None = None,
         sheet_edges: Mapping[str, ArrayLike] | None = None,
@@ -679,14 +686,15 @@ class Observations:
     def __eq__(self, other: object, /) -> bool: ...
 
 def observe(
-    photos: Sequence[_Image] | _Image,
-    size_mm: tuple[float, float],
+    photos: Sequence[_ImageLike] | _ImageLike,
+    size_mm: _Size,
     pattern: CheckerPattern | None = None,
     *,
-    screen: Sequence[_Image] | None = None,
+    plain: Sequence[_ImageLike] | None = None,
     corners: Sequence[ArrayLike | None] | ArrayLike | None = None,
     gamma: _Gamma = "srgb",
     names: Sequence[str] | None = None,
+    screen: Sequence[_ImageLike] | None = None,
 ) -> Observations:
     """Finds sheet and pattern in photographs of several poses: what `calibrate` does first.
 
@@ -726,11 +734,11 @@ def observe(
 # Calibration
 
 def calibrate(
-    photos: Sequence[_Image] | _Image,
-    size_mm: tuple[float, float],
+    photos: Sequence[_ImageLike] | _ImageLike,
+    size_mm: _Size,
     pattern: CheckerPattern | None = None,
     *,
-    screen: Sequence[_Image] | None = None,
+    plain: Sequence[_ImageLike] | None = None,
     corners: Sequence[ArrayLike | None] | ArrayLike | None = None,
     camera: Camera | None = None,
     camera_pp: _PrincipalPoint = "prior",
@@ -742,6 +750,7 @@ def calibrate(
     gamma: _Gamma = "srgb",
     allow_degenerate: bool = False,
     names: Sequence[str] | None = None,
+    screen: Sequence[_ImageLike] | None = None,
 ) -> Rig:
     """Calibrates a camera and a projector from photographs of one white sheet with a checkerboard projected on it.
 
@@ -919,7 +928,7 @@ class Camera:
     def size(self) -> tuple[int, int]:
         """Width and height of the image, px."""
     @property
-    def sigma(self) -> DeviceSigma | None:
+    def sigma(self) -> DeviceSigma | _MaybeNone:
         """1σ of the parameters, zero for what was held fixed; None where nothing is known of them."""
     def project(self, points: ArrayLike) -> NDArray[np.float64]:
         """The pixels in which points are seen, as ``cv2.projectPoints`` with neither rotation nor translation.
@@ -1000,10 +1009,10 @@ class Pose:
     def matrix(self) -> NDArray[np.float64]:
         """Both as one homogeneous matrix: (4, 4) float64."""
     @property
-    def sigma_t_mm(self) -> NDArray[np.float64] | None:
+    def sigma_t_mm(self) -> NDArray[np.float64] | _MaybeNone:
         """1σ of t: (3,) float64, mm; None where it is not known."""
     @property
-    def sigma_r_rad(self) -> NDArray[np.float64] | None:
+    def sigma_r_rad(self) -> NDArray[np.float64] | _MaybeNone:
         """1σ of a small rotation about the axes of frame a: (3,) float64, rad; None where it is not known."""
     def inverse(self) -> Pose:
         """The way back: X_b = Rᵀ · X_a − Rᵀ · t. It has no σ."""
@@ -1027,19 +1036,19 @@ class View:
     def camera_from_sheet(self) -> Pose:
         """X_camera = R · X_sheet + t, mm; the sheet's origin is its top-left corner, x along its top side."""
     @property
-    def projector_from_sheet(self) -> Pose | None:
+    def projector_from_sheet(self) -> Pose | _MaybeNone:
         """X_projector = R · X_sheet + t, mm; None without a projector."""
     @property
     def camera_vanishing_points(self) -> NDArray[np.float64]:
         """Vanishing points of the sheet's sides in the camera: (2, 3) float64, homogeneous px."""
     @property
-    def projector_vanishing_points(self) -> NDArray[np.float64] | None:
+    def projector_vanishing_points(self) -> NDArray[np.float64] | _MaybeNone:
         """The same in the projector; None without one."""
     @property
     def corners_px(self) -> NDArray[np.float64]:
         """Corners of the sheet TL, TR, BR, BL in the camera's image: (4, 2) float64, px."""
     @property
-    def rms_px(self) -> ViewRms | None:
+    def rms_px(self) -> ViewRms | _MaybeNone:
         """Root mean square residuals; None in rigs that do not state them."""
     def __eq__(self, other: object, /) -> bool: ...
 
@@ -1138,10 +1147,10 @@ class Rig:
     def camera(self) -> Camera:
         """The camera."""
     @property
-    def projector(self) -> Camera | None:
+    def projector(self) -> Camera | _MaybeNone:
         """The projector; None when the camera alone was calibrated."""
     @property
-    def projector_from_camera(self) -> Pose | None:
+    def projector_from_camera(self) -> Pose | _MaybeNone:
         """X_projector = R · X_camera + t, mm; None without a projector."""
     @property
     def views(self) -> list[View]:
@@ -1150,19 +1159,19 @@ class Rig:
     def method(self) -> str:
         """How it was made: "ml", "two-vp", or anything else for rigs from elsewhere."""
     @property
-    def quality(self) -> Quality | None:
+    def quality(self) -> Quality | _MaybeNone:
         """How far it can be trusted; None for rigs from elsewhere that do not say."""
     @property
-    def covariance(self) -> Covariance | None:
+    def covariance(self) -> Covariance | _MaybeNone:
         """Covariance of all estimated parameters; None for rigs from elsewhere."""
     @property
-    def report(self) -> CalibrationReport | None:
+    def report(self) -> CalibrationReport | _MaybeNone:
         """How the calibration went; None for a rig that was not calibrated in this program."""
     @property
-    def baseline_mm(self) -> float | None:
+    def baseline_mm(self) -> float | _MaybeNone:
         """Distance between the optical centres, mm; None without a projector."""
     @property
-    def baseline_sigma_mm(self) -> float | None:
+    def baseline_sigma_mm(self) -> float | _MaybeNone:
         """1σ of it, mm; None without a covariance."""
     def save(self, file: _File) -> None:
         """Writes the rig file (schema slcal-rig/1), which the command line and other programs read.
@@ -1257,7 +1266,7 @@ class Rig:
         self,
         file: _File,
         *,
-        photos: Sequence[_Image] | _Image | None = None,
+        photos: Sequence[_ImageLike] | _ImageLike | None = None,
         observations: Observations | Mapping[str, Any] | None = None,
         cloud: PointCloud | None = None,
     ) -> None:
@@ -1358,16 +1367,18 @@ class Rig:
         """
     def reconstruct(
         self,
-        image: _Image,
+        image: _ImageLike,
         pattern: StripePattern,
         *,
-        black: _Image | None = None,
-        white: _Image | None = None,
+        black: _ImageLike | None = None,
+        white: _ImageLike | None = None,
         gamma: _Gamma = "srgb",
         frame: _Frame = "camera",
         mesh: bool = False,
         cull: _Cull = "auto",
         min_confidence: float = 0.4,
+        near: float | None = None,
+        far: float | None = None,
     ) -> PointCloud:
         """The cloud of one photograph of the stripes on whatever stands before the rig. `Reconstructor` is for many.
 
@@ -1426,6 +1437,8 @@ class Rig:
         frame: _Frame = "camera",
         mesh: bool = False,
         cull: _Cull = "off",
+        near: float | None = None,
+        far: float | None = None,
     ) -> PointCloud:
         """Points from camera pixels and the projector columns (or rows) that light them, of whatever decoder.
 
@@ -1471,7 +1484,7 @@ class Rig:
         >>> rig.triangulate(pixel, column).points.round(6)
         array([[  20.,   30., 1000.]])
         """
-    def rectify(self, source: CheckerPattern | _Image, *, view: int = 0) -> NDArray[np.uint8]:
+    def rectify(self, source: CheckerPattern | _ImageLike, *, view: int = 0) -> NDArray[np.uint8]:
         """The picture to project so that a picture appears upright and as large as possible on the sheet.
 
         Parameters
@@ -1496,7 +1509,7 @@ class Rig:
         TypeError
             When the source is neither of these.
         """
-    def rectification(self, source: CheckerPattern | _Image, *, view: int = 0) -> Rectification:
+    def rectification(self, source: CheckerPattern | _ImageLike, *, view: int = 0) -> Rectification:
         """Where `rectify` draws a picture: on the panel, and on the sheet in millimetres.
 
         Parameters
@@ -1512,10 +1525,10 @@ class Rig:
         """
     def verify(
         self,
-        photo: _Image,
+        photo: _ImageLike,
         pattern: CheckerPattern,
         *,
-        size_mm: tuple[float, float] | None = None,
+        size_mm: _Size | None = None,
         as_drawn: bool = False,
         corners: ArrayLike | None = None,
         gamma: _Gamma = "srgb",
@@ -1580,7 +1593,7 @@ class Rig:
 
 def advise(
     camera: Camera,
-    size_mm: tuple[float, float],
+    size_mm: _Size,
     *,
     projector: Camera | None = None,
     distance_mm: float | None = None,
@@ -1688,10 +1701,10 @@ class Matches:
     def pixels(self) -> NDArray[np.float64]:
         """Camera pixels (x, y): (N, 2) float64. Of stripes, sub-pixel across them and integer along them."""
     @property
-    def columns(self) -> NDArray[np.float64] | None:
+    def columns(self) -> NDArray[np.float64] | _MaybeNone:
         """Projector columns: (N,) float64, px, NaN where one is not known; None when the matches have rows alone."""
     @property
-    def rows(self) -> NDArray[np.float64] | None:
+    def rows(self) -> NDArray[np.float64] | _MaybeNone:
         """Projector rows: (N,) float64, px, NaN where one is not known; None when the matches have columns alone."""
     @property
     def slits(self) -> NDArray[np.int32]:
@@ -1706,7 +1719,7 @@ class Matches:
     def colors(self) -> NDArray[np.uint8]:
         """Colours of the photograph there: (N, 3) uint8, sRGB."""
     @property
-    def report(self) -> DecodeReport | None:
+    def report(self) -> DecodeReport | _MaybeNone:
         """What decoding saw; None for matches that were constructed or loaded."""
     def save(self, file: _File) -> None:
         """Writes the matches as CSV: u, v, projector_column and/or projector_row, slit, confidence, sigma_px.
@@ -1743,11 +1756,11 @@ class Matches:
     def __eq__(self, other: object, /) -> bool: ...
 
 def decode(
-    image: _Image,
+    image: _ImageLike,
     pattern: StripePattern,
     *,
-    black: _Image | None = None,
-    white: _Image | None = None,
+    black: _ImageLike | None = None,
+    white: _ImageLike | None = None,
     gamma: _Gamma = "srgb",
     min_confidence: float = 0.4,
 ) -> Matches:
@@ -1884,7 +1897,7 @@ class PointCloud:
     def camera_centre(self) -> NDArray[np.float64]:
         """Where the camera stands in these coordinates: (3,) float64, mm."""
     @property
-    def report(self) -> CloudReport | None:
+    def report(self) -> CloudReport | _MaybeNone:
         """How the cloud came about; None for one that was constructed or loaded."""
     def save(self, file: _File, *, format: Literal["ply", "pcd", "xyz", "obj", "glb"] | None = None) -> None:
         """Writes the cloud.
@@ -1956,8 +1969,10 @@ class PointCloud:
         Error
             When there are fewer than four points, or no sphere that the camera could see has points on it.
         """
+    def crop(self, min: ArrayLike, max: ArrayLike) -> PointCloud: ...
     def _repr_html_(self) -> str: ...
     def __len__(self) -> int: ...
+    def __getitem__(self, key: _Indices, /) -> PointCloud: ...
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]: ...
     def __eq__(self, other: object, /) -> bool: ...
 
@@ -2102,9 +2117,11 @@ class Reconstructor:
         mesh: bool = False,
         cull: _Cull = "auto",
         min_confidence: float = 0.4,
+        near: float | None = None,
+        far: float | None = None,
     ) -> Reconstructor: ...
     def reconstruct(
-        self, image: _Image, *, black: _Image | None = None, white: _Image | None = None
+        self, image: _ImageLike, *, black: _ImageLike | None = None, white: _ImageLike | None = None
     ) -> PointCloud:
         """The cloud of one photograph.
 

@@ -8,9 +8,11 @@ import types
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, TypeAlias, TypeVar
 
 _R = TypeVar("_R", bound="Report")
+#: There in the usual case, None in the cases that are named: it may be used without a check, as in typeshed.
+_MaybeNone: TypeAlias = Any
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ def _typed(kind: Any, value: Any) -> Any:
         return None
     origin, inner = typing.get_origin(kind), typing.get_args(kind)
     if origin in (typing.Union, types.UnionType):
-        (kind,) = (k for k in inner if k is not type(None))
+        (kind,) = (k for k in inner if k not in (type(None), Any))
         return _typed(kind, value)
     if origin is tuple:
         kinds = inner[:1] * len(value) if inner[-1] is Ellipsis else inner
@@ -209,6 +211,8 @@ class TriangulateReport(Report):
     behind: int
     #: Lit from outside the panel.
     outside_panel: int
+    #: Nearer or farther than the limits that were given.
+    outside_depth: int
     #: Column and row that contradict each other.
     contradicting: int
     #: Whether σ holds the rig's own uncertainty.
@@ -236,7 +240,7 @@ class CloudReport(Report):
     points: int
     triangles: int
     #: None when the matches were given.
-    decode: DecodeReport | None
+    decode: DecodeReport | _MaybeNone
     triangulate: TriangulateReport
     cull: CullReport
 
@@ -457,10 +461,10 @@ class Advice(Report):
     distance_mm: float
     noise_px: Noise
     #: None before the first photograph.
-    sigma_now: Predicted | None
+    sigma_now: Predicted | _MaybeNone
     table: tuple[TiltForecast, ...]
     #: None when no pose is possible.
-    next: NextView | None
+    next: NextView | _MaybeNone
     worth_it: bool
 
 

@@ -40,7 +40,7 @@ def scene(
     projector_focal: float = 1700.0,
     lens_shift: float = 0.0,
     baseline: float = 250.0,
-    size_mm: tuple[float, float] = (594.0, 420.0),
+    size_mm: tuple[float, float] | str = (594.0, 420.0),
     distance: float = 1000.0,
     distortion: ArrayLike = 0.0,
     tilt: _Pose | None = None,
@@ -182,7 +182,7 @@ def views(
     projector_offset: float = 0.0,
     lens_shift: float = 0.0,
     baseline: float = 250.0,
-    size_mm: tuple[float, float] = (594.0, 420.0),
+    size_mm: tuple[float, float] | str = (594.0, 420.0),
     distance: float = 1000.0,
     distortion: ArrayLike = 0.0,
 ) -> Views:
@@ -241,7 +241,7 @@ def noise(
     projector_focal: float = 1700.0,
     lens_shift: float = 0.0,
     baseline: float = 250.0,
-    size_mm: tuple[float, float] = (594.0, 420.0),
+    size_mm: tuple[float, float] | str = (594.0, 420.0),
     distance: float = 1000.0,
 ) -> NoiseReport:
     """Calibrate again and again under rising noise, by both methods, and compare with the truth.

@@ -6,7 +6,7 @@ use slcal_core::format::{CloudFormat, read_ply};
 
 use super::PointCloud;
 use crate::convert::option;
-use crate::errors::{self, Looking, Raise as _, raised_from};
+use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::files;
 
 const FORMATS: [(&str, CloudFormat); 5] = [
@@ -61,7 +61,7 @@ impl PointCloud {
     fn save(&self, file: &Bound<'_, PyAny>, format: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let py = file.py();
         let format = format.map_or_else(|| format_of(file), format_named)?;
-        let bytes = py.detach(|| bytes_as(format, &self.cloud)).raise(py, Looking::ForStripes)?;
+        let bytes = py.detach(|| bytes_as(format, &self.cloud)).raise(py, Stage::Decode)?;
         files::write(file, &bytes, format.is_text())
     }
 
@@ -97,7 +97,7 @@ impl PointCloud {
         let contents = files::read(file)?;
         let name = contents.name.as_deref();
         let read = py.detach(|| read_ply(contents.bytes.as_slice()));
-        read.map(Self::from).map_err(|e| raised_from(py, &e, Looking::ForStripes, name))
+        read.map(Self::from).map_err(|e| raised_from(py, &e, Stage::Decode, name))
     }
 
     /// The content of the file that `save` would write.
@@ -108,7 +108,7 @@ impl PointCloud {
         format: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyBytes>> {
         let format = format.map_or(Ok(CloudFormat::Ply), format_named)?;
-        let bytes = py.detach(|| bytes_as(format, &self.cloud)).raise(py, Looking::ForStripes)?;
+        let bytes = py.detach(|| bytes_as(format, &self.cloud)).raise(py, Stage::Decode)?;
         Ok(PyBytes::new(py, &bytes))
     }
 }

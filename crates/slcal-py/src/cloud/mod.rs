@@ -2,6 +2,9 @@
 
 mod file;
 mod shown;
+mod subset;
+
+use std::path::Path;
 
 use nalgebra::{Point2, Point3};
 use numpy::PyReadonlyArray2;
@@ -13,6 +16,7 @@ use slcal_core::{CloudPoint, Frame};
 
 use crate::convert::array::{Numbers, column, rows, rows_of, shape_in_words, vector_of};
 use crate::convert::columns::{as_many, colors_of, integers_of, within};
+use crate::convert::object::{self, Argument};
 use crate::convert::option;
 use crate::convert::report::Reported;
 use crate::errors;
@@ -25,6 +29,10 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///
 /// `Rig.reconstruct` and `Rig.triangulate` make clouds; they can also be made of arrays. Two of them are equal when their
 /// numbers are (NaN equals NaN); the report is not compared. ``np.asarray(cloud)`` gives the points.
+///
+/// ``cloud[index]`` is the cloud of some of the points, by a boolean mask, an array of integers or a slice. It keeps the
+/// triangles whose three corners are all among them, with new indices; of a point that is given twice the first counts. Its
+/// `report` is None.
 ///
 /// Parameters
 /// ----------
@@ -63,7 +71,9 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// PointCloud(2 points, 1000.0 to 1000.0 mm from the camera, median σ 0.200 mm)
 /// >>> np.asarray(cloud).shape
 /// (2, 3)
-#[pyclass(frozen, module = "slcal", eq)]
+/// >>> cloud[cloud.points[:, 0] > 1].points
+/// array([[   3.,    4., 1000.]])
+#[pyclass(frozen, module = "slcal", eq, mapping)]
 pub(crate) struct PointCloud {
     pub(crate) cloud: slcal_core::PointCloud,
     pub(crate) report: Reported,
@@ -130,6 +140,16 @@ fn pixels_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<[f64; 2]>> {
         return Err(errors::invalid(values.py(), "pixels", &wanted, &format!("shape {found}")));
     }
     Ok((0..n).map(|i| [view[[i, 0]], view[[i, 1]]]).collect())
+}
+
+impl Argument for PointCloud {
+    const EXPECTED: &'static str = "a PointCloud";
+    const OF_ARRAY: &'static str = "slcal.PointCloud(points)";
+    const OF_OTHER: &'static str = "slcal.PointCloud(points), or rig.reconstruct(image, pattern)";
+
+    fn of_path(path: &Path) -> String {
+        object::load("PointCloud", path)
+    }
 }
 
 #[pymethods]

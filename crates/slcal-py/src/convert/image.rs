@@ -9,7 +9,7 @@ use numpy::{
 use pyo3::prelude::*;
 use slcal_core::photo::{Layout, PhotoView, Samples};
 
-use crate::errors::{self, Looking, Raise as _};
+use crate::errors::{self, Raise as _, Stage};
 
 /// An array that is a photograph.
 pub(crate) enum Photo<'py> {
@@ -94,6 +94,8 @@ fn described(object: &Bound<'_, PyAny>) -> PyResult<String> {
         "None (cv2.imread returns None for a file that it cannot read)".to_owned()
     } else if crate::files::path_of(object).is_ok_and(|p| p.is_some()) {
         format!("{name}; read the file first: slcal.read_image(path)")
+    } else if name == "Scene" {
+        "a Scene; its photograph is scene.photo".to_owned()
     } else {
         format!("{name}; make it an array first: np.asarray(image)")
     })
@@ -155,7 +157,7 @@ impl Pixels<'_> {
 impl<T: Clone> Stored<'_, T> {
     fn view<'b>(&self, py: Python<'_>, samples: Samples<'b>, layout: Layout) -> PyResult<PhotoView<'b>> {
         let stride = self.width * if self.layout.has_color() { 3 } else { 1 };
-        PhotoView::new(samples, self.width, self.height, stride, layout).raise(py, Looking::ForSheet)
+        PhotoView::new(samples, self.width, self.height, stride, layout).raise(py, Stage::Detect)
     }
 }
 

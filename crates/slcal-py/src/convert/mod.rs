@@ -3,5 +3,6 @@
 pub(crate) mod array;
 pub(crate) mod columns;
 pub(crate) mod image;
+pub(crate) mod object;
 pub(crate) mod option;
 pub(crate) mod report;

@@ -7,7 +7,7 @@ use slcal_core::photo::Encoding;
 use slcal_core::reconstruct::CullRule;
 use slcal_core::{DistortionModel, Frame, Method, PrincipalPointRule, ViewObservation};
 
-use crate::errors::{self, Looking, Raise as _};
+use crate::errors::{self, Raise as _, Stage};
 
 /// How a value that is not accepted is shown.
 pub(crate) fn shown(value: &Bound<'_, PyAny>) -> String {
@@ -57,7 +57,20 @@ pub(crate) fn sheet_size(value: &Bound<'_, PyAny>) -> PyResult<RectangleSize> {
     if !sides.iter().all(|side| ViewObservation::SIDE_RANGE_MM.contains(side)) {
         return Err(refused());
     }
-    RectangleSize::new(sides[0], sides[1]).raise(value.py(), Looking::ForSheet)
+    RectangleSize::new(sides[0], sides[1]).raise(value.py(), Stage::Detect)
+}
+
+/// Photographs without the pattern: `plain`, or `screen`, its older name.
+pub(crate) fn plain<'a, 'py>(
+    plain: Option<&'a Bound<'py, PyAny>>,
+    screen: Option<&'a Bound<'py, PyAny>>,
+) -> PyResult<Option<&'a Bound<'py, PyAny>>> {
+    match (plain, screen) {
+        (Some(_), Some(screen)) => {
+            Err(errors::invalid(screen.py(), "screen", "plain alone, of which it is the older name", "both"))
+        }
+        (given, None) | (None, given) => Ok(given),
+    }
 }
 
 /// "srgb", "linear" or a number.
@@ -74,7 +87,7 @@ pub(crate) fn gamma(value: Option<&Bound<'_, PyAny>>) -> PyResult<Encoding> {
             return Err(errors::invalid(value.py(), "gamma", wanted, &shown(value)));
         }
     };
-    encoding.validate().raise(value.py(), Looking::ForSheet)?;
+    encoding.validate().raise(value.py(), Stage::Detect)?;
     Ok(encoding)
 }
 

@@ -8,8 +8,9 @@ use slcal_core::detect::{self, DetectConfig};
 pub(crate) use found::{CornerDetection, Detection, SheetDetection};
 
 use crate::convert::image::Photo;
+use crate::convert::object::{object, optional};
 use crate::convert::option;
-use crate::errors::{Looking, Raise as _};
+use crate::errors::{Raise as _, Stage};
 use crate::pattern::CheckerPattern;
 use crate::view_observation::four_corners;
 
@@ -37,13 +38,16 @@ fn config(corners: Option<&Bound<'_, PyAny>>, gamma: Option<&Bound<'_, PyAny>>) 
 ///     Width and height of the sheet, mm; the width belongs to the sides that run most nearly along the image's x axis.
 /// pattern : CheckerPattern, optional
 ///     What is projected; without it the sheet is the brightest large quadrilateral with straight sides.
-/// screen : ndarray, optional
-///     The same pose with a dark or plain projector, in the same size; the sheet's sides are then measured there.
+/// plain : ndarray, optional
+///     A photograph of the same pose and size without the pattern: projector dark or plain white. The sheet's sides are then
+///     measured in it.
 /// corners : array_like, optional
 ///     (4, 2), px: the sheet's corners TL, TR, BR, BL by hand, when it is not found. They may lie outside the frame; the sides
 ///     are still measured in the photograph where they are seen.
 /// gamma : {"srgb", "linear"} or float, default "srgb"
 ///     The transfer curve of the photograph.
+/// screen : ndarray, optional
+///     The older name of `plain`.
 ///
 /// Returns
 /// -------
@@ -80,27 +84,28 @@ fn config(corners: Option<&Bound<'_, PyAny>>, gamma: Option<&Bound<'_, PyAny>>) 
 #[pyfunction]
 #[pyo3(
     name = "detect",
-    signature = (photo, size_mm, pattern=None, *, screen=None, corners=None, gamma=None),
-    text_signature = "(photo, size_mm, pattern=None, *, screen=None, corners=None, gamma='srgb')"
+    signature = (photo, size_mm, pattern=None, *, plain=None, corners=None, gamma=None, screen=None),
+    text_signature = "(photo, size_mm, pattern=None, *, plain=None, corners=None, gamma='srgb', screen=None)"
 )]
 fn detect_both(
     photo: &Bound<'_, PyAny>,
     size_mm: &Bound<'_, PyAny>,
-    pattern: Option<&CheckerPattern>,
-    screen: Option<&Bound<'_, PyAny>>,
+    pattern: Option<&Bound<'_, PyAny>>,
+    plain: Option<&Bound<'_, PyAny>>,
     corners: Option<&Bound<'_, PyAny>>,
     gamma: Option<&Bound<'_, PyAny>>,
+    screen: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Detection> {
     let py = photo.py();
     let photo = Photo::of(photo, "photo")?;
-    let screen = screen.map(|s| Photo::of(s, "screen")).transpose()?;
+    let plain = option::plain(plain, screen)?.map(|p| Photo::of(p, "plain")).transpose()?;
     let (size, config) = (option::sheet_size(size_mm)?, config(corners, gamma)?);
-    let (photo, screen) = (photo.pixels(), screen.as_ref().map(Photo::pixels));
-    let (photo, screen) = (photo.view(py)?, screen.as_ref().map(|s| s.view(py)).transpose()?);
-    let pattern = pattern.map(|p| &p.0);
-    py.detach(|| detect::observe(photo, screen, size, pattern, &config))
+    let (photo, plain) = (photo.pixels(), plain.as_ref().map(Photo::pixels));
+    let (photo, plain) = (photo.view(py)?, plain.as_ref().map(|s| s.view(py)).transpose()?);
+    let pattern = optional::<CheckerPattern>(pattern, "pattern")?.map(|p| &p.get().0);
+    py.detach(|| detect::observe(photo, plain, size, pattern, &config))
         .map(Detection)
-        .raise(py, Looking::ForSheet)
+        .raise(py, Stage::Detect)
 }
 
 /// Finds the sheet alone, of whatever size: the brightest large quadrilateral with straight sides.
@@ -147,7 +152,7 @@ fn detect_sheet(
     let photo = Photo::of(photo, "photo")?;
     let (pixels, config) = (photo.pixels(), config(corners, gamma)?);
     let view = pixels.view(py)?;
-    py.detach(|| detect::find_sheet(view, &config)).map(SheetDetection).raise(py, Looking::ForSheet)
+    py.detach(|| detect::find_sheet(view, &config)).map(SheetDetection).raise(py, Stage::Detect)
 }
 
 /// Finds the corners of the projected checkerboard alone, on the sheet or beside it.
@@ -186,14 +191,13 @@ fn detect_sheet(
 #[pyo3(signature = (photo, pattern, *, gamma=None), text_signature = "(photo, pattern, *, gamma='srgb')")]
 fn detect_corners(
     photo: &Bound<'_, PyAny>,
-    pattern: &CheckerPattern,
+    pattern: &Bound<'_, PyAny>,
     gamma: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<CornerDetection> {
     let py = photo.py();
+    let pattern = &object::<CheckerPattern>(pattern, "pattern")?.get().0;
     let photo = Photo::of(photo, "photo")?;
     let (pixels, config) = (photo.pixels(), config(None, gamma)?);
     let view = pixels.view(py)?;
-    py.detach(|| detect::find_corners(view, &pattern.0, &config))
-        .map(CornerDetection)
-        .raise(py, Looking::ForSheet)
+    py.detach(|| detect::find_corners(view, pattern, &config)).map(CornerDetection).raise(py, Stage::Detect)
 }

@@ -1,5 +1,7 @@
 //! Cameras: intrinsics and distortion.
 
+use std::path::Path;
+
 use nalgebra::{Matrix3, Point2, Point3};
 use pyo3::prelude::*;
 use slcal_core::format::read_camera;
@@ -7,9 +9,10 @@ use slcal_core::geometry::{self, Distortion, Intrinsics};
 use slcal_core::{Device, DeviceSigma};
 
 use crate::convert::array::{Numbers, column, matrix, matrix_of, rows, rows_of};
+use crate::convert::object::{self, Argument};
 use crate::convert::option::whole_pair;
 use crate::convert::report::record;
-use crate::errors::{self, Looking, Raise as _, raised_from};
+use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::files;
 
 /// A camera or a projector: how it maps what stands before it onto its pixels, as OpenCV does.
@@ -44,6 +47,15 @@ impl Camera {
     }
 }
 
+impl Argument for Camera {
+    const EXPECTED: &'static str = "a Camera";
+    const OF_ARRAY: &'static str = "slcal.Camera(K, size=(width, height))";
+
+    fn of_path(path: &Path) -> String {
+        object::load("Camera", path)
+    }
+}
+
 #[pymethods]
 impl Camera {
     #[new]
@@ -57,7 +69,7 @@ impl Camera {
         let py = K.py();
         let k = matrix_of(K, "K")?;
         let k = Matrix3::from_fn(|i, j| k[i][j]);
-        let intrinsics = Intrinsics::from_matrix(&k).raise(py, Looking::ForSheet)?;
+        let intrinsics = Intrinsics::from_matrix(&k).raise(py, Stage::Detect)?;
         let [width, height] = whole_pair(size, "size")?;
         let distortion = distortion.map_or(Ok(Distortion::NONE), distortion_of)?;
         Ok(Self::of(geometry::Camera { width, height, intrinsics, distortion }))
@@ -79,8 +91,8 @@ impl Camera {
         let py = file.py();
         let contents = files::read(file)?;
         let name = contents.name.as_deref();
-        let known = read_camera(contents.bytes.as_slice())
-            .map_err(|e| raised_from(py, &e, Looking::ForSheet, name))?;
+        let known =
+            read_camera(contents.bytes.as_slice()).map_err(|e| raised_from(py, &e, Stage::Detect, name))?;
         let Some([width, height]) = known.size else {
             return Err(errors::invalid(
                 py,
@@ -108,14 +120,14 @@ impl Camera {
     #[staticmethod]
     fn from_fov(py: Python<'_>, size: &Bound<'_, PyAny>, fov_deg: f64) -> PyResult<Self> {
         let size = whole_pair(size, "size")?;
-        geometry::Camera::from_fov(size, fov_deg).map(Self::of).raise(py, Looking::ForSheet)
+        geometry::Camera::from_fov(size, fov_deg).map(Self::of).raise(py, Stage::Detect)
     }
 
     /// A camera without distortion by the 35 mm equivalent of its focal length, as EXIF tags state it.
     #[staticmethod]
     fn from_35mm(py: Python<'_>, size: &Bound<'_, PyAny>, focal_35mm: f64) -> PyResult<Self> {
         let size = whole_pair(size, "size")?;
-        geometry::Camera::from_35mm(size, focal_35mm).map(Self::of).raise(py, Looking::ForSheet)
+        geometry::Camera::from_35mm(size, focal_35mm).map(Self::of).raise(py, Stage::Detect)
     }
 
     /// A projector by its throw ratio (distance over width of the picture), its axis through the lower edge of the panel as
@@ -123,7 +135,7 @@ impl Camera {
     #[staticmethod]
     fn from_throw(py: Python<'_>, size: &Bound<'_, PyAny>, throw: f64) -> PyResult<Self> {
         let size = whole_pair(size, "size")?;
-        geometry::Camera::from_throw(size, throw).map(Self::of).raise(py, Looking::ForSheet)
+        geometry::Camera::from_throw(size, throw).map(Self::of).raise(py, Stage::Detect)
     }
 
     /// The camera matrix: (3, 3) float64, px.

@@ -1,11 +1,14 @@
 //! Poses: a rotation and a translation.
 
+use std::path::Path;
+
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use pyo3::prelude::*;
 use slcal_core::geometry;
 
 use crate::convert::array::{Numbers, column, matrix, matrix_of, rows, rows_of, vector_of};
-use crate::errors::{Looking, Raise as _};
+use crate::convert::object::Argument;
+use crate::errors::{Raise as _, Stage};
 
 /// A pose by a rotation matrix or vector, and a translation.
 pub(crate) fn pose_of(
@@ -20,7 +23,7 @@ pub(crate) fn pose_of(
     }
     let rows = matrix_of(r, "R")?;
     let matrix = Matrix3::from_fn(|i, j| rows[i][j]);
-    geometry::Pose::from_matrix(&matrix, translation).raise(py, Looking::ForSheet)
+    geometry::Pose::from_matrix(&matrix, translation).raise(py, Stage::Detect)
 }
 
 /// A rotation and a translation: X_a = R · X_b + t.
@@ -63,6 +66,15 @@ impl Pose {
     /// As axis times angle; not NaN for the smallest of angles either.
     fn turn(&self) -> Vector3<f64> {
         self.pose.turn_from(&geometry::Pose::identity())
+    }
+}
+
+impl Argument for Pose {
+    const EXPECTED: &'static str = "a Pose";
+    const OF_ARRAY: &'static str = "slcal.Pose(R, t)";
+
+    fn of_path(path: &Path) -> String {
+        format!("slcal.Rig.load({:?}).projector_from_camera", path.display().to_string())
     }
 }
 

@@ -2,6 +2,8 @@
 
 mod arrays;
 
+use std::path::Path;
+
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use slcal_core::format::{read_matches, write_matches};
@@ -9,8 +11,9 @@ use slcal_core::format::{read_matches, write_matches};
 pub(crate) use arrays::{Given, matches_of, sigma_of};
 
 use crate::convert::array::{column, rows};
+use crate::convert::object::{self, Argument};
 use crate::convert::report::Reported;
-use crate::errors::{Looking, Raise as _, raised_from};
+use crate::errors::{Raise as _, Stage, raised_from};
 use crate::files;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -68,6 +71,16 @@ impl PartialEq for Matches {
 impl From<slcal_core::Matches> for Matches {
     fn from(matches: slcal_core::Matches) -> Self {
         Self { matches, report: Reported::default() }
+    }
+}
+
+impl Argument for Matches {
+    const EXPECTED: &'static str = "Matches";
+    const OF_ARRAY: &'static str = "slcal.Matches(pixels, columns)";
+    const OF_OTHER: &'static str = "slcal.decode(image, pattern), or slcal.Matches(pixels, columns)";
+
+    fn of_path(path: &Path) -> String {
+        object::load("Matches", path)
     }
 }
 
@@ -160,7 +173,7 @@ impl Matches {
             let mut bytes = Vec::new();
             write_matches(&self.matches, &mut bytes).map(|()| bytes)
         };
-        files::write(file, &py.detach(write).raise(py, Looking::ForStripes)?, true)
+        files::write(file, &py.detach(write).raise(py, Stage::Decode)?, true)
     }
 
     /// Reads matches that `save`, ``slcal decode`` or any other decoder wrote.
@@ -187,7 +200,7 @@ impl Matches {
         let contents = files::read(file)?;
         let name = contents.name.as_deref();
         let read = py.detach(|| read_matches(contents.bytes.as_slice()));
-        read.map(Self::from).map_err(|e| raised_from(py, &e, Looking::ForStripes, name))
+        read.map(Self::from).map_err(|e| raised_from(py, &e, Stage::Decode, name))
     }
 
     fn __len__(&self) -> usize {

@@ -2,15 +2,18 @@
 
 mod mapping;
 
+use std::path::Path;
+
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 use serde_json::Value;
 use slcal_core::ExternalObservations;
 use slcal_core::format::{read_observations, write_observations};
 
+use crate::convert::object::{self, Argument};
 use crate::convert::option::whole_pair;
 use crate::detect::Detection;
-use crate::errors::{self, Looking, Raise as _, raised_from};
+use crate::errors::{Raise as _, Stage, raised_from};
 use crate::files;
 use crate::view_observation::{ViewObservation, views_of};
 
@@ -48,6 +51,17 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 #[pyclass(frozen, module = "slcal")]
 pub(crate) struct Observations(pub(crate) ExternalObservations);
 
+impl Argument for Observations {
+    const EXPECTED: &'static str = "Observations or a mapping like their JSON file";
+    const OF_ARRAY: &'static str = "slcal.observe(photos, size_mm, pattern)";
+    const OF_OTHER: &'static str =
+        "slcal.observe(photos, size_mm, pattern), or slcal.Observations(camera, projector, views)";
+
+    fn of_path(path: &Path) -> String {
+        object::load("Observations", path)
+    }
+}
+
 #[pymethods]
 impl Observations {
     #[new]
@@ -63,9 +77,9 @@ impl Observations {
             views: Vec::new(),
         };
         let mut external = ExternalObservations::from(observations);
-        let name = |value: &Bound<'_, PyAny>| value.get_type().name().map(|n| n.to_string());
-        let Ok(items) = views.try_iter() else {
-            return Err(errors::wrong_type("views", WANTED, &name(views)?));
+        let items = match views.try_iter() {
+            Ok(items) if files::path_of(views)?.is_none() => items,
+            _ => return Err(object::refused::<ViewObservation>(views, "views", WANTED)),
         };
         for (i, item) in items.enumerate() {
             let item = item?;
@@ -74,7 +88,7 @@ impl Observations {
             } else if let Ok(detection) = item.cast::<Detection>() {
                 detection.get().as_view()
             } else {
-                return Err(errors::wrong_type(&format!("views[{i}]"), WANTED, &name(&item)?));
+                return Err(object::refused::<ViewObservation>(&item, &format!("views[{i}]"), WANTED));
             };
             external.observations.views.push(view.seen);
             external.unstated.push(view.unstated);
@@ -134,7 +148,7 @@ impl Observations {
         let name = contents.name.as_deref();
         read_observations(contents.bytes.as_slice())
             .map(Self)
-            .map_err(|e| raised_from(file.py(), &e, Looking::ForSheet, name))
+            .map_err(|e| raised_from(file.py(), &e, Stage::Detect, name))
     }
 
     /// The content of the file.
@@ -145,7 +159,7 @@ impl Observations {
     /// The observations that `to_json` wrote.
     #[staticmethod]
     fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
-        read_observations(text.as_bytes()).map(Self).raise(py, Looking::ForSheet)
+        read_observations(text.as_bytes()).map(Self).raise(py, Stage::Detect)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
@@ -177,7 +191,7 @@ impl Observations {
 impl Observations {
     fn json(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         let mut bytes = Vec::new();
-        write_observations(&self.0, &mut bytes).raise(py, Looking::ForSheet)?;
+        write_observations(&self.0, &mut bytes).raise(py, Stage::Detect)?;
         Ok(bytes)
     }
 }
@@ -189,12 +203,11 @@ pub(crate) fn observations_of(value: &Bound<'_, PyAny>) -> PyResult<ExternalObse
         return Ok(observations.get().0.clone());
     }
     if value.cast::<PyMapping>().is_err() {
-        let wanted = "slcal.Observations, or a mapping like their JSON file";
-        return Err(errors::wrong_type("observations", wanted, &value.get_type().name()?.to_string()));
+        return Err(object::refused::<Observations>(value, "observations", Observations::EXPECTED));
     }
     let mut json = mapping::json_of(value)?;
     if let Value::Object(fields) = &mut json {
         fields.entry("schema").or_insert_with(|| "slcal-observations/1".into());
     }
-    read_observations(json.to_string().as_bytes()).raise(py, Looking::ForSheet)
+    read_observations(json.to_string().as_bytes()).raise(py, Stage::Detect)
 }

@@ -1,12 +1,15 @@
 //! The checkerboard for calibration.
 
+use std::path::Path;
+
 use pyo3::prelude::*;
 use slcal_core::pattern::{self, CheckerConfig, Pattern};
 
 use super::file::{COLORS, from_file, json, named, parse, picture};
 use crate::convert::array::rows;
+use crate::convert::object::{self, Argument};
 use crate::convert::option::{one_of, whole_pair};
-use crate::errors::{self, Looking, Raise as _};
+use crate::errors::{self, Raise as _, Stage};
 use crate::files;
 
 fn checker(py: Python<'_>, pattern: Pattern) -> PyResult<CheckerPattern> {
@@ -55,6 +58,17 @@ impl std::hash::Hash for CheckerPattern {
     }
 }
 
+impl Argument for CheckerPattern {
+    const EXPECTED: &'static str = "a CheckerPattern";
+    const OF_ARRAY: &'static str =
+        "slcal.CheckerPattern(projector=(width, height)), whose image() is the picture";
+    const OF_OTHER: &'static str = "slcal.CheckerPattern(projector=(width, height))";
+
+    fn of_path(path: &Path) -> String {
+        object::load_pattern("CheckerPattern", path)
+    }
+}
+
 #[pymethods]
 impl CheckerPattern {
     #[new]
@@ -87,7 +101,7 @@ impl CheckerPattern {
             config.background = one_of(color, "background", &COLORS)?;
         }
         let panel = whole_pair(projector, "projector")?;
-        pattern::CheckerPattern::new(panel, &config).map(Self).raise(py, Looking::ForSheet)
+        pattern::CheckerPattern::new(panel, &config).map(Self).raise(py, Stage::Detect)
     }
 
     /// Width and height of the panel, px.

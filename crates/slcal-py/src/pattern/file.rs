@@ -5,7 +5,7 @@ use slcal_core::format::{read_pattern, write_pattern};
 use slcal_core::pattern::{Axis, Pattern, SquareColor};
 
 use crate::convert::array::shaped;
-use crate::errors::{Looking, Raise as _, raised_from};
+use crate::errors::{Raise as _, Stage, raised_from};
 use crate::files;
 
 pub(super) const COLORS: [(&str, SquareColor); 2] =
@@ -21,19 +21,19 @@ pub(super) fn picture<'py>(
     py: Python<'py>,
     draw: impl Fn() -> slcal_core::Result<image::RgbImage> + Send + Sync,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let drawn = py.detach(draw).raise(py, Looking::ForSheet)?;
+    let drawn = py.detach(draw).raise(py, Stage::Detect)?;
     let shape = [drawn.height() as usize, drawn.width() as usize, 3];
     shaped(py, drawn.into_raw(), &shape)
 }
 
 pub(super) fn json(py: Python<'_>, pattern: &Pattern) -> PyResult<Vec<u8>> {
     let mut bytes = Vec::new();
-    write_pattern(pattern, &mut bytes).raise(py, Looking::ForSheet)?;
+    write_pattern(pattern, &mut bytes).raise(py, Stage::Detect)?;
     Ok(bytes)
 }
 
 pub(super) fn parse(py: Python<'_>, bytes: &[u8], name: Option<&str>) -> PyResult<Pattern> {
-    read_pattern(bytes).map_err(|e| raised_from(py, &e, Looking::ForSheet, name))
+    read_pattern(bytes).map_err(|e| raised_from(py, &e, Stage::Detect, name))
 }
 
 pub(super) fn from_file(file: &Bound<'_, PyAny>) -> PyResult<Pattern> {

@@ -1,13 +1,16 @@
 //! The coloured stripes for reconstruction.
 
+use std::path::Path;
+
 use pyo3::prelude::*;
 use slcal_core::pattern::{self, Axis, Pattern, StripeConfig};
 
 use super::file::{AXES, from_file, json, named, parse, picture};
 use crate::convert::array::{column, rows};
 use crate::convert::columns::{bytes_of, column_of, integers_of};
+use crate::convert::object::{self, Argument};
 use crate::convert::option::{one_of, whole_pair};
-use crate::errors::{self, Looking, Raise as _};
+use crate::errors::{self, Raise as _, Stage};
 use crate::files;
 
 fn stripes(py: Python<'_>, pattern: Pattern) -> PyResult<StripePattern> {
@@ -56,6 +59,17 @@ impl std::hash::Hash for StripePattern {
     }
 }
 
+impl Argument for StripePattern {
+    const EXPECTED: &'static str = "a StripePattern";
+    const OF_ARRAY: &'static str =
+        "slcal.StripePattern(projector=(width, height)), whose image() is the picture";
+    const OF_OTHER: &'static str = "slcal.StripePattern(projector=(width, height))";
+
+    fn of_path(path: &Path) -> String {
+        object::load_pattern("StripePattern", path)
+    }
+}
+
 #[pymethods]
 impl StripePattern {
     #[new]
@@ -83,7 +97,7 @@ impl StripePattern {
             ..StripeConfig::default()
         };
         let panel = whole_pair(projector, "projector")?;
-        pattern::StripePattern::new(panel, &config).map(Self).raise(py, Looking::ForSheet)
+        pattern::StripePattern::new(panel, &config).map(Self).raise(py, Stage::Detect)
     }
 
     /// Any slits, as other programs draw them.
@@ -134,7 +148,7 @@ impl StripePattern {
             width_px,
             order,
         };
-        made.validate().raise(projector.py(), Looking::ForSheet)?;
+        made.validate().raise(projector.py(), Stage::Detect)?;
         Ok(Self(made))
     }
 

@@ -8,7 +8,7 @@ use slcal_core::format::{ExchangeFormat, ExportConfig, ImportConfig, NamedBytes,
 
 use super::Rig;
 use crate::convert::option::{one_of, shown, whole_pair};
-use crate::errors::{self, Looking, Raise as _, raised_from};
+use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::files;
 
 fn format_of(value: &Bound<'_, PyAny>, what: &str) -> PyResult<ExchangeFormat> {
@@ -29,12 +29,12 @@ fn export_to(
     let py = path.py();
     let (path, format) = (path_of(path, "path")?, format_of(to, "to")?);
     let storage = match format {
-        ExchangeFormat::OpenCv => slcal_cli::files::storage_of(&path).raise(py, Looking::ForSheet)?,
+        ExchangeFormat::OpenCv => slcal_cli::files::storage_of(&path).raise(py, Stage::Detect)?,
         _ => ExportConfig::default().storage,
     };
-    let export = export_rig(rig, format, &ExportConfig { storage, lossy }).raise(py, Looking::ForSheet)?;
+    let export = export_rig(rig, format, &ExportConfig { storage, lossy }).raise(py, Stage::Detect)?;
     let names: Vec<&str> = export.files.iter().map(|f| f.name).collect();
-    let places = slcal_cli::files::export_places(&path, format, &names).raise(py, Looking::ForSheet)?;
+    let places = slcal_cli::files::export_places(&path, format, &names).raise(py, Stage::Detect)?;
     if let Some(folder) = places.folder.filter(|f| !f.is_dir()) {
         std::fs::create_dir(&folder).map_err(|e| files::os_error(&e, &folder))?;
     }
@@ -66,7 +66,7 @@ fn import_from(
             .map(|p| path_of(&p?, "paths"))
             .collect::<PyResult<_>>()?,
     };
-    let found = slcal_cli::files::import_paths(&given).raise(py, Looking::ForSheet)?;
+    let found = slcal_cli::files::import_paths(&given).raise(py, Stage::Detect)?;
     let read = |path: &PathBuf| std::fs::read(path).map_err(|e| files::os_error(&e, path));
     let contents = py.detach(|| found.iter().map(read).collect::<PyResult<Vec<_>>>())?;
     let name = |p: &PathBuf| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -75,7 +75,7 @@ fn import_from(
         names.iter().zip(&contents).map(|(name, bytes)| NamedBytes { name, bytes }).collect();
     let file = found.first().map(|p| p.display().to_string());
     let imported = import_rig(format, &named, &config);
-    imported.map(|i| i.rig).map_err(|e| raised_from(py, &e, Looking::ForSheet, file.as_deref()))
+    imported.map(|i| i.rig).map_err(|e| raised_from(py, &e, Stage::Detect, file.as_deref()))
 }
 
 #[pymethods]

@@ -5,18 +5,18 @@ use pyo3::prelude::*;
 use slcal_core::format::{read_rig, write_rig};
 
 use super::Rig;
-use crate::errors::{Looking, Raise as _, raised_from};
+use crate::errors::{Raise as _, Stage, raised_from};
 use crate::files;
 
 impl Rig {
     fn json(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         let mut bytes = Vec::new();
-        write_rig(&self.rig, &mut bytes).raise(py, Looking::ForSheet)?;
+        write_rig(&self.rig, &mut bytes).raise(py, Stage::Detect)?;
         Ok(bytes)
     }
 
     fn parse(py: Python<'_>, bytes: &[u8], name: Option<&str>) -> PyResult<Self> {
-        read_rig(bytes).map(Self::from).map_err(|e| raised_from(py, &e, Looking::ForSheet, name))
+        read_rig(bytes).map(Self::from).map_err(|e| raised_from(py, &e, Stage::Detect, name))
     }
 }
 

@@ -6,11 +6,14 @@ mod opencv;
 mod shown;
 mod view;
 
+use std::path::Path;
+
 use pyo3::prelude::*;
 use slcal_core::{CalibrationReport, Projector, StereoPose};
 
 pub(crate) use view::{Covariance, View};
 
+use crate::convert::object::{self, Argument};
 use crate::convert::report::record;
 use crate::errors;
 use crate::geometry::{Camera, Pose};
@@ -63,6 +66,17 @@ impl From<slcal_core::Rig> for Rig {
     }
 }
 
+impl Argument for Rig {
+    const EXPECTED: &'static str = "a Rig";
+    const OF_ARRAY: &'static str = "slcal.Rig.from_opencv(camera_K=..., camera_size=..., ...), or slcal.calibrate(photos, size_mm, pattern)";
+    const OF_OTHER: &'static str =
+        "slcal.calibrate(photos, size_mm, pattern), or slcal.Rig.from_opencv(parameters)";
+
+    fn of_path(path: &Path) -> String {
+        object::load("Rig", path)
+    }
+}
+
 #[pymethods]
 impl Rig {
     #[new]
@@ -72,12 +86,15 @@ impl Rig {
     )]
     fn new(
         py: Python<'_>,
-        camera: &Camera,
-        projector: Option<&Camera>,
-        projector_from_camera: Option<&Pose>,
+        camera: &Bound<'_, PyAny>,
+        projector: Option<&Bound<'_, PyAny>>,
+        projector_from_camera: Option<&Bound<'_, PyAny>>,
         method: Option<String>,
     ) -> PyResult<Self> {
-        let projector = match (projector, projector_from_camera) {
+        let camera = object::object::<Camera>(camera, "camera")?.get();
+        let projector = object::optional::<Camera>(projector, "projector")?.map(Bound::get);
+        let pose = object::optional::<Pose>(projector_from_camera, "projector_from_camera")?.map(Bound::get);
+        let projector = match (projector, pose) {
             (Some(device), Some(p)) => Some(Projector {
                 device: device.0,
                 from_camera: StereoPose {

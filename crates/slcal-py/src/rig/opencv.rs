@@ -9,7 +9,7 @@ use slcal_core::{Device, Projector, Rig as CoreRig, StereoPose};
 use super::Rig;
 use crate::convert::array::{matrix_of, rows, shaped};
 use crate::convert::option::whole_pair;
-use crate::errors::{self, Looking, Raise as _};
+use crate::errors::{self, Raise as _, Stage};
 use crate::geometry::{distortion_of, pose_of};
 
 const NAMES: [&str; 8] =
@@ -62,7 +62,7 @@ fn from_opencv(
     let device = |name: &str| -> PyResult<Device> {
         let k = matrix_of(&needed(&format!("{name}_K"))?, &format!("{name}_K"))?;
         let k = Matrix3::from_fn(|i, j| k[i][j]);
-        let intrinsics = Intrinsics::from_matrix(&k).raise(py, Looking::ForSheet)?;
+        let intrinsics = Intrinsics::from_matrix(&k).raise(py, Stage::Detect)?;
         let [width, height] = whole_pair(&needed(&format!("{name}_size"))?, &format!("{name}_size"))?;
         let distortion = match get(&format!("{name}_dist"))? {
             Some(values) => distortion_of(&values)?,

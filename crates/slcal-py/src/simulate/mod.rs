@@ -21,9 +21,10 @@ use self::options::{
 };
 use self::scene::Scene;
 use crate::convert::array::{Numbers, vector_of};
-use crate::convert::option::{self, one_of};
+use crate::convert::object::object;
+use crate::convert::option::one_of;
 use crate::convert::report::{Reported, record};
-use crate::errors::{self, Looking, Raise as _};
+use crate::errors::{Raise as _, Stage};
 use crate::observations::Observations;
 use crate::rig::Rig;
 
@@ -47,10 +48,7 @@ fn simulate_scene(options: &Bound<'_, PyDict>) -> PyResult<Scene> {
     let known_rig = match options.get("rig")? {
         Some(known) => {
             only_place(py, &rig)?;
-            let Ok(known) = known.cast::<Rig>() else {
-                return Err(errors::wrong_type("rig", "a Rig", &option::shown(&known)));
-            };
-            Some(known.get().rig.clone())
+            Some(object::<Rig>(&known, "rig")?.get().rig.clone())
         }
         None => None,
     };
@@ -68,7 +66,7 @@ fn simulate_scene(options: &Bound<'_, PyDict>) -> PyResult<Scene> {
     options.set("aside", &mut setup.aside_mm, |v| vector_of(v, "aside"))?;
     options.set("albedo", &mut setup.albedo, |v| channels(v, "albedo"))?;
     options.number("wall_albedo", &mut setup.wall_albedo)?;
-    let scene = py.detach(|| setup.photograph()).raise(py, Looking::ForSheet)?;
+    let scene = py.detach(|| setup.photograph()).raise(py, Stage::Detect)?;
     let report = Reported::of("SceneReport", &scene.photographer.report(&scene.matches));
     Ok(Scene { scene, report })
 }
@@ -95,7 +93,7 @@ fn simulate_views(options: &Bound<'_, PyDict>) -> PyResult<(Observations, Rig)> 
         seen.photos = (1..=poses.len()).map(|i| Some(format!("simulated {i}"))).collect();
         Ok((seen, scene.rig()))
     };
-    let (seen, rig) = py.detach(work).raise(py, Looking::ForSheet)?;
+    let (seen, rig) = py.detach(work).raise(py, Stage::Detect)?;
     Ok((Observations(seen), rig.into()))
 }
 
@@ -132,7 +130,7 @@ fn simulate_noise<'py>(options: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAn
             }
         })
     };
-    match py.detach(run).raise(py, Looking::ForSheet)? {
+    match py.detach(run).raise(py, Stage::Detect)? {
         Some(report) => record(py, "NoiseReport", &report.to_json(&config)),
         None => Err(interrupted.unwrap_or_else(|| PyRuntimeError::new_err("the experiment was stopped"))),
     }

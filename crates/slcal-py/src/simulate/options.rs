@@ -14,7 +14,7 @@ use crate::cloud::PointCloud;
 use crate::convert::array::{Numbers, matrix_of, vector_of};
 use crate::convert::columns::column_of;
 use crate::convert::option::{self, one_of, whole_pair};
-use crate::errors::{self, Looking, Raise as _, raised_from};
+use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::files;
 use crate::geometry::distortion_of;
 use crate::pattern::{CheckerPattern, StripePattern};
@@ -177,7 +177,7 @@ fn mesh(value: &Bound<'_, PyAny>, scale: f64) -> PyResult<TriangleMesh> {
     };
     if let Ok(cloud) = value.cast::<PointCloud>() {
         let cloud = &cloud.get().cloud;
-        return py.detach(|| of_cloud(cloud)).raise(py, Looking::ForSheet);
+        return py.detach(|| of_cloud(cloud)).raise(py, Stage::Detect);
     }
     let path = files::path_of(value)?;
     let extension = path.and_then(|p| Some(p.extension()?.to_ascii_lowercase()));
@@ -195,7 +195,7 @@ fn mesh(value: &Bound<'_, PyAny>, scale: f64) -> PyResult<TriangleMesh> {
         let bytes = contents.bytes.as_slice();
         of_cloud(&if is_obj { read_obj(bytes) } else { read_ply(bytes) }?)
     };
-    py.detach(read).map_err(|e| raised_from(py, &e, Looking::ForSheet, contents.name.as_deref()))
+    py.detach(read).map_err(|e| raised_from(py, &e, Stage::Detect, contents.name.as_deref()))
 }
 
 /// What the projector shows.

@@ -2,6 +2,8 @@
 
 mod arrays;
 
+use std::path::Path;
+
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use slcal_core::format::{read_observations, write_observations};
@@ -11,8 +13,9 @@ use slcal_core::{ExternalObservations, SheetObservation, Unstated};
 pub(crate) use arrays::{edge_sigma, edges, four_corners};
 
 use crate::convert::array::{column, rows};
+use crate::convert::object::Argument;
 use crate::convert::option::sheet_size;
-use crate::errors::{self, Looking, Raise as _};
+use crate::errors::{self, Raise as _, Stage};
 use crate::files;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -64,6 +67,17 @@ pub(crate) struct ViewObservation {
     pub(crate) seen: slcal_core::ViewObservation,
     pub(crate) unstated: Unstated,
     pub(crate) photo: Option<String>,
+}
+
+impl Argument for ViewObservation {
+    const EXPECTED: &'static str = "a ViewObservation or a Detection";
+    const OF_ARRAY: &'static str = "slcal.detect(photo, size_mm, pattern)";
+    const OF_OTHER: &'static str =
+        "slcal.detect(photo, size_mm, pattern), or slcal.ViewObservation(size_mm, sheet_corners=...)";
+
+    fn of_path(path: &Path) -> String {
+        format!("slcal.detect(slcal.read_image({:?}), size_mm, pattern)", path.display().to_string())
+    }
 }
 
 #[pymethods]
@@ -189,12 +203,12 @@ impl ViewObservation {
             photos: vec![self.photo.clone()],
         };
         let mut bytes = Vec::new();
-        write_observations(&external, &mut bytes).raise(py, Looking::ForSheet)?;
+        write_observations(&external, &mut bytes).raise(py, Stage::Detect)?;
         files::text_of(bytes)
     }
 
     pub(crate) fn of_text(py: Python<'_>, text: &str) -> PyResult<Self> {
-        let read = read_observations(text.as_bytes()).raise(py, Looking::ForSheet)?;
+        let read = read_observations(text.as_bytes()).raise(py, Stage::Detect)?;
         views_of(read).pop().ok_or_else(|| errors::invalid(py, "pickled observation", "one view", "none"))
     }
 }
