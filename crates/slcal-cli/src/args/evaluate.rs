@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::headings::OUTPUT;
+
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
     /// What to fit.
@@ -12,13 +14,13 @@ pub(crate) struct EvaluateArgs {
     /// A PLY with the points; `-` for stdin.
     pub(crate) cloud: PathBuf,
     /// Draw the points as the camera sees them, coloured by their distance from the surface.
-    #[arg(long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png", help_heading = OUTPUT)]
     pub(crate) overlay: Option<PathBuf>,
     /// Print the result as JSON instead of a summary.
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
     /// Replace files that exist.
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
 }
 

@@ -1,81 +1,12 @@
-//! What all verbs have in common on the command line: headings of their options, help, hints after typing errors.
+//! The help that all verbs have in common, and hints after typing errors.
 
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use clap::{Arg, ArgAction, Command, CommandFactory as _, ValueHint};
 
-use super::Cli;
+use super::cli::Cli;
+use super::headings::GENERAL;
 use crate::output::{HELP, MAX_WIDTH, display_width, unbroken, wrapped};
-
-/// Where the options of any verb stand in its help, by their names. What is not here is an input or a choice.
-const HEADINGS: [(&str, &[&str]); 4] = [
-    (
-        "Output",
-        &[
-            "output",
-            "out",
-            "out_dir",
-            "format",
-            "frame",
-            "mesh",
-            "overlay",
-            "report",
-            "fit",
-            "save_observations",
-            "csv",
-            "truth",
-            "json",
-            "force",
-            "resume",
-            "to",
-            "lossy",
-        ],
-    ),
-    (
-        "Model",
-        &[
-            "camera_pp",
-            "projector_pp",
-            "distortion",
-            "projector_distortion",
-            "method",
-            "allow_degenerate",
-            "cull",
-            "principal_points",
-            "significance",
-        ],
-    ),
-    ("General", &["help", "version", "verbose", "quiet", "color", "jobs"]),
-    (
-        "Input",
-        &[
-            "rig",
-            "pattern",
-            "image",
-            "screen",
-            "corners",
-            "observations",
-            "camera",
-            "exif",
-            "gamma",
-            "black",
-            "white",
-            "raw",
-            "size",
-            "photo",
-            "projector",
-            "cloud",
-            "as_drawn",
-            "from",
-            "camera_size",
-            "projector_size",
-        ],
-    ),
-];
-/// Those that hold the same in every verb.
-const ALIKE: [&str; 2] = ["Output", "General"];
-/// Options that are in none of them.
-const OTHERS: &str = "Choices";
 
 /// What "Usage: " takes.
 const USAGE_INDENT: usize = 7;
@@ -84,8 +15,12 @@ const FOLDERS: [&str; 2] = ["out", "out_dir"];
 
 /// The command line with everything that its verbs share.
 pub(crate) fn command() -> Command {
-    let version =
-        Arg::new("version").short('V').long("version").action(ArgAction::Version).help("Print the version");
+    let version = Arg::new("version")
+        .short('V')
+        .long("version")
+        .action(ArgAction::Version)
+        .help("Print the version")
+        .help_heading(GENERAL);
     finished(Cli::command().disable_version_flag(true).arg(version))
 }
 
@@ -96,9 +31,10 @@ fn finished(command: Command) -> Command {
         .long("help")
         .action(ArgAction::Help)
         .help("Print help; -h a summary, --help all of it, with examples")
+        .help_heading(GENERAL)
         .display_order(1003);
     let command = command.disable_help_flag(true).arg(help).styles(HELP).max_term_width(80);
-    let command = narrow(command.mut_args(headed));
+    let command = narrow(command.mut_args(hinting));
     let path = command.get_bin_name().unwrap_or(command.get_name()).to_owned();
     let command = command.mut_subcommands(|verb| {
         let path = format!("{path} {}", verb.get_name());
@@ -133,24 +69,14 @@ fn options_whole(usage: &str) -> String {
     out
 }
 
-fn headed(arg: Arg) -> Arg {
+/// Says to shells which paths are folders.
+fn hinting(arg: Arg) -> Arg {
     let hint = match arg.get_value_hint() {
         ValueHint::AnyPath if FOLDERS.contains(&arg.get_id().as_str()) => ValueHint::DirPath,
         ValueHint::AnyPath => ValueHint::FilePath,
         other => other,
     };
-    let arg = arg.value_hint(hint);
-    if arg.is_positional() {
-        return arg;
-    }
-    let name = arg.get_id().as_str();
-    let heading =
-        HEADINGS.iter().find(|(_, names)| names.contains(&name)).map_or(OTHERS, |(heading, _)| heading);
-    // clap hands the heading of flattened arguments on to all that follow; these stand alike in all verbs.
-    if arg.get_help_heading().is_some() && !ALIKE.contains(&heading) {
-        return arg;
-    }
-    arg.help_heading(heading)
+    arg.value_hint(hint)
 }
 
 /// Headings and commands of an example text in the colours of the help around it.
@@ -226,6 +152,7 @@ mod tests {
     use clap::Command;
 
     use super::*;
+    use crate::args::headings::OUTPUT;
 
     /// Every verb with its path ("simulate noise"), those that have verbs beneath them left out.
     fn verbs(command: &Command, path: &str, all: &mut Vec<(String, Command)>) {
@@ -260,22 +187,16 @@ mod tests {
     fn options_stand_under_headings_and_verbs_end_with_examples() {
         for (path, verb) in all_verbs() {
             for arg in verb.get_arguments().filter(|a| !a.is_positional()) {
-                let id = arg.get_id().as_str();
-                let of_id =
-                    HEADINGS.iter().find(|(_, names)| names.contains(&id)).map(|(heading, _)| *heading);
-                if let Some(heading) = of_id.filter(|heading| ALIKE.contains(heading)) {
-                    assert_eq!(arg.get_help_heading(), Some(heading), "{path} --{id}");
+                let id = arg.get_id();
+                assert!(arg.get_help_heading().is_some(), "{path} --{id} has no heading");
+                assert!(arg.get_help().is_some(), "{path} --{id} has no help");
+                if ["output", "json", "force"].contains(&id.as_str()) {
+                    assert_eq!(arg.get_help_heading(), Some(OUTPUT), "{path} --{id}");
                 }
-                assert!(arg.get_help().is_some(), "{path} --{} has no help", arg.get_id());
             }
             let text = verb.get_after_long_help().map(ToString::to_string).unwrap_or_default();
             assert!(text.starts_with("Example"), "{path}: expected examples, found {text}");
             assert!(text.contains(&format!("slcal {path}")), "{path}: no example of its own in {text}");
-        }
-        let (all, root) = (all_verbs(), command());
-        for name in HEADINGS.iter().flat_map(|(_, names)| *names) {
-            let has = |c: &Command| c.get_arguments().any(|a| a.get_id().as_str() == *name);
-            assert!(has(&root) || all.iter().any(|(_, verb)| has(verb)), "{name} is no option");
         }
     }
 

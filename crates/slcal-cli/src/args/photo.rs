@@ -3,12 +3,13 @@
 use clap::Args;
 use slcal_core::photo::Encoding;
 
+use super::headings::INPUT;
 use super::value::parse_encoding;
 
 /// How code values become light.
 #[derive(Debug, Args)]
 pub(crate) struct GammaArg {
     /// Encoding of the photographs: srgb, linear (raw conversions, many 16 bit files) or an exponent.
-    #[arg(long, value_name = "srgb|linear|N", value_parser = parse_encoding, default_value_t, allow_hyphen_values = true)]
+    #[arg(long, value_name = "srgb|linear|N", value_parser = parse_encoding, default_value_t, allow_hyphen_values = true, help_heading = INPUT)]
     pub(crate) gamma: Encoding,
 }

@@ -5,25 +5,28 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use nalgebra::Point2;
 
-use super::{Distortion, PoseArg, RigArgs, numbers, parse_distortion, parse_pose};
+use super::rig::RigArgs;
+use super::values::{Distortion, PoseArg, numbers, parse_distortion, parse_pose};
+use crate::args::headings::{INPUT, OUTPUT, SETTINGS};
 use crate::args::photo::GammaArg;
 use crate::args::value::parse_point;
 
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {
     /// What the rig looks at: plane, sphere, step (a wall with two blocks before it), sheet (of --size), or a mesh.
-    #[arg(long, value_name = "plane|sphere|step|sheet|FILE.ply|FILE.obj", default_value = "plane")]
+    #[arg(long, value_name = "plane|sphere|step|sheet|FILE.ply|FILE.obj", default_value = "plane", help_heading = SETTINGS)]
     pub(crate) surface: PathBuf,
     /// What the projector shows: stripes or checker as `slcal pattern` draws them, or a pattern file [default: checker for a
     /// sheet, else stripes].
-    #[arg(long, value_name = "stripes|checker|FILE.json")]
+    #[arg(long, value_name = "stripes|checker|FILE.json", help_heading = INPUT)]
     pub(crate) pattern: Option<PathBuf>,
     /// The folder for all files; made when it does not exist.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = OUTPUT)]
     pub(crate) out: PathBuf,
     /// A rig of one's own instead of the options under "Rig" (--distance and --size still place the surface).
     #[arg(long, value_name = "RIG.json",
-          conflicts_with_all = ["camera", "focal", "projector", "projector_focal", "lens_shift", "baseline", "distortion"])]
+          conflicts_with_all = ["camera", "focal", "projector", "projector_focal", "lens_shift", "baseline", "distortion"],
+          help_heading = INPUT)]
     pub(crate) rig: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) of_rig: RigArgs,
@@ -36,10 +39,10 @@ pub(crate) struct SceneArgs {
     #[command(flatten)]
     pub(crate) light: LightArgs,
     /// Print what was made as JSON instead of a summary.
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
     /// Replace files that exist.
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
 }
 

@@ -12,7 +12,7 @@ use slcal_core::simulate::{
 };
 
 use super::calibrate::rig_bytes;
-use crate::args::{NoiseArgs, RigArgs, SimulateVerb, ViewsArgs};
+use crate::args::{NoiseArgs, SimulateVerb, ViewsArgs};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{Destination, check_distinct, write_all};
 use crate::output::{Printer, Table, TextLayout, print_json, print_result, unbroken};
@@ -29,20 +29,6 @@ pub(super) fn run(verb: &SimulateVerb, printer: Printer) -> Outcome {
     }
 }
 
-fn rig(args: &RigArgs) -> RigConfig {
-    RigConfig {
-        camera: args.camera,
-        camera_focal_px: args.focal,
-        projector: args.projector,
-        projector_focal_px: args.projector_focal,
-        lens_shift: args.lens_shift,
-        baseline_mm: args.baseline,
-        size: args.size,
-        distance_mm: args.distance,
-        ..RigConfig::default()
-    }
-}
-
 fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
     let csv = args.csv.as_deref().map(|p| Destination::prepare(p, args.force)).transpose()?;
     let csv_to_stdout = csv == Some(Destination::Stdout);
@@ -50,7 +36,7 @@ fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
         return Err(Failure::usage("--json and --csv - would both go to stdout; give one of them a file"));
     }
     let config = NoiseConfig {
-        rig: rig(&args.rig),
+        rig: args.rig.config(),
         pose: PoseConfig::tilted(args.tilt.x, args.tilt.y),
         levels_px: args.levels.0.clone(),
         draws: args.draws,
@@ -89,7 +75,7 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
         camera_offset_px: [args.camera_offset.x, args.camera_offset.y],
         projector_offset_px: args.projector_offset,
         distortion: args.distortion.0,
-        ..rig(&args.rig)
+        ..args.rig.config()
     };
     let poses = if args.pose.is_empty() {
         spread_poses(&rig, args.poses, &SpreadConfig::default(), args.seed)?

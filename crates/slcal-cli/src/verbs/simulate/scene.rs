@@ -8,7 +8,6 @@ use slcal_core::simulate::{PatternKind, RenderConfig, RigConfig, SceneSetup, Sur
 
 use super::super::reconstruct::{make_folder, with_projector};
 use super::outputs::{NAMES, SceneOutputs, contents};
-use super::rig as rig_config;
 use crate::args::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs, WallArg};
 use crate::exit::{Failure, Outcome};
 use crate::io::{Destination, check_panel, check_spares, load_mesh, load_pattern, load_rig, write_all};
@@ -89,7 +88,7 @@ fn setup(args: &SceneArgs) -> Outcome<SceneSetup> {
     }
     let known_rig = args.rig.as_deref().map(known_rig).transpose()?;
     Ok(SceneSetup {
-        rig: RigConfig { distortion: args.distortion.0, ..rig_config(&args.of_rig) },
+        rig: RigConfig { distortion: args.distortion.0, ..args.of_rig.config() },
         surface,
         turn_rad: place.tilt.map(|t| t.0.map(f64::to_radians)),
         aside_mm: [place.aside.x, place.aside.y],
