@@ -24,9 +24,10 @@ pub(crate) struct CalibrateArgs {
     /// The checkerboard that was projected.
     #[arg(long, value_name = "FILE.json", help_heading = INPUT)]
     pub(crate) pattern: Option<PathBuf>,
-    /// A photograph of the same pose with the projector dark or plain; repeat it once per PHOTO, in the same order.
-    #[arg(long, value_name = "PHOTO", action = ArgAction::Append, help_heading = INPUT)]
-    pub(crate) screen: Vec<PathBuf>,
+    /// A photograph of the same pose without the pattern (projector dark, or plain white), for better edges; repeat it once
+    /// per PHOTO, in the same order.
+    #[arg(long, alias = "screen", value_name = "PHOTO", action = ArgAction::Append, help_heading = INPUT)]
+    pub(crate) plain: Vec<PathBuf>,
     /// The sheet's corners "x,y x,y x,y x,y" (TL TR BR BL) by hand; repeat it once per PHOTO, in the same order.
     #[arg(long, value_name = "CORNERS", value_parser = parse_corners, allow_hyphen_values = true,
           action = ArgAction::Append,
@@ -34,7 +35,7 @@ pub(crate) struct CalibrateArgs {
     pub(crate) corners: Vec<Corners>,
     /// Corners and pairs from a detector of your own instead of photographs; `-` for stdin.
     #[arg(long, value_name = "FILE.json",
-          conflicts_with_all = ["photos", "size", "pattern", "screen", "corners", "gamma", "overlay"],
+          conflicts_with_all = ["photos", "size", "pattern", "plain", "corners", "gamma", "overlay"],
           help_heading = INPUT)]
     pub(crate) observations: Option<PathBuf>,
     /// Camera intrinsics that are known already: OpenCV YAML or XML, ROS `camera_info` YAML, or a rig JSON. They are held

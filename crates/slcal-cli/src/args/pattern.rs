@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use slcal_core::pattern::Axis;
 
 use super::examples;
 use super::headings::{INPUT, OUTPUT, SETTINGS};
-use crate::args::value::parse_pair;
+use super::value::{choice, parse_pair};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum PatternVerb {
@@ -57,6 +58,10 @@ pub(crate) struct StripesArgs {
     /// Number of stripes [default: 64, or as many as the colours and the order allow].
     #[arg(long, value_name = "K", allow_hyphen_values = true, help_heading = SETTINGS)]
     pub(crate) slits: Option<u32>,
+    /// Direction of the stripes: columns (vertical, for a projector beside the camera) or rows (horizontal, for a projector
+    /// above or below the camera).
+    #[arg(long, value_parser = choice::<Axis>(Axis::NAMES), default_value_t, help_heading = SETTINGS)]
+    pub(crate) axis: Axis,
     #[command(flatten)]
     pub(crate) to: PatternOutput,
 }

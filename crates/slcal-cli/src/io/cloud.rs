@@ -3,11 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use slcal_core::PointCloud;
 use slcal_core::format::{CloudFormat, read_ply};
 
-use super::is_dash;
 use crate::exit::{Failure, Outcome};
+use crate::name::is_dash;
 
 /// The format of an output by its extension; PLY for stdout and for devices, whose names say nothing.
 pub(crate) fn cloud_format_of(path: &Path) -> Outcome<CloudFormat> {
@@ -36,13 +35,6 @@ pub(crate) fn cloud_is_complete(format: CloudFormat, path: &Path) -> bool {
     }
 }
 
-/// The file of a cloud.
-pub(crate) fn cloud_bytes(format: CloudFormat, cloud: &PointCloud) -> Outcome<Vec<u8>> {
-    let mut bytes = Vec::new();
-    format.write(cloud, &mut bytes)?;
-    Ok(bytes)
-}
-
 fn is_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir())
 }
@@ -62,7 +54,7 @@ fn pcd_length(bytes: &[u8]) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
-    use slcal_core::CloudPoint;
+    use slcal_core::{CloudPoint, PointCloud};
 
     use super::*;
 
@@ -82,7 +74,8 @@ mod tests {
         let path = folder.path().join("cloud");
         for format in CloudFormat::ALL {
             assert!(!cloud_is_complete(format, &folder.path().join("none")));
-            let bytes = cloud_bytes(format, &cloud).unwrap();
+            let mut bytes = Vec::new();
+            format.write(&cloud, &mut bytes).unwrap();
             for (cut, complete) in [(0, true), (1, false), (bytes.len(), false)] {
                 fs::write(&path, &bytes[..bytes.len() - cut]).unwrap();
                 assert_eq!(cloud_is_complete(format, &path), complete, "{format:?} less {cut} bytes");

@@ -2,10 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::name::is_dash;
 use slcal_core::format::{ExchangeFormat, StorageText};
 use slcal_core::{Error, ErrorSubject, Result};
-
-use super::is_dash;
 
 /// The files of a COLMAP model, the last one optional.
 const COLMAP: [&str; 3] = ["cameras.txt", "images.txt", "points3D.txt"];

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use exif::{In, Reader, Tag, Value};
 
-use super::input_name;
 use crate::exit::{Exit, Failure, Outcome};
+use crate::name::input_name;
 
 /// Ratios of sides that differ by more than this part are not one picture resized.
 const SAME_SHAPE: f64 = 0.01;

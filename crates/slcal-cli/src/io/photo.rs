@@ -6,8 +6,9 @@ use std::path::Path;
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
-use super::{input_name, read_bytes};
+use super::read::read_bytes;
 use crate::exit::{Exit, Failure, Outcome};
+use crate::name::input_name;
 use crate::output::{Printer, Remarks};
 
 /// What a photograph may be.

@@ -7,10 +7,11 @@ use slcal_core::format::{
 };
 use slcal_core::pattern::{CheckerPattern, Pattern, StripePattern};
 use slcal_core::simulate::TriangleMesh;
-use slcal_core::{ExternalObservations, Rig};
+use slcal_core::{ExternalObservations, Projector, Rig};
 
-use super::{input_name, read_at_most, read_bytes};
+use super::read::{read_at_most, read_bytes};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
+use crate::name::input_name;
 
 /// Reads a rig JSON.
 pub(crate) fn load_rig(path: &Path) -> Outcome<Rig> {
@@ -81,29 +82,34 @@ pub(crate) fn load_mesh(path: &Path, scale: f64) -> Outcome<TriangleMesh> {
     TriangleMesh::new(vertices, cloud.triangles).in_file(path)
 }
 
-/// Refuses a pattern that was drawn for another projector than the rig's.
-pub(crate) fn check_panel(path: &Path, pattern: [u32; 2], rig_path: &Path, rig: &Rig) -> Outcome {
-    let Some(projector) = &rig.projector else {
-        return Err(Failure::new(
+/// The rig's projector; a rig without one is refused.
+pub(crate) fn check_projector<'a>(path: &Path, rig: &'a Rig) -> Outcome<&'a Projector> {
+    rig.projector.as_ref().ok_or_else(|| {
+        Failure::new(
             Exit::Input,
             format!(
                 "{}: expected a rig with a projector, found the camera alone; calibrate with --pattern",
-                input_name(rig_path)
+                input_name(path)
             ),
-        ));
-    };
-    let [w, h] = [projector.device.model.width, projector.device.model.height];
-    if pattern != [w, h] {
-        return Err(Failure::new(
-            Exit::Input,
-            format!(
-                "{}: expected a pattern for the {w}x{h} projector of {}, found one for {}x{}; draw it with --projector {w}x{h}",
-                input_name(path),
-                input_name(rig_path),
-                pattern[0],
-                pattern[1]
-            ),
-        ));
+        )
+    })
+}
+
+/// Refuses a pattern that was drawn for another projector than the rig's.
+pub(crate) fn check_panel(path: &Path, pattern: [u32; 2], rig_path: &Path, rig: &Rig) -> Outcome {
+    let model = &check_projector(rig_path, rig)?.device.model;
+    let [w, h] = [model.width, model.height];
+    if pattern == [w, h] {
+        return Ok(());
     }
-    Ok(())
+    Err(Failure::new(
+        Exit::Input,
+        format!(
+            "{}: expected a pattern for the {w}x{h} projector of {}, found one for {}x{}; draw it with --projector {w}x{h}",
+            input_name(path),
+            input_name(rig_path),
+            pattern[0],
+            pattern[1]
+        ),
+    ))
 }

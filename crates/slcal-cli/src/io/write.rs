@@ -8,8 +8,8 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 use image::{DynamicImage, ImageFormat};
 use tempfile::NamedTempFile;
 
-use super::is_dash;
 use crate::exit::{Exit, Failure, Outcome};
+use crate::name::is_dash;
 use crate::output::{clear_on_interrupt, to_stdout};
 
 /// Held for reading while temporary files exist, so that an interrupt waits until they are gone.
@@ -223,6 +223,26 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
     file.persist(&path).map(|_| ()).map_err(|e| e.error)
+}
+
+/// What a writer of the core writes, as the bytes of a file.
+pub(crate) fn bytes_of(write: impl FnOnce(&mut Vec<u8>) -> slcal_core::Result<()>) -> Outcome<Vec<u8>> {
+    let mut bytes = Vec::new();
+    write(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Makes a folder for outputs when it does not exist; its parent must exist.
+pub(crate) fn make_folder(folder: &Path) -> Outcome {
+    if folder.is_dir() {
+        return Ok(());
+    }
+    fs::create_dir(folder).map_err(|e| {
+        Failure::new(
+            Exit::Other,
+            format!("{}: expected a folder for the outputs, but it cannot be made: {e}", folder.display()),
+        )
+    })
 }
 
 /// A picture as the bytes of a PNG file.

@@ -10,8 +10,8 @@ use slcal_core::photo::PhotoView;
 use crate::args::{self, DecodeArgs};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_distinct, check_json, check_spares, input_name, is_dash, load_photo, load_stripes,
-    png_bytes, write_all,
+    Destination, bytes_of, check_distinct, check_json, check_spares, input_name, is_dash, load_photo,
+    load_stripes, png_bytes, write_all,
 };
 use crate::output::{Printer, print_json, print_result};
 use crate::picture::{for_display, stripes};
@@ -30,8 +30,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     let decoding =
         decode_frames(&frames.input(&args.image, &photo)?, &pattern, &frames.config).in_file(&args.image)?;
 
-    let mut bytes = Vec::new();
-    write_matches(&decoding.matches, &mut bytes)?;
+    let bytes = bytes_of(|out| write_matches(&decoding.matches, out))?;
     let mut files = vec![(output.clone(), bytes)];
     if let Some(place) = overlay {
         files.push((

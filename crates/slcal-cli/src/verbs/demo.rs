@@ -3,7 +3,7 @@
 use image::DynamicImage;
 use slcal_core::detect::Detection;
 use slcal_core::evaluate::{FitConfig, FitReport, fit_plane};
-use slcal_core::format::{CloudFormat, read_rig};
+use slcal_core::format::{read_rig, write_pattern, write_ply, write_rig};
 use slcal_core::geometry::RectangleSize;
 use slcal_core::pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
 use slcal_core::photo::PhotoView;
@@ -12,12 +12,10 @@ use slcal_core::{
     Reconstructor, Rig, SheetPhoto, ViewResiduals, residuals,
 };
 
-use super::calibrate::rig_bytes;
-use super::pattern::pattern_bytes;
-use super::reconstruct::{draw, make_folder};
+use super::reconstruct::draw;
 use crate::args::DemoArgs;
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::{Destination, cloud_bytes, decode_photo, png_bytes, write_all};
+use crate::io::{Destination, bytes_of, decode_photo, make_folder, png_bytes, write_all};
 use crate::output::{BOLD, Printer, Table, TextLayout, print_result, sanitized, styled, unbroken};
 use crate::picture::residual_drawing::{self, MeasuredView};
 use crate::picture::sheet;
@@ -81,16 +79,16 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
     let seen = draw_sheet(&sheet_photo, &detection, rig, &misses)?;
     let contents = [
         png_bytes(&DynamicImage::ImageRgb8(checker.image()?))?,
-        pattern_bytes(&Pattern::Checker(checker))?,
+        bytes_of(|out| write_pattern(&Pattern::Checker(checker), out))?,
         png_bytes(&DynamicImage::ImageRgb8(stripes.image()?))?,
-        pattern_bytes(&Pattern::Stripes(stripes))?,
+        bytes_of(|out| write_pattern(&Pattern::Stripes(stripes), out))?,
         SHEET.to_vec(),
         BOARD.to_vec(),
         HEAD.to_vec(),
-        rig_bytes(rig)?,
+        bytes_of(|out| write_rig(rig, out))?,
         png_bytes(&seen)?,
-        cloud_bytes(CloudFormat::Ply, &board.cloud)?,
-        cloud_bytes(CloudFormat::Ply, &head.cloud)?,
+        bytes_of(|out| write_ply(&board.cloud, out))?,
+        bytes_of(|out| write_ply(&head.cloud, out))?,
         draw(&head_photo, "head.jpg", &head)?,
         report(&sheet_photo, rig, &observations, misses, &head)?,
     ];

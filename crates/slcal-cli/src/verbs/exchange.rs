@@ -12,11 +12,10 @@ use slcal_core::{Error, ErrorSubject};
 use crate::args::{ExportArgs, ImportArgs};
 use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_distinct, check_json, check_spares, export_places, import_paths, input_name, load_rig,
-    read_exchange, storage_of, write_all,
+    Destination, bytes_of, check_distinct, check_json, check_spares, export_places, import_paths, input_name,
+    load_rig, make_folder, read_exchange, storage_of, write_all,
 };
 use crate::output::{Printer, TextLayout, print_json, print_result, sanitized};
-use crate::verbs::reconstruct::make_folder;
 
 #[derive(Serialize)]
 struct ExportReport {
@@ -96,8 +95,7 @@ pub(super) fn import(args: &ImportArgs, printer: Printer) -> Outcome {
         Failure::Error { exit, message } => Failure::new(exit, message + option_for(&e)),
         other => other,
     })?;
-    let mut bytes = Vec::new();
-    write_rig(&found.rig, &mut bytes).in_file(first)?;
+    let bytes = bytes_of(|out| write_rig(&found.rig, out))?;
     let report = ImportReport {
         schema: "slcal-import/1",
         format: found.format,

@@ -17,6 +17,7 @@ mod verify;
 
 use crate::args::Verb;
 use crate::exit::Outcome;
+use crate::io::photographs;
 use crate::output::Printer;
 use crate::report::CommandLine;
 
@@ -25,14 +26,24 @@ pub(crate) fn run(verb: Verb, typed: &CommandLine, printer: Printer) -> Outcome 
         Verb::Demo(args) => demo::run(&args, printer),
         Verb::Pattern(verb) => pattern::run(verb, printer),
         Verb::Advise(args) => advise::run(&args),
-        Verb::Calibrate(args) => calibrate::run(&args, typed, printer),
+        Verb::Calibrate(mut args) => {
+            args.photos = photographs(&args.photos)?;
+            args.plain = photographs(&args.plain)?;
+            calibrate::run(&args, typed, printer)
+        }
         Verb::Rectify(args) => rectify::run(&args, printer),
         Verb::Verify(args) => verify::run(&args, printer),
         Verb::Decode(args) => decode::run(&args, printer),
         Verb::Triangulate(args) => triangulate::run(&args, printer),
-        Verb::Reconstruct(args) => reconstruct::run(&args, typed, printer),
+        Verb::Reconstruct(mut args) => {
+            args.images = photographs(&args.images)?;
+            reconstruct::run(&args, typed, printer)
+        }
         Verb::Evaluate(args) => evaluate::run(&args, printer),
-        Verb::Report(args) => report::run(&args, typed, printer),
+        Verb::Report(mut args) => {
+            args.photo = photographs(&args.photo)?;
+            report::run(&args, typed, printer)
+        }
         Verb::Completions(args) => shell::completions(&args),
         Verb::Man(args) => shell::man(&args, printer),
         Verb::Export(args) => exchange::export(&args, printer),

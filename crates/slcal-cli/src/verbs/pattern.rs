@@ -6,7 +6,7 @@ use slcal_core::pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, 
 
 use crate::args::{CheckerArgs, PatternOutput, PatternVerb, StripesArgs};
 use crate::exit::{Failure, Outcome};
-use crate::io::{Destination, is_dash, png_bytes, write_all};
+use crate::io::{Destination, bytes_of, is_dash, png_bytes, write_all};
 use crate::output::Printer;
 
 pub(super) fn run(verb: PatternVerb, printer: Printer) -> Outcome {
@@ -25,16 +25,21 @@ fn checker(args: &CheckerArgs, printer: Printer) -> Outcome {
     };
     let pattern = CheckerPattern::new(args.projector, &config)?;
     let picture = pattern.image()?;
-    places.write(picture, &Pattern::Checker(pattern), printer)
+    places.write(picture, &Pattern::Checker(pattern), "slcal calibrate", printer)
 }
 
 fn stripes(args: &StripesArgs, printer: Printer) -> Outcome {
     let places = Places::prepare(&args.to)?;
-    let config =
-        StripeConfig { hues: args.hues, order: args.order, slits: args.slits, ..StripeConfig::default() };
+    let config = StripeConfig {
+        hues: args.hues,
+        order: args.order,
+        slits: args.slits,
+        axis: args.axis,
+        ..StripeConfig::default()
+    };
     let pattern = StripePattern::new(args.projector, &config)?;
     let picture = pattern.image()?;
-    places.write(picture, &Pattern::Stripes(pattern), printer)
+    places.write(picture, &Pattern::Stripes(pattern), "slcal reconstruct", printer)
 }
 
 /// Where the picture and its description go.
@@ -57,27 +62,34 @@ impl Places {
         Ok(Self { picture, description })
     }
 
-    fn write(self, picture: RgbImage, pattern: &Pattern, printer: Printer) -> Outcome {
+    fn write(self, picture: RgbImage, pattern: &Pattern, reader: &str, printer: Printer) -> Outcome {
         let busy = printer.busy("writing the picture");
+        let (width, height) = picture.dimensions();
+        let png = self.picture.name();
         let mut files = vec![(self.picture, png_bytes(&DynamicImage::ImageRgb8(picture))?)];
+        let mut notes = Vec::new();
         if let Some(description) = self.description {
-            files.push((description, pattern_bytes(pattern)?));
+            notes.push(format!("{png}: the picture to project, {width}x{height} pixels. {SHOW}"));
+            notes.push(format!(
+                "{}: the description of the picture; {reader} reads it (--pattern)",
+                description.name()
+            ));
+            files.push((description, bytes_of(|out| write_pattern(pattern, out))?));
         } else {
-            printer
-                .note("the picture alone goes to stdout; give -o FILE.png to have its description as well");
+            notes.push(
+                "stdout takes the picture alone; give -o FILE.png to get its description as well".into(),
+            );
         }
         write_all(&files)?;
         drop(busy);
-        for (place, _) in &files {
-            printer.detail(format!("wrote {}", place.name()));
-        }
+        notes.iter().for_each(|note| printer.note(note));
         Ok(())
     }
 }
 
-/// The pattern file.
-pub(super) fn pattern_bytes(pattern: &Pattern) -> Outcome<Vec<u8>> {
-    let mut bytes = Vec::new();
-    write_pattern(pattern, &mut bytes)?;
-    Ok(bytes)
-}
+/// How a picture is projected as it is, pixel by pixel.
+const SHOW: &str = if cfg!(target_os = "macos") {
+    "Show it full screen and unscaled on the projector: open it in Preview and press Control-Command-F"
+} else {
+    "Show it full screen and unscaled on the projector: open it in an image viewer or browser and press F11"
+};

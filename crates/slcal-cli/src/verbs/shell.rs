@@ -5,10 +5,9 @@ use std::io::Write as _;
 use clap::Command;
 use clap_mangen::Man;
 
-use super::reconstruct::make_folder;
 use crate::args::{CompletionsArgs, ManArgs, command};
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::{Destination, write_all};
+use crate::io::{Destination, make_folder, write_all};
 use crate::output::{Printer, to_stdout};
 
 /// The name under which the command is installed.

@@ -3,11 +3,12 @@
 use slcal_core::cloud_from_matches;
 use slcal_core::format::read_matches;
 
-use super::reconstruct::{cloud_config, with_projector};
+use super::reconstruct::cloud_config;
 use crate::args::TriangulateArgs;
 use crate::exit::{InFile as _, Outcome};
 use crate::io::{
-    Destination, check_spares, cloud_bytes, cloud_format_of, input_name, load_rig, read_bytes, write_all,
+    Destination, bytes_of, check_projector, check_spares, cloud_format_of, input_name, load_rig, read_bytes,
+    write_all,
 };
 use crate::output::{Printer, print_result};
 use crate::summary;
@@ -17,13 +18,13 @@ pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
     let output = Destination::prepare(&args.output, args.force)?;
     check_spares([&output], [args.rig.as_path(), &args.matches])?;
     let rig = load_rig(&args.rig)?;
-    with_projector(&rig, &args.rig)?;
+    check_projector(&args.rig, &rig)?;
     let busy = printer.busy(format!("triangulating {}", input_name(&args.matches)));
     let matches =
         read_matches(read_bytes(&args.matches, "matches as CSV")?.as_slice()).in_file(&args.matches)?;
     let config = cloud_config(&args.shape, args.cull, &rig, &args.rig)?;
     let result = cloud_from_matches(&rig, &matches, &config).in_file(&args.matches)?;
-    write_all(&[(output.clone(), cloud_bytes(format, &result.cloud)?)])?;
+    write_all(&[(output.clone(), bytes_of(|out| format.write(&result.cloud, out))?)])?;
     drop(busy);
     let text = summary::cloud(&result);
     if output == Destination::Stdout {

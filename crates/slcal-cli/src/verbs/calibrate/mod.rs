@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use slcal_core::format::{write_observations, write_rig};
 use slcal_core::{
-    CalibrateConfig, Calibration, ExternalObservations, Method, NoiseFound, Observations, Rig, ViewResiduals,
-    calibrate_external, residuals,
+    CalibrateConfig, Calibration, Method, NoiseFound, Observations, ViewResiduals, calibrate_external,
+    residuals,
 };
 
 use self::overlay::{Calibrated, Gallery};
@@ -16,7 +16,8 @@ use self::photographs::observe_all;
 use crate::args::CalibrateArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_distinct, check_spares, input_name, is_dash, load_camera, load_observations, write_all,
+    Destination, bytes_of, check_distinct, check_spares, input_name, is_dash, load_camera, load_observations,
+    write_all,
 };
 use crate::output::{Printer, print_json, print_result};
 use crate::report::{CommandLine, Photo, RigPage, rig_html};
@@ -112,7 +113,7 @@ fn calibrate(
     }
     if let Some(place) = &places.observations {
         // Before the calibration: what was found is wanted most where it cannot be calibrated from.
-        write_all(&[(place.clone(), observations_bytes(&external)?)])?;
+        write_all(&[(place.clone(), bytes_of(|out| write_observations(&external, out))?)])?;
     }
     let inputs = args.observations.iter().chain(&args.photos).map(|p| input_name(p)).collect::<Vec<_>>();
     let busy = printer.busy("calibrating");
@@ -141,12 +142,6 @@ fn noise_in_words(noise: &NoiseFound) -> String {
     }
 }
 
-fn observations_bytes(external: &ExternalObservations) -> Outcome<Vec<u8>> {
-    let mut bytes = Vec::new();
-    write_observations(external, &mut bytes)?;
-    Ok(bytes)
-}
-
 /// Where the results go.
 struct Places {
     rig: Option<Destination>,
@@ -164,9 +159,9 @@ impl Places {
         let observations = args.save_observations.as_ref().map(prepare).transpose()?;
         let all = || rig.iter().chain(&overlay).chain(&report).chain(&observations);
         check_distinct(all())?;
-        let inputs = args.photos.iter().chain(&args.screen).chain(&args.pattern).chain(&args.camera);
+        let inputs = args.photos.iter().chain(&args.plain).chain(&args.pattern).chain(&args.camera);
         check_spares(all(), inputs.chain(&args.observations).map(PathBuf::as_path))?;
-        let inputs = args.photos.iter().chain(&args.screen).chain(&args.observations).chain(&args.camera);
+        let inputs = args.photos.iter().chain(&args.plain).chain(&args.observations).chain(&args.camera);
         let stdin = inputs.filter(|p| is_dash(p)).count();
         if stdin > 1 {
             return Err(Failure::usage("stdin (-) can be one input only; give the others as files"));
@@ -178,7 +173,7 @@ impl Places {
         if args.json && rig == Some(Destination::Stdout) {
             return Err(Failure::usage("--json and -o - both print the rig; give one of them"));
         }
-        for (option, count) in [("--screen", args.screen.len()), ("--corners", args.corners.len())] {
+        for (option, count) in [("--plain", args.plain.len()), ("--corners", args.corners.len())] {
             if count != 0 && count != args.photos.len() {
                 return Err(Failure::usage(format!(
                     "{option}: expected one for each of the {} photographs, in their order, or none; found {count}",
@@ -220,7 +215,7 @@ fn finish(
     report: Option<(Destination, Vec<u8>)>,
     printer: Printer,
 ) -> Outcome {
-    let bytes = rig_bytes(&calibration.rig)?;
+    let bytes = bytes_of(|out| write_rig(&calibration.rig, out))?;
     let to_stdout = places.rig == Some(Destination::Stdout);
     let rig = places.rig.map(|place| (place, bytes.clone()));
     write_all(&rig.into_iter().chain(report).collect::<Vec<_>>())?;
@@ -235,11 +230,4 @@ fn finish(
         return Ok(());
     }
     print_result(&text)
-}
-
-/// The rig file.
-pub(super) fn rig_bytes(rig: &Rig) -> Outcome<Vec<u8>> {
-    let mut bytes = Vec::new();
-    write_rig(rig, &mut bytes)?;
-    Ok(bytes)
 }

@@ -47,8 +47,8 @@ pub(super) fn observe_all(
             shot = shot.focal_35mm(mm);
         }
         drop(file);
-        let plain = args.screen.get(i).map(|s| load_photo(s, printer)).transpose()?;
-        if let Some((plain, file)) = plain.as_ref().zip(args.screen.get(i)) {
+        let plain = args.plain.get(i).map(|s| load_photo(s, printer)).transpose()?;
+        if let Some((plain, file)) = plain.as_ref().zip(args.plain.get(i)) {
             shot = shot.plain(PhotoView::try_from(plain).in_file(file)?);
         }
         if let Some(corners) = args.corners.get(i) {

@@ -5,7 +5,6 @@ mod pool;
 mod report;
 mod reporter;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::thread;
 
@@ -23,8 +22,8 @@ use super::decode::References;
 use crate::args::{CloudArgs, ReconstructArgs, ShapeArg};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, RawFormat, check_distinct, check_json, check_panel, check_spares, cloud_bytes,
-    cloud_format_of, input_name, is_dash, load_rig, load_stripes, png_bytes, read_photo, write_all,
+    Destination, RawFormat, bytes_of, check_distinct, check_json, check_panel, check_spares, cloud_format_of,
+    input_name, is_dash, load_rig, load_stripes, make_folder, png_bytes, read_photo, write_all,
 };
 use crate::output::{Printer, Remarks};
 use crate::picture::{for_display, stripes};
@@ -197,7 +196,7 @@ impl Job<'_> {
             (None, None) => return Err(Failure::new(Exit::Other, "a frame without a picture")),
         };
         let result = scanner.reconstruct(input).in_file(&name)?;
-        let mut files = vec![(output.clone(), cloud_bytes(self.format, &result.cloud)?)];
+        let mut files = vec![(output.clone(), bytes_of(|out| self.format.write(&result.cloud, out))?)];
         let pictured = self.overlay.is_some() || self.report.is_some();
         let photo = photo.filter(|_| pictured).map(|p| for_display(p, self.scene.config().encoding));
         if let Some((place, photo)) = self.overlay.as_ref().zip(photo.as_ref()) {
@@ -243,27 +242,6 @@ fn fit(shape: ShapeArg, cloud: &PointCloud) -> Result<FittedSurface, String> {
         ShapeArg::Sphere => fit_sphere(cloud, &config).map(FittedSurface::Sphere),
     };
     fitted.map_err(|e| e.to_string())
-}
-
-/// Makes an output folder when it does not exist; its parent must.
-pub(in crate::verbs) fn make_folder(folder: &Path) -> Outcome {
-    if folder.is_dir() {
-        return Ok(());
-    }
-    fs::create_dir(folder).map_err(|e| {
-        Failure::new(
-            Exit::Other,
-            format!("{}: expected a folder for the outputs, but it cannot be made: {e}", folder.display()),
-        )
-    })
-}
-
-/// Refuses a rig without a projector.
-pub(super) fn with_projector(rig: &Rig, path: &Path) -> Outcome {
-    match rig.projector {
-        Some(p) => check_panel(path, [p.device.model.width, p.device.model.height], path, rig),
-        None => check_panel(path, [0, 0], path, rig),
-    }
 }
 
 /// How clouds are made; the frame of the sheet needs a rig that has seen one.

@@ -6,15 +6,14 @@ mod scene;
 use std::ops::ControlFlow;
 
 use slcal_core::ExternalObservations;
-use slcal_core::format::write_observations;
+use slcal_core::format::{write_observations, write_rig};
 use slcal_core::simulate::{
     Draws, NoiseConfig, NoiseExperiment, NoiseModel, PoseConfig, RigConfig, Scene, SpreadConfig, spread_poses,
 };
 
-use super::calibrate::rig_bytes;
 use crate::args::{NoiseArgs, SimulateVerb, ViewsArgs};
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::{Destination, check_distinct, write_all};
+use crate::io::{Destination, bytes_of, check_distinct, write_all};
 use crate::output::{Printer, Table, TextLayout, print_json, print_result, unbroken};
 use crate::summary;
 
@@ -90,12 +89,11 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
     let mut seen =
         ExternalObservations::from(scene.observe(&noise, &mut Draws::new(args.seed, NOISE_STREAM))?);
     seen.photos = (1..=poses.len()).map(|i| Some(format!("simulated {i}"))).collect();
-    let mut bytes = Vec::new();
-    write_observations(&seen, &mut bytes)?;
+    let bytes = bytes_of(|out| write_observations(&seen, out))?;
     let to_stdout = [Some(&output), truth.as_ref()].contains(&Some(&Destination::Stdout));
     let mut files = vec![(output, bytes)];
     if let Some(place) = truth {
-        files.push((place, rig_bytes(&scene.rig())?));
+        files.push((place, bytes_of(|out| write_rig(&scene.rig(), out))?));
     }
     write_all(&files)?;
     let text = poses_in_words(&poses, &scene);

@@ -4,14 +4,11 @@ use std::path::Path;
 
 use image::{DynamicImage, GrayImage};
 use serde::Serialize;
-use slcal_core::format::{CloudFormat, write_matches, write_pfm};
-use slcal_core::simulate::SceneReport;
-use slcal_core::simulate::SimulatedScene;
+use slcal_core::format::{write_matches, write_pattern, write_pfm, write_ply, write_rig};
+use slcal_core::simulate::{SceneReport, SimulatedScene};
 
-use super::super::calibrate::rig_bytes;
-use super::super::pattern::pattern_bytes;
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::{cloud_bytes, png_bytes};
+use crate::io::{bytes_of, png_bytes};
 use crate::output::{TextLayout, sanitized, unbroken};
 
 /// The files, in the order of [`contents`].
@@ -33,24 +30,18 @@ pub(super) const NAMES: [&str; 12] = [
 /// The files' contents.
 pub(super) fn contents(scene: &SimulatedScene) -> Outcome<Vec<Vec<u8>>> {
     let truth = scene.photographer.truth();
-    let map = |values: Vec<f32>| -> Outcome<Vec<u8>> {
-        let mut bytes = Vec::new();
-        write_pfm(truth.width(), &values, &mut bytes)?;
-        Ok(bytes)
-    };
+    let map = |values: Vec<f32>| bytes_of(|out| write_pfm(truth.width(), &values, out));
     let surfaces = GrayImage::from_raw(truth.width() as u32, truth.height() as u32, scene.surfaces())
         .ok_or_else(|| Failure::new(Exit::Other, "a map of another size than the photograph"))?;
-    let mut table = Vec::new();
-    write_matches(&scene.matches, &mut table)?;
     Ok(vec![
         png_bytes(&scene.photo)?,
         png_bytes(&scene.white)?,
         png_bytes(&scene.black)?,
         png_bytes(&DynamicImage::ImageRgb8(scene.picture.clone()))?,
-        pattern_bytes(&scene.pattern)?,
-        rig_bytes(&scene.rig)?,
-        table,
-        cloud_bytes(CloudFormat::Ply, &scene.cloud())?,
+        bytes_of(|out| write_pattern(&scene.pattern, out))?,
+        bytes_of(|out| write_rig(&scene.rig, out))?,
+        bytes_of(|out| write_matches(&scene.matches, out))?,
+        bytes_of(|out| write_ply(&scene.cloud(), out))?,
         map(scene.columns())?,
         map(scene.rows())?,
         map(scene.depths())?,

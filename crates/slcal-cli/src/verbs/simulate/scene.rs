@@ -6,11 +6,13 @@ use slcal_core::Rig;
 use slcal_core::pattern::Pattern;
 use slcal_core::simulate::{PatternKind, RenderConfig, RigConfig, SceneSetup, SurfaceKind, WallKind};
 
-use super::super::reconstruct::{make_folder, with_projector};
 use super::outputs::{NAMES, SceneOutputs, contents};
 use crate::args::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs, WallArg};
 use crate::exit::{Failure, Outcome};
-use crate::io::{Destination, check_panel, check_spares, load_mesh, load_pattern, load_rig, write_all};
+use crate::io::{
+    Destination, check_panel, check_projector, check_spares, load_mesh, load_pattern, load_rig, make_folder,
+    write_all,
+};
 use crate::output::{Printer, print_json, print_result};
 
 pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
@@ -138,7 +140,7 @@ fn surface(args: &SceneArgs) -> Outcome<SurfaceKind> {
 
 fn known_rig(path: &Path) -> Outcome<Rig> {
     let rig = load_rig(path)?;
-    with_projector(&rig, path)?;
+    check_projector(path, &rig)?;
     Ok(rig)
 }
 

@@ -1,0 +1,142 @@
+//! Photographs of a folder, or of a name with wildcards that the shell did not expand, in natural order.
+
+use std::cmp::Ordering;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::exit::{Exit, Failure, Outcome};
+use crate::name::is_dash;
+
+/// Endings of the photographs of a folder; its other files are passed over.
+const EXTENSIONS: [&str; 5] = ["png", "jpg", "jpeg", "tif", "tiff"];
+
+/// The files that these paths mean: a folder means its photographs, `*` and `?` in a name mean the files that match.
+pub(crate) fn photographs(paths: &[PathBuf]) -> Outcome<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for path in paths {
+        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        if is_dash(path) {
+            files.push(path.clone());
+        } else if path.is_dir() {
+            let is_photo = |name: &Path| {
+                EXTENSIONS.iter().any(|e| name.extension().is_some_and(|x| x.eq_ignore_ascii_case(e)))
+            };
+            files.extend(of_folder(path, is_photo, "a folder with photographs (PNG, JPEG or TIFF)", path)?);
+        } else if name.contains(['*', '?']) && !path.exists() {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            let matching = |file: &Path| matches(&name, &file.to_string_lossy());
+            files.extend(of_folder(folder, matching, "files whose names match", path)?);
+        } else {
+            files.push(path.clone());
+        }
+    }
+    Ok(files)
+}
+
+/// The files of a folder that are wanted, at least one.
+fn of_folder(
+    folder: &Path,
+    wanted: impl Fn(&Path) -> bool,
+    expected: &str,
+    given: &Path,
+) -> Outcome<Vec<PathBuf>> {
+    let refused = |found: &str| {
+        Failure::new(Exit::Input, format!("{}: expected {expected}, found {found}", given.display()))
+    };
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = fs::read_dir(here).map_err(|e| refused(&format!("a folder that cannot be read ({e})")))?;
+    let names = entries.filter_map(|e| Some(PathBuf::from(e.ok()?.file_name())));
+    let mut files: Vec<PathBuf> = names
+        .filter(|name| wanted(name))
+        .map(|name| folder.join(name))
+        .filter(|file| file.is_file())
+        .collect();
+    if files.is_empty() {
+        return Err(refused("none"));
+    }
+    files.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+    Ok(files)
+}
+
+/// Whether a name matches a pattern in which `*` stands for any letters and `?` for one.
+fn matches(pattern: &str, name: &str) -> bool {
+    let mut rest = pattern.chars();
+    match rest.next() {
+        None => name.is_empty(),
+        Some('*') => {
+            let ends = name.char_indices().map(|(i, _)| i).chain([name.len()]);
+            ends.into_iter().any(|i| matches(rest.as_str(), &name[i..]))
+        }
+        Some(letter) => {
+            let mut letters = name.chars();
+            letters.next().is_some_and(|c| c == letter || letter == '?')
+                && matches(rest.as_str(), letters.as_str())
+        }
+    }
+}
+
+/// Numbers by their value, all else by its letters: img2 before img10.
+fn natural(a: &str, b: &str) -> Ordering {
+    let split = |text: &str| {
+        let digits = text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let letters = text.find(|c: char| c.is_ascii_digit()).unwrap_or(text.len());
+        if digits > 0 { digits } else { letters }
+    };
+    let (mut left, mut right) = (a, b);
+    while !left.is_empty() && !right.is_empty() {
+        let ((x, after_x), (y, after_y)) = (left.split_at(split(left)), right.split_at(split(right)));
+        let order = match (x.parse::<u128>(), y.parse::<u128>()) {
+            (Ok(x), Ok(y)) => x.cmp(&y),
+            _ => x.cmp(y),
+        };
+        if order != Ordering::Equal {
+            return order;
+        }
+        (left, right) = (after_x, after_y);
+    }
+    left.len().cmp(&right.len()).then_with(|| a.cmp(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wildcards_stand_for_letters() {
+        for (pattern, name, expected) in [
+            ("*.jpg", "a.jpg", true),
+            ("*.jpg", "a.jpeg", false),
+            ("img?.*", "img7.png", true),
+            ("img?.*", "img17.png", false),
+            ("*a*b*", "xaybz", true),
+            ("é*", "épreuve", true),
+            ("*", "", true),
+        ] {
+            assert_eq!(matches(pattern, name), expected, "{pattern} {name}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_ordered_by_their_values() {
+        let mut names = ["b1.png", "a10.png", "a9.png", "a09.png", "a.png", "10.png", "9.png"];
+        names.sort_by(|a, b| natural(a, b));
+        assert_eq!(names, ["9.png", "10.png", "a.png", "a09.png", "a9.png", "a10.png", "b1.png"]);
+    }
+
+    #[test]
+    fn a_folder_and_a_pattern_mean_their_photographs() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["p10.JPG", "p9.jpg", "notes.txt", "q.png"] {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        let names = |path: PathBuf| -> Vec<String> {
+            let files = photographs(&[path]).unwrap();
+            files.iter().map(|f| f.file_name().unwrap().to_string_lossy().into_owned()).collect()
+        };
+        assert_eq!(names(folder.path().to_owned()), ["p9.jpg", "p10.JPG", "q.png"]);
+        assert_eq!(names(folder.path().join("p*")), ["p9.jpg", "p10.JPG"]);
+        assert_eq!(photographs(&["-".into(), "absent.png".into()]).unwrap().len(), 2);
+        let failure = photographs(&[folder.path().join("*.tif")]).unwrap_err();
+        assert!(failure.code() == 3 && failure.to_string().contains("*.tif"), "{failure}");
+    }
+}

@@ -1,0 +1,84 @@
+//! The bytes of inputs: files and stdin, up to a limit.
+
+use std::fs;
+use std::io::Read as _;
+use std::path::Path;
+
+use crate::exit::{Exit, Failure, Outcome};
+use crate::name::{input_name, is_dash};
+use crate::similar::nearest;
+
+/// Inputs above this are refused unread: the largest photographs that are accepted stay below it even uncompressed.
+const MAX_INPUT_MIB: u64 = 2048;
+
+/// The bytes of an input file, or of stdin for `-`. `kind` says what was expected ("a photograph").
+pub(crate) fn read_bytes(path: &Path, kind: &str) -> Outcome<Vec<u8>> {
+    read_at_most(path, kind, MAX_INPUT_MIB)
+}
+
+/// Names of a folder that are looked at for the one that was meant.
+const MOST_NAMES: usize = 10_000;
+
+/// What to say of a file that is not there: the name in its folder that was probably meant.
+fn missing(path: &Path) -> String {
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
+    let Ok(entries) = fs::read_dir(folder.unwrap_or(Path::new("."))) else {
+        return "no such file, nor its folder; check the name".to_owned();
+    };
+    let names = entries.take(MOST_NAMES).filter_map(|e| e.ok()?.file_name().into_string().ok());
+    let word = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    match nearest(&word, names) {
+        Some(name) => {
+            let meant = folder.map_or_else(|| name.clone().into(), |f| f.join(&name));
+            format!("no such file; did you mean {}?", meant.display())
+        }
+        None => "no such file; check the name".to_owned(),
+    }
+}
+
+/// The same with a limit of its own, MiB.
+pub(crate) fn read_at_most(path: &Path, kind: &str, limit_mib: u64) -> Outcome<Vec<u8>> {
+    let unreadable = |e: &std::io::Error| {
+        let advice = match e.kind() {
+            std::io::ErrorKind::NotFound => missing(path),
+            std::io::ErrorKind::PermissionDenied => {
+                "not allowed to read it; check its permissions".to_owned()
+            }
+            std::io::ErrorKind::IsADirectory => "it is a folder; give the file".to_owned(),
+            _ => return Failure::new(Exit::Input, format!("{}: expected {kind}: {e}", input_name(path))),
+        };
+        Failure::new(Exit::Input, format!("{}: expected {kind}: {advice}", input_name(path)))
+    };
+    let mut bytes = Vec::new();
+    let limit = (limit_mib << 20) + 1;
+    if is_dash(path) {
+        std::io::stdin().lock().take(limit).read_to_end(&mut bytes).map_err(|e| unreadable(&e))?;
+    } else {
+        let file = fs::File::open(path).map_err(|e| unreadable(&e))?;
+        file.take(limit).read_to_end(&mut bytes).map_err(|e| unreadable(&e))?;
+    }
+    if bytes.len() as u64 >= limit {
+        return Err(Failure::new(
+            Exit::Input,
+            format!(
+                "{}: expected {kind} of at most {limit_mib} MiB, found more; is it the right file?",
+                input_name(path)
+            ),
+        ));
+    }
+    if bytes.is_empty() && is_dash(path) {
+        return Err(Failure::new(
+            Exit::Input,
+            format!(
+                "stdin: expected {kind}, found an empty file; make it again, and name - for one input only"
+            ),
+        ));
+    }
+    if bytes.is_empty() {
+        return Err(Failure::new(
+            Exit::Input,
+            format!("{}: expected {kind}, found an empty file; make it again", input_name(path)),
+        ));
+    }
+    Ok(bytes)
+}
