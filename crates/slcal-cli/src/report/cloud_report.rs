@@ -1,4 +1,4 @@
-//! The report on a cloud: what `slcal reconstruct --report` writes.
+//! The report on a cloud, which `slcal reconstruct --report` writes.
 
 use maud::{Markup, html};
 use slcal_core::{Reconstruction, Rig};
@@ -24,7 +24,7 @@ pub(crate) struct CloudPage<'a> {
     pub(crate) cloud_name: String,
     pub(crate) photo: Option<Photo>,
     pub(crate) result: &'a Reconstruction,
-    /// The surface that was asked for, or why there is none.
+    /// The fitted surface that was asked for, or why there is none.
     pub(crate) surface: Option<Result<FittedSurface, String>>,
     pub(crate) made_by: Vec<String>,
 }
@@ -60,10 +60,10 @@ fn head(page: &CloudPage) -> Markup {
                 span.what { "Cloud of " (page.image_name) }
                 span.word { (thousands(cloud.points.len())) " points" }
             }
-            ul.tiles {
+            ul.key-figures {
                 @if let Some(decode) = &result.decode {
                     @let share = 100.0 * decode.decoded as f64 / decode.crossings.max(1) as f64;
-                    li { span.value { (derived("decoded_percent", share, &fixed(share, 0))) " %" } span.label { "of the stripes decoded" } }
+                    li { span.value { (derived("decoded_percent", share, &fixed(share, 0))) " %" } span.label { "of the stripe crossings decoded" } }
                 }
                 @if !cloud.points.is_empty() {
                     @let (near, far) = stripes::reach_mm(cloud);
@@ -74,12 +74,12 @@ fn head(page: &CloudPage) -> Markup {
                 }
                 li {
                     span.value { "± " (millimetres("median_noise_mm", t.median_noise_mm)) " mm" }
-                    span.label { "scatter from point to point" }
+                    span.label { "noise: scatter from point to point" }
                 }
                 @if t.rig_sigma_known {
                     li {
                         span.value { "± " (millimetres("median_sigma_mm", t.median_sigma_mm)) " mm" }
-                        span.label { "place of a point, the rig’s share with it" }
+                        span.label { "position of a point, including the rig’s uncertainty" }
                     }
                 }
                 @if !cloud.triangles.is_empty() {
@@ -89,17 +89,18 @@ fn head(page: &CloudPage) -> Markup {
             dl.reasons {
                 dt { "What it means" }
                 dd {
-                    "Neighbouring points scatter about the true surface by about " (significant(t.median_noise_mm, 2)) " mm along the line \
+                    "Neighbouring points scatter about the true surface by ± " (significant(t.median_noise_mm, 2)) " mm along the line \
                      of sight. "
                     @if t.rig_sigma_known {
-                        "The whole cloud together may be moved or stretched, by what is not known exactly of the rig: a point is "
-                        "off by about ± " (significant(t.median_sigma_mm, 2)) " mm (1σ)."
-                    } @else { "The rig does not state its covariance, so how far the whole cloud may be off is not known." }
+                        "The uncertainty of the rig may also shift and scale the cloud as a whole: together a point is off by ± "
+                        (significant(t.median_sigma_mm, 2)) " mm. "
+                    } @else { "The rig states no covariance, so the common error of the whole cloud is not known. " }
+                    "Every ± is one standard deviation."
                 }
                 dt { "The rig" }
                 dd { (verdict::in_a_line(rig, &page.rig_name)) }
                 @if !remarks.is_empty() {
-                    dt { "What was noticed" }
+                    dt { "Warnings and notes" }
                     @for (_, remark) in &remarks { dd { (verdict::sentence(remark)) } }
                 }
             }
@@ -110,14 +111,14 @@ fn head(page: &CloudPage) -> Markup {
 fn photograph(page: &CloudPage, photo: &Photo) -> Section {
     let model = &page.rig.camera.model;
     let mut drawing = stripes::reconstructed([model.width, model.height], &page.image_name, page.result);
-    // The page says it in words that are as large as its own.
+    // The page has its own legend.
     drawing.legend = None;
     let cloud = &page.result.cloud;
     let content = html! {
         div.photos { figure {
             (photo.under(&drawing))
             figcaption {
-                "A curve for each stripe where it became points, coloured by the distance from the camera: light is near, dark is far"
+                "The stripes where they became points, coloured by their distance from the camera: light is near, dark is far"
                 @if !cloud.points.is_empty() {
                     @let (near, far) = stripes::reach_mm(cloud);
                     " (" (fixed(near, 0)) " to " (fixed(far, 0)) " mm)"
@@ -127,18 +128,18 @@ fn photograph(page: &CloudPage, photo: &Photo) -> Section {
             }
         } }
     };
-    Section { id: "photographs", title: "What was seen", content }
+    Section { id: "photographs", title: "Photograph", content }
 }
 
 fn following(page: &CloudPage) -> Vec<(&'static str, String)> {
     let mut next = Vec::new();
     if page.cloud_name.to_lowercase().ends_with(".ply") {
         let cloud = file_word(&page.cloud_name);
-        next.push(("How flat, how round?", format!("slcal evaluate plane {cloud}")));
+        next.push(("Fit a plane: how flat is it?", format!("slcal evaluate plane {cloud}")));
         if page.rig_name != PIPED {
             let rig = file_word(&page.rig_name);
             next.push((
-                "Beside the calibration",
+                "Show the cloud in the report on the calibration",
                 format!("slcal report --rig {rig} --cloud {cloud} -o report.html"),
             ));
         }

@@ -20,7 +20,6 @@ mod rig_page;
 mod uncertainty_map;
 mod verdict;
 mod view_3d;
-mod working_volume;
 
 pub(crate) use self::cloud_report::{CloudPage, cloud_html};
 pub(crate) use self::command_line::CommandLine;
@@ -29,11 +28,12 @@ use self::page::Section;
 pub(crate) use self::photo::Photo;
 pub(crate) use self::point_statistics::FittedSurface;
 pub(crate) use self::rig_page::{RigPage, ShownCloud};
+use crate::summary::working_volume;
 
 /// The report, complete.
 pub(crate) fn rig_html(page: &RigPage) -> Vec<u8> {
     let mut figures = Figures::default();
-    let working = working_volume::working(page.rig);
+    let working = working_volume::working_volume(page.rig);
     let head = verdict::head(page, working.as_ref().ok().and_then(Option::as_ref));
     let sections = [
         Some(parameters::section(page)),

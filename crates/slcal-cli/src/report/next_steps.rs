@@ -1,4 +1,4 @@
-//! What else was noticed, and what to type next.
+//! Warnings, and the commands to run next.
 
 use maud::{Markup, html};
 
@@ -11,7 +11,7 @@ use super::verdict::sentence;
 pub(super) fn warnings(page: &RigPage) -> Option<Section> {
     let warnings = &page.rig.quality.as_ref()?.warnings;
     let content = html! {
-        @if warnings.is_empty() { p { "Nothing: no warnings." } }
+        @if warnings.is_empty() { p { "None." } }
         @else {
             ul.warnings { @for w in warnings {
                 li {
@@ -21,24 +21,24 @@ pub(super) fn warnings(page: &RigPage) -> Option<Section> {
             } }
         }
     };
-    Some(Section { id: "warnings", title: "What else was noticed", content })
+    Some(Section { id: "warnings", title: "Warnings", content })
 }
 
-/// The commands that led here, and those that lead on.
+/// The commands that were run, and those to run next.
 pub(super) fn commands(page: &RigPage) -> Option<Section> {
     let next = following(page);
     (!page.made_by.is_empty() || !next.is_empty()).then(|| listings(&page.made_by, &next))
 }
 
-/// Commands to look at and to copy.
+/// Commands to read and copy.
 pub(super) fn listings(made_by: &[String], next: &[(&'static str, String)]) -> Section {
     let content = html! {
         @if !made_by.is_empty() {
-            h3 { "Made by" }
+            h3 { "Created by" }
             (listing(&made_by.join("\n")))
         }
         @if !next.is_empty() {
-            h3 { "To go on" }
+            h3 { "Next" }
             dl.next { @for (what, command) in next { dt { (what) } dd { (listing(command)) } } }
         }
     };
@@ -54,10 +54,10 @@ fn listing(text: &str) -> Markup {
     }
 }
 
-/// What stands for a rig that was piped in: no command can name it.
+/// The name of a rig that was read from stdin: no command can name it.
 pub(super) const PIPED: &str = "stdin";
 
-/// What one does with such a rig, with the names of its files: only what this rig is enough for.
+/// The commands that this rig is sufficient for, with the names of its files.
 fn following(page: &RigPage) -> Vec<(&'static str, String)> {
     let mut next = Vec::new();
     if page.rig_name.is_empty() || page.rig_name == PIPED {
@@ -70,33 +70,33 @@ fn following(page: &RigPage) -> Vec<(&'static str, String)> {
     let can_advise = sheet_known && page.rig.covariance.is_some();
     if page.rig.projector.is_none() {
         if can_advise {
-            next.push(("Which photograph to take next", format!("slcal advise --rig {rig}")));
+            next.push(("Find the best next photograph", format!("slcal advise --rig {rig}")));
         }
         return next;
     }
     if can_advise {
-        // Without a pattern it takes the one that slcal draws.
+        // Without a pattern, advise takes the default one.
         let with = pattern.as_ref().map(|p| format!(" --pattern {p}")).unwrap_or_default();
-        next.push(("See what the next photograph would bring", format!("slcal advise --rig {rig}{with}")));
+        next.push(("Find the best next photograph", format!("slcal advise --rig {rig}{with}")));
     }
     next.push((
-        "Measure something: photograph it under the stripes",
+        "Measure an object: photograph it under the stripes",
         format!("slcal reconstruct --rig {rig} --pattern stripes.json object.jpg -o cloud.ply --mesh --report cloud.html"),
     ));
     if sheet_known {
         next.push((
-            "Later: is the rig still as it was?",
+            "Later: check that the rig has not moved",
             format!("slcal verify --rig {rig} --pattern {checker} --as-drawn photo.jpg"),
         ));
         next.push((
-            "Project without keystone",
+            "Project a picture without keystone",
             format!("slcal rectify --rig {rig} --pattern {checker} -o straight.png"),
         ));
     }
     next
 }
 
-/// The name of a file as a word of a command: never taken for an option, nor for a command's place by a shell (`=name` in zsh).
+/// The name of a file as a word of a command: never read as an option, nor expanded by a shell (`=name` in zsh).
 pub(super) fn file_word(name: &str) -> String {
     let word = if name.starts_with('-') { quoted(&format!("./{name}")) } else { quoted(name) };
     if word.starts_with('=') { format!("'{word}'") } else { word }

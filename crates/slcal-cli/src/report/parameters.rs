@@ -6,6 +6,7 @@ use slcal_core::{Device, Rig, StereoPose, View};
 use super::number::{decimals_of, derived, field, fixed, significant};
 use super::page::Section;
 use super::rig_page::{RigPage, photo_name};
+use crate::summary::working_volume::view_distance_mm;
 
 const COEFFICIENTS: [&str; 5] = ["k1", "k2", "p1", "p2", "k3"];
 
@@ -126,8 +127,7 @@ fn poses(rig: &Rig) -> Markup {
 
 fn pose(rig: &Rig, i: usize, view: &View) -> Markup {
     let at = |field: &str| format!("views.{i}.{field}");
-    let centre = nalgebra::Point3::new(view.size.width_mm / 2.0, view.size.height_mm / 2.0, 0.0);
-    let distance = view.camera_from_sheet.transform(&centre).coords.norm();
+    let distance = view_distance_mm(view);
     let tilt = rig.tilt_rad(i).map(f64::to_degrees);
     html! { tr {
         th.file scope="row" { (photo_name(rig, i)) }

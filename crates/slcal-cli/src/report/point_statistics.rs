@@ -1,4 +1,4 @@
-//! The points of a cloud: how far away, how sure, and how well a surface fits them.
+//! Statistics of a cloud: distances and noise of its points, and their deviation from a fitted surface.
 
 use maud::{Markup, html};
 use serde_json::json;
@@ -9,6 +9,7 @@ use super::figure::{Figures, flat_layout};
 use super::number::{derived, fixed, significant};
 use super::page::Section;
 use crate::picture::stripes::thousands;
+use crate::summary;
 
 /// Bars of a histogram.
 const BARS: usize = 60;
@@ -19,42 +20,34 @@ pub(crate) enum FittedSurface {
     Sphere(SphereFit),
 }
 
-/// Where the points lie and how sure they are.
+/// Distances and noise of the points, and what was left out.
 pub(super) fn section(result: &Reconstruction, figures: &mut Figures) -> Section {
     let cloud = &result.cloud;
     let distances: Vec<f64> =
         cloud.points.iter().map(|p| (p.position - cloud.camera_centre).norm()).collect();
     let noise: Vec<f64> = cloud.points.iter().map(|p| p.noise_mm).collect();
-    let t = &result.triangulate;
-    let left_out = [
-        ("outliers: too far from their neighbours", result.cull.outliers),
-        ("matches without coordinates", t.invalid),
-        ("grazing: the light runs along the line of sight", t.grazing),
-        ("behind the devices", t.behind),
-        ("lit from outside the panel", t.outside_panel),
-        ("column and row contradict each other", t.contradicting),
-    ];
+    let left_out = summary::left_out(result);
     let content = html! {
         div.pair {
             figure {
                 (histogram(figures, "distances", "Distances of the points from the camera.", &distances, "distance from the camera, mm", "$cloud"))
-                figcaption { "Where the points are." }
+                figcaption { "Distances of the points from the camera." }
             }
             figure {
                 (histogram(figures, "noise", "Noise of the points.", &noise, "noise along the line of sight, mm", "$noise"))
-                figcaption { "How far points scatter about the true surface, by the noise of their stripes." }
+                figcaption { "Expected scatter of the points about the true surface, from the noise of their stripes (1σ)." }
             }
         }
-        h3 { "Left out" }
+        h3 { "Matches left out" }
         ul.plain {
-            @for (why, count) in left_out { @if count > 0 { li { (thousands(count)) " " (why) } } }
-            @if left_out.iter().all(|(_, count)| *count == 0) { li { "nothing" } }
+            @for (count, why) in &left_out { li { (thousands(*count)) " " (why) } }
+            @if left_out.is_empty() { li { "none" } }
         }
     };
     Section { id: "points", title: "Points", content }
 }
 
-/// How well the surface fits that was asked for.
+/// The fitted surface that was asked for.
 pub(super) fn fit(
     surface: &Result<FittedSurface, String>,
     cloud: &PointCloud,
@@ -90,7 +83,7 @@ pub(super) fn fit(
             )
         }
     };
-    Section { id: "fit", title: "How well a surface fits", content }
+    Section { id: "fit", title: "Fitted surface", content }
 }
 
 fn fitted(
@@ -109,15 +102,15 @@ fn fitted(
     let words = maud::PreEscaped(words.into_string());
     html! {
         p {
-            "A " (shape) " fits " (thousands(report.inliers)) " of " (thousands(report.points)) " points: those within "
+            "A " (shape) " was fitted to " (thousands(report.inliers)) " of " (thousands(report.points)) " points: the inliers, within "
             (significant(report.inlier_limit_mm, 2)) " mm of it. " (words) "."
         }
         div.pair {
             div {
                 div.scroll { table.narrow {
                     thead { tr {
-                        th scope="col" { "Distance of the points from it" } th.number scope="col" { "mm" }
-                        th.number scope="col" { "% of the distance" }
+                        th scope="col" { "Distance of the inliers from it" } th.number scope="col" { "mm" }
+                        th.number scope="col" { "% of the distance from the camera" }
                     } }
                     tbody { @for (name, mm, percent) in rows {
                         tr {
@@ -148,7 +141,7 @@ fn histogram(
     let at = |share: f64| {
         all.get((all.len().saturating_sub(1) as f64 * share) as usize).copied().unwrap_or_default()
     };
-    // A few stray ones would leave a single bar for the rest.
+    // Outliers would squeeze all other values into one bar.
     let (low, high) = (at(0.001), at(0.999));
     let wide = ((high - low) / BARS as f64).max(f64::MIN_POSITIVE);
     let mut counts = vec![0usize; BARS];

@@ -1,4 +1,4 @@
-//! How far the measurements lie from the model: over the image, against their noise, view by view.
+//! Residuals: over the image, in units of their noise, and view by view.
 
 use maud::{Markup, html};
 use serde_json::{Value, json};
@@ -11,7 +11,7 @@ use super::rig_page::{RigPage, photo_name};
 
 /// More arrows than this hide each other.
 const MAX_ARROWS: usize = 1500;
-/// A long residual (one of twenty is longer) is drawn this long, as a share of the image's width.
+/// Length at which a long residual (the 95th percentile) is drawn, as a share of the image's width.
 const ARROW_SHARE: f64 = 0.05;
 /// Bars of the histogram: their width and reach in σ.
 const BAR: f64 = 0.25;
@@ -24,8 +24,8 @@ pub(super) fn section(page: &RigPage, figures: &mut Figures) -> Option<Section> 
     }
     let content = html! {
         p {
-            "A residual is the distance between where a point was seen and where the rig expects it. Small ones say that the model \
-             fits; they do not say how good the calibration is: the ± do."
+            "A residual is the difference between the measured and the predicted position of a point. Small residuals mean that the \
+             model fits. They do not tell how good the calibration is; the ± do."
         }
         @match &page.residuals {
             Ok(views) => div.pair { (over_image(rig, views, figures)) (distribution(views, figures)) },
@@ -33,10 +33,10 @@ pub(super) fn section(page: &RigPage, figures: &mut Figures) -> Option<Section> 
         }
         (table(rig, page.residuals.as_ref().ok()))
     };
-    Some(Section { id: "residuals", title: "How well it fits", content })
+    Some(Section { id: "residuals", title: "Residuals", content })
 }
 
-/// Arrows over the image, magnified by a round number that is told.
+/// Arrows over the image, enlarged by a round factor.
 fn over_image(rig: &Rig, views: &[ViewResiduals], figures: &mut Figures) -> Markup {
     let [w, h] = [rig.camera.model.width, rig.camera.model.height].map(f64::from);
     let sheet = || views.iter().flat_map(|v| &v.sheet);
@@ -54,7 +54,7 @@ fn over_image(rig: &Rig, views: &[ViewResiduals], figures: &mut Figures) -> Mark
             traces.push(arrows(name, colour, &kept, scale));
         }
     }
-    // Their arrows would hide everything else.
+    // Their arrows would cover everything else.
     let left_out: Vec<_> = sheet().chain(pairs()).filter(|p| !p.kept).collect();
     if !left_out.is_empty() {
         traces.push(crosses(&left_out));
@@ -67,17 +67,17 @@ fn over_image(rig: &Rig, views: &[ViewResiduals], figures: &mut Figures) -> Mark
         "line": { "color": "$ink", "width": 3 }, "textfont": { "color": "$ink" }, "cliponaxis": false,
     }));
     let mut layout = flat_layout(
-        json!({ "title": { "text": "column of the image, px" }, "range": [0.0, w], "constrain": "domain" }),
+        json!({ "title": { "text": "column, px" }, "range": [0.0, w], "constrain": "domain" }),
         json!({ "title": { "text": "row, px" }, "range": [h, -0.1 * h], "scaleanchor": "x", "constrain": "domain" }),
     );
     layout["legend"]["y"] = json!(1.0);
-    let alt = format!("Residuals over the image of the camera, drawn {scale} times as long as they are.");
+    let alt = format!("Residuals over the image of the camera, enlarged {scale} times.");
     html! {
         figure {
             (figures.flat("residuals-image", &alt, traces, layout))
             figcaption {
-                "From seen to expected" @if scale > 1.0 { ", " (significant(scale, 2)) " times as long as they are" } ". They should point anywhere: a pattern \
-                 means that the model misses something (a bent sheet, a lens that distorts)."
+                "From the measured to the predicted position" @if scale > 1.0 { ", enlarged " (significant(scale, 2)) " times" } ". They should point in \
+                 random directions. A pattern means that the model is incomplete: a bent sheet, or unmodelled lens distortion."
             }
         }
     }
@@ -98,7 +98,7 @@ fn arrows(name: &str, colour: &str, points: &[&PointResidual], scale: f64) -> Va
     })
 }
 
-/// What was left out of the fit.
+/// Points that were left out of the fit.
 fn crosses(points: &[&PointResidual]) -> Value {
     let step = points.len().div_ceil(MAX_ARROWS).max(1);
     let shown = || points.iter().step_by(step);
@@ -109,12 +109,12 @@ fn crosses(points: &[&PointResidual]) -> Value {
     })
 }
 
-/// Hundredths of a pixel are enough to draw.
+/// To hundredths of a pixel, which are enough for a plot.
 fn rounded(x: f64) -> f64 {
     (x * 100.0).round() / 100.0
 }
 
-/// By how much residuals are drawn longer than they are: such that a long one has the given length, rounded down to 1, 2, 5.
+/// The enlargement at which a long residual has the given length, rounded down to 1, 2, 5 times a power of ten.
 fn magnification<'a>(points: impl Iterator<Item = &'a PointResidual>, length_px: f64) -> f64 {
     let mut all: Vec<f64> =
         points.filter(|p| p.kept).map(|p| p.vector_px().norm()).filter(|x| x.is_finite()).collect();
@@ -130,7 +130,7 @@ fn nice(x: f64) -> f64 {
     digit * power
 }
 
-/// The residuals in units of their noise, and what a normal distribution would be.
+/// The residuals in units of their noise, and the normal distribution.
 fn distribution(views: &[ViewResiduals], figures: &mut Figures) -> Markup {
     let mut all = Vec::new();
     for view in views {
@@ -156,23 +156,25 @@ fn distribution(views: &[ViewResiduals], figures: &mut Figures) -> Markup {
             "width": BAR * 0.92, "marker": { "color": "$cloud" }, "hovertemplate": "%{y} at %{x:.2f} σ<extra></extra>",
         }),
         json!({
-            "type": "scatter", "mode": "lines", "name": "expected", "x": curve, "y": curve.iter().map(|x| normal(*x)).collect::<Vec<_>>(),
+            "type": "scatter", "mode": "lines", "name": "normal distribution", "x": curve, "y": curve.iter().map(|x| normal(*x)).collect::<Vec<_>>(),
             "line": { "color": "$ink", "width": 2 }, "hoverinfo": "skip",
         }),
     ];
     let layout = flat_layout(
-        json!({ "title": { "text": "residual ÷ its noise σ" }, "range": [-REACH, REACH] }),
+        json!({ "title": { "text": "residual / σ of its noise" }, "range": [-REACH, REACH] }),
         json!({ "title": { "text": "measurements" }, "rangemode": "tozero" }),
     );
-    let alt =
-        format!("Distribution of {} residuals, in units of their noise, beside the normal curve.", all.len());
+    let alt = format!(
+        "Distribution of {} residuals in units of their noise, with the normal distribution.",
+        all.len()
+    );
     html! {
         figure {
             (figures.flat("residuals-distribution", &alt, traces, layout))
             figcaption {
-                (all.len()) " residuals in units of their noise. Bars that follow the curve mean that \
-                 noise is all there is; wider bars that the model misses something; narrower ones that there was less noise than thought."
-                @if beyond > 0 { " " (beyond) " lie beyond 5 σ and stand in the outer bars." }
+                (all.len()) " residuals in units of their noise. Bars that follow the normal curve mean that the residuals are noise. A wider \
+                 distribution means that the model is incomplete; a narrower one, that there was less noise than assumed."
+                @if beyond > 0 { " " (beyond) " residuals beyond 5 σ are in the outer bars." }
             }
         }
     }

@@ -10,7 +10,7 @@ use super::figure::{Choice, Figures, flat_layout};
 use super::number::significant;
 use super::page::Section;
 use super::rig_page::RigPage;
-use super::working_volume::{WorkingVolume, slopes, stripes};
+use crate::summary::working_volume::{WorkingVolume, slopes, stripes};
 
 /// The slice reaches from and to these shares of the sheet's distance.
 const NEAREST: f64 = 0.4;

@@ -1,4 +1,4 @@
-//! The head of the page: how good it is, why, what that means and what to do, for somebody who sees it for the first time.
+//! The head of the page, for a first-time reader: the verdict, why, what it means and what to do next.
 
 use maud::{Markup, html};
 use slcal_core::pattern::Axis;
@@ -6,14 +6,15 @@ use slcal_core::{Quality, Rig, Verdict};
 
 use super::number::{derived, field, fixed, significant};
 use super::rig_page::RigPage;
-use super::working_volume::{WorkingVolume, lengths, stripes};
+use crate::summary::holds_while;
+use crate::summary::working_volume::{WorkingVolume, lengths, sheet_distance_mm, stripes};
 
-/// How a verdict looks: never by its colour alone.
+/// The appearance of a verdict: colour, symbol and word.
 struct VerdictStyle {
     class: &'static str,
     symbol: &'static str,
     word: &'static str,
-    /// What it allows.
+    /// What the calibration can be used for.
     lead: String,
 }
 
@@ -28,45 +29,45 @@ fn verdict_style(rig: &Rig) -> VerdictStyle {
     VerdictStyle { class, symbol, word, lead: lead(rig) }
 }
 
-/// What the verdict allows.
+/// What the calibration can be used for.
 fn lead(rig: &Rig) -> String {
     let Some(quality) = &rig.quality else {
-        return "This rig does not say how sure its numbers are, as those that slcal calibrates do.".into();
+        return "This rig states no verdict on its uncertainty; rigs that slcal calibrates do.".into();
     };
     let warned = |code: &str| quality.warnings.iter().any(|w| w.code == code);
     let text = match quality.verdict {
-        Verdict::Good if noise_alone(rig) => "The measurements determine it well.",
+        Verdict::Good if noise_alone(rig) => "The measurements determine the calibration well.",
         Verdict::Good if rig.projector.is_none() => {
-            "Directions that are seen with it can be relied on, within their ±."
+            "Directions that it measures are reliable within their ±."
         }
-        Verdict::Good => "Shapes and lengths that are measured with it can be relied on, within their ±.",
+        Verdict::Good => "Shapes and lengths that it measures are reliable within their ±.",
         Verdict::Fair => {
             "Good enough for projection mapping and rough shapes; lengths may be off by several per cent."
         }
-        Verdict::Weak => "Good for a look; treat all lengths as rough.",
+        Verdict::Weak => "Good for a quick look only; all lengths are rough.",
         Verdict::Degenerate if warned("focal-length-outlandish") => {
-            "Do not rely on any of this: the focal length came out as that of no ordinary lens."
+            "Do not use these numbers: the focal length is implausible for any ordinary lens."
         }
         Verdict::Degenerate if of_sigma(quality) == Verdict::Degenerate => {
-            "Do not rely on any of this: the photographs do not determine the focal length."
+            "Do not use these numbers: the photographs do not determine the focal length."
         }
-        Verdict::Degenerate => "Do not rely on any of this.",
+        Verdict::Degenerate => "Do not use these numbers.",
     };
     if noise_alone(rig) && quality.verdict != Verdict::Degenerate {
         return format!(
-            "{text} But its ± holds the noise alone: principal points are taken as exact and lenses as undistorted, and what these \
-             are off by comes on top."
+            "{text} But its ± counts the noise of the measurements alone: the method assumes exact principal points and undistorted \
+             lenses, and errors of these assumptions come on top."
         );
     }
     text.into()
 }
 
-/// Whether σ leaves out what is not known of principal points: so does the method of the two vanishing points.
+/// Whether σ leaves out the uncertainty of principal points, as the two-vanishing-point method does.
 fn noise_alone(rig: &Rig) -> bool {
     rig.method == "two-vp"
 }
 
-/// The verdict that the focal lengths' σ alone would give.
+/// The verdict from the focal lengths' σ alone.
 fn of_sigma(quality: &Quality) -> Verdict {
     let worst = quality.focal_sigma_percent_projector.map_or(quality.focal_sigma_percent_camera, |p| {
         // NaN counts as worst.
@@ -81,7 +82,7 @@ pub(super) fn title(page: &RigPage) -> String {
     format!("{}: {word} – slcal", page.name())
 }
 
-/// The head of the page; `working` is where one works with the rig.
+/// The head of the page; `working` is a place in the working volume.
 pub(super) fn head(page: &RigPage, working: Option<&WorkingVolume>) -> Markup {
     let rig = page.rig;
     let style = verdict_style(rig);
@@ -92,16 +93,16 @@ pub(super) fn head(page: &RigPage, working: Option<&WorkingVolume>) -> Markup {
                 span.word { span.symbol aria-hidden="true" { (style.symbol) } " " (style.word) }
             }
             p.lead { (style.lead) }
-            (tiles(rig, working))
+            (key_figures(rig, working))
             (reasons(rig, working))
         }
     }
 }
 
-/// The few numbers that the verdict rests on.
-fn tiles(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
+/// The key figures behind the verdict.
+fn key_figures(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
     let Some(quality) = &rig.quality else { return html! {} };
-    // What was given is not measured: no ± of zero.
+    // A given value has no ±.
     let measured = |path: &str, value: f64, unit: &str| {
         html! {
             @if value == 0.0 { (field(path, value, "given")) }
@@ -110,7 +111,7 @@ fn tiles(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
     };
     let rows = working.is_some_and(|w| w.axis == Axis::Rows);
     html! {
-        ul.tiles {
+        ul.key-figures {
             li {
                 span.value { (measured("quality.focal_sigma_percent.camera", quality.focal_sigma_percent_camera, " %")) }
                 span.label { "focal length of the camera" }
@@ -125,7 +126,7 @@ fn tiles(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
                 li {
                     span.value { (measured("quality.expected_point_sigma_mm", sigma, " mm")) }
                     span.label {
-                        "place of a point at the sheet, along the line of sight" @if rows && sigma > 0.0 { ", under vertical stripes" }
+                        "depth of a point at the sheet, along the line of sight" @if rows && sigma > 0.0 { ", with vertical stripes" }
                     }
                 }
             }
@@ -137,13 +138,13 @@ fn tiles(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
     }
 }
 
-/// Why, what it means, what to do.
+/// Why, what it means, what to do, and how long it holds.
 fn reasons(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
     let Some(quality) = &rig.quality else {
         return html! {
             dl.reasons {
                 dt { "What to do next" }
-                dd { "Calibrate with slcal, or check the rig: " code { "slcal verify" } " tells whether it fits a photograph." }
+                dd { "Calibrate with slcal, or check the rig with a photograph: " code { "slcal verify" } "." }
             }
         };
     };
@@ -151,34 +152,36 @@ fn reasons(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
     html! {
         dl.reasons {
             @if !cause.is_empty() { dt { "Why" } dd { (sentence(cause)) } }
-            // A ± that rests on a focal length that is not known means nothing.
+            // A ± means nothing when the focal length is undetermined.
             @if quality.verdict != Verdict::Degenerate { dt { "What it means" } dd { (meaning(rig, working)) } }
             @if !advice.is_empty() { dt { "What to do next" } dd { (sentence(advice)) } }
+            dt { "How long it holds" }
+            dd { (sentence(holds_while(rig))) }
         }
     }
 }
 
-/// What the numbers mean for somebody who measures with the rig.
+/// What the numbers mean for measurements with the rig.
 fn meaning(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
     html! {
         @if rig.projector.is_none() {
-            "Directions in the photograph are known; there is no projector in this rig, so no points can be measured. "
+            "The camera measures directions. This rig has no projector, so no points can be measured. "
         } @else if let Some(working) = working {
             (of_a_point(rig, working))
             @if let Some((length, [across, along])) = lengths(rig, working.axis) {
-                "A length of " (fixed(length, 0)) " mm there is off by about ± "
+                "A length of " (fixed(length, 0)) " mm there is off by ± "
                 (derived("length_across_sigma_mm", across, &significant(across, 2))) " mm across and ± "
-                (derived("length_along_sigma_mm", along, &significant(along, 2))) " mm along the line of sight (1σ), beside how well its "
-                "ends can be told: the worst of the sheet’s surroundings. "
-                @if !is_good(rig) { "Take that as rough: with a focal length as unsure as this, it may be several times more. " }
+                (derived("length_along_sigma_mm", along, &significant(along, 2))) " mm along the line of sight. This is the largest value "
+                "around the sheet; how precisely the ends of the length can be located comes on top. "
+                @if !is_good(rig) { "Take it as rough: with a focal length this uncertain, the error may be several times larger. " }
             }
         }
         @if noise_alone(rig) {
-            "Every ± on this page is one standard deviation, and holds the noise of what was measured alone: principal points are taken \
-             as exact and lenses as undistorted."
+            "Every ± on this page is one standard deviation (1σ) and counts the noise of the measurements alone: principal points are \
+             assumed exact and lenses undistorted."
         } @else {
-            "Every ± on this page is one standard deviation: the truth lies within it about two times in three, and within \
-             twice of it 19 times in 20."
+            "Every ± on this page is one standard deviation (1σ): the true value lies within ± in about two of three cases, and within \
+             twice ± in 19 of 20."
         }
     }
 }
@@ -187,32 +190,32 @@ fn is_good(rig: &Rig) -> bool {
     rig.quality.as_ref().is_some_and(|q| q.verdict == Verdict::Good)
 }
 
-/// How sure a point is at the sheet, and what that is made of.
+/// The uncertainty of a point at the sheet, and which part of it all points share.
 fn of_a_point(rig: &Rig, working: &WorkingVolume) -> Markup {
-    let told = rig.quality.as_ref().and_then(|q| q.expected_point_sigma_mm).filter(|s| *s > 0.0);
-    // The rig's own number is that of vertical stripes, over all sheets.
-    let (sigma, distance) = match (told, working.axis) {
-        (Some(told), Axis::Columns) if working.of_sheet => (told, sheet_distance_mm(rig)),
+    let stated = rig.quality.as_ref().and_then(|q| q.expected_point_sigma_mm).filter(|s| *s > 0.0);
+    // The number in the rig is for vertical stripes, over all sheets.
+    let (sigma, distance) = match (stated, working.axis) {
+        (Some(stated), Axis::Columns) if working.of_sheet => (stated, sheet_distance_mm(rig)),
         _ => (working.sigma.sigma_mm, working.distance_mm),
     };
     html! {
         "A point " @if working.of_sheet { "at the sheet’s distance (" } @else { "in " (working.place_in_words()) " (at " }
-        (derived("sheet_distance_mm", distance, &significant(distance, 4))) " mm), under " (stripes(working.axis)) ", is off by about ± "
-        (derived("point_sigma_mm", sigma, &significant(sigma, 2))) " mm along the line of sight (1σ), "
+        (derived("sheet_distance_mm", distance, &significant(distance, 4))) " mm), measured with " (stripes(working.axis)) ", is off by ± "
+        (derived("point_sigma_mm", sigma, &significant(sigma, 2))) " mm along the line of sight, "
         (significant(100.0 * sigma / distance, 2)) " % of that distance. "
         @if !working.knows_rig {
-            "That is noise alone: what is not known of the rig itself is not in it. "
+            "That is noise alone; the uncertainty of the rig itself is not known. "
         } @else if working.rig_mm() > working.sigma.noise_mm {
-            "Most of that is common to all points"
-            // Of a weak rig, all lengths are rough.
-            @if rig.quality.as_ref().is_none_or(|q| q.verdict <= Verdict::Fair) { ", so that sizes and shapes are surer" } ". "
+            "Most of that is common to all points: it shifts and scales the cloud as a whole"
+            // With a weak rig, all lengths are rough.
+            @if rig.quality.as_ref().is_none_or(|q| q.verdict <= Verdict::Fair) { ", and lengths are off by much less" } ". "
         } @else {
-            "Most of that is noise, which differs from point to point: it makes a surface rough, and the mean of many points is surer. "
+            "Most of that is noise, which differs from point to point: it makes a surface rough, and averages out over many points. "
         }
     }
 }
 
-/// The rig behind a cloud.
+/// The verdict on the rig of a cloud.
 pub(super) fn in_a_line(rig: &Rig, name: &str) -> Markup {
     let style = verdict_style(rig);
     html! {
@@ -223,19 +226,10 @@ pub(super) fn in_a_line(rig: &Rig, name: &str) -> Markup {
     }
 }
 
-/// Mean distance of the sheets' centres from the camera, mm.
-pub(super) fn sheet_distance_mm(rig: &Rig) -> f64 {
-    let distances = rig.views.iter().map(|v| {
-        let centre = nalgebra::Point3::new(v.size.width_mm / 2.0, v.size.height_mm / 2.0, 0.0);
-        v.camera_from_sheet.transform(&centre).coords.norm()
-    });
-    distances.sum::<f64>() / rig.views.len().max(1) as f64
-}
-
-/// A clause of the library as a sentence.
+/// A message of the library as a sentence.
 pub(super) fn sentence(clause: &str) -> String {
     let mut letters = clause.chars();
-    // σ has no capital that means the same.
+    // The capital of σ means something else.
     let first = letters.next().map(|c| if c.is_ascii() { c.to_ascii_uppercase() } else { c });
     let text: String = first.into_iter().chain(letters).collect();
     if text.ends_with(['.', '!', '?']) { text } else { text + "." }
@@ -246,7 +240,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_worse_focal_length_decides_and_what_is_no_number_is_worst() {
+    fn the_larger_sigma_decides_and_nan_is_degenerate() {
         let quality = |projector: f64| Quality {
             verdict: Verdict::Weak,
             focal_sigma_percent_camera: 1.0,

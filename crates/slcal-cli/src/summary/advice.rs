@@ -1,4 +1,4 @@
-//! Which photograph to take next.
+//! The next best view.
 
 use slcal_core::advise::{Advice, Predicted, TiltForecast};
 
@@ -23,11 +23,11 @@ fn predicted(p: &Predicted) -> String {
     parts.iter().map(|part| unbroken(part)).collect::<Vec<_>>().join(", ") + &point.unwrap_or_default()
 }
 
-/// What is known, what any tilt would bring, and what to do next.
+/// The uncertainty now, what each tilt would bring, and the pose to photograph next.
 pub(crate) fn advice(advice: &Advice) -> String {
     let mut layout = TextLayout::new();
     layout.paragraph(format!(
-        "Predicted 1σ of the focal lengths, per cent; the sheet of {:.0} x {:.0} mm {}",
+        "Predicted σ (one standard deviation) of the focal lengths, per cent; the sheet of {:.0} x {:.0} mm {}",
         advice.size.width_mm,
         advice.size.height_mm,
         unbroken(&format!("{:.0} mm from the camera", advice.distance_mm))
@@ -36,7 +36,7 @@ pub(crate) fn advice(advice: &Advice) -> String {
         layout.line("now", predicted(now));
     }
     let with_projector = advice.table.iter().filter_map(|t| t.one).any(|p| p.projector_focal.is_some());
-    let tables: &[(&str, Outlook)] = if advice.now.is_some() {
+    let tables: &[(&str, Prediction)] = if advice.now.is_some() {
         &[("after one more photograph", |t| t.one)]
     } else {
         &[("after one photograph", |t| t.one), ("after two, the second with the tilt reversed", |t| t.pair)]
@@ -51,15 +51,15 @@ pub(crate) fn advice(advice: &Advice) -> String {
     layout.paragraph(
         "Across: tilt about the vertical axis, + with the right side nearer to the camera than the left. Down: about the horizontal \
          axis, + with the top side nearer than the bottom. Sides are as the photograph shows them. - : the sheet would leave the \
-         frame or the pattern the sheet, or be seen too flat.",
+         frame, the pattern would leave the sheet, or the view would be too flat.",
     );
     layout.gap();
     next(&mut layout, advice);
     layout.into_text()
 }
 
-/// Which photographs are forecast.
-type Outlook = fn(&TiltForecast) -> Option<Predicted>;
+/// What is predicted: one more photograph, or two.
+type Prediction = fn(&TiltForecast) -> Option<Predicted>;
 
 fn table(layout: &mut TextLayout, advice: &Advice, title: &str, of: impl Fn(&TiltForecast) -> Option<f64>) {
     let Some(first) = advice.table.first() else { return };
@@ -81,8 +81,8 @@ fn next(layout: &mut TextLayout, advice: &Advice) {
     let Some(next) = &advice.next else {
         return layout.line(
             "next",
-            "no pose is possible: the sheet does not fit into the frame at this distance, or the pattern onto the sheet; move the \
-             sheet further away or make the pattern smaller",
+            "no pose is possible: the sheet does not fit into the frame at this distance, or the pattern does not fit onto the \
+             sheet; move the sheet further away or make the pattern smaller",
         );
     };
     let (words, after) = (next.in_words(advice.size), predicted(&next.after));
@@ -98,7 +98,10 @@ fn next(layout: &mut TextLayout, advice: &Advice) {
         Some(_) => {
             layout.line(
                 "next",
-                format!("{}: the best pose would bring {after}", styled(GOOD, "nothing more is worth it")),
+                format!(
+                    "{}: the best pose would bring {after}",
+                    styled(GOOD, "no further photograph is worth it")
+                ),
             );
             layout.line("", format!("({words})"));
         }

@@ -6,12 +6,13 @@ use slcal_core::{CalibrationReport, Device, Quality, Rig, Verdict, View};
 
 use super::number::rounded;
 use super::verdict::verdict;
-use crate::output::{FAIR, Table, TextLayout, sanitized, unbroken};
+use super::working_volume::{lengths, sheet_distance_mm, view_distance_mm, working_volume};
+use crate::output::{BOLD, FAIR, Table, TextLayout, sanitized, unbroken};
 
-/// A σ from here on is told in whole pixels: its decimals mean nothing, and would burst the column.
+/// From this σ on, numbers are printed in whole pixels: their decimals mean nothing and would widen the column.
 const WIDE_SIGMA_PX: f64 = 1000.0;
 
-/// What a calibration found, how sure it is, and what to do about it.
+/// The verdict, the parameters with their σ, the expected uncertainty of points and lengths, warnings and advice.
 pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
     let mut layout = TextLayout::new();
     if let Some(quality) = &rig.quality {
@@ -23,18 +24,13 @@ pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
         let sigma = rig.baseline_sigma_mm().map_or(String::new(), |s| format!(" ± {s:.1}"));
         layout.line("baseline", format!("{baseline:.1}{sigma} mm"));
     }
-    if let Some(sigma) = rig.quality.as_ref().and_then(|q| q.expected_point_sigma_mm) {
-        layout.line("points", format!("expected to be off by {sigma:.2} mm (1σ) at the sheet's distance"));
-    }
+    expected_uncertainty(&mut layout, rig);
     if let Some(first) = rig.views.first() {
         layout.gap();
         views(&mut layout, rig, first);
     }
-    let said = remarks(rig, report);
-    if !said.is_empty() {
-        layout.gap();
-    }
-    for (style, label, sentence) in said {
+    layout.gap();
+    for (style, label, sentence) in remarks(rig, report) {
         layout.styled_line(style, label, sentence);
     }
     layout.into_text()
@@ -47,19 +43,50 @@ fn judgement(layout: &mut TextLayout, quality: &Quality, cause: &str) {
         match quality.verdict {
             Verdict::Good => word,
             Verdict::Fair => format!("{word}: lengths may be off by several per cent"),
-            Verdict::Weak => format!("{word}: treat lengths as rough"),
-            Verdict::Degenerate => format!("{word}: do not rely on any of this"),
+            Verdict::Weak => format!("{word}: lengths are rough"),
+            Verdict::Degenerate => format!("{word}: do not use these numbers"),
         },
     );
     if !cause.is_empty() {
         layout.line("because", cause);
     }
+    layout.line("", "(± and σ are one standard deviation)");
 }
 
-/// Camera and projector, a row each.
+/// How far points and lengths are expected to be off at the sheet, and which part of that all points share.
+fn expected_uncertainty(layout: &mut TextLayout, rig: &Rig) {
+    let Some(quality) = &rig.quality else { return };
+    let Some(sigma) = quality.expected_point_sigma_mm else { return };
+    let volume = working_volume(rig).ok().flatten();
+    let common = volume.as_ref().is_some_and(|v| v.knows_rig && v.rig_mm() > v.sigma.noise_mm);
+    let [shared, remedy] = [
+        if common {
+            ", most of it common to all points: it shifts and scales the cloud as a whole"
+        } else {
+            ""
+        },
+        if common && !quality.advice.is_empty() { "; the advice below reduces it" } else { "" },
+    ];
+    let distance = unbroken(&format!("({:.0} mm)", sheet_distance_mm(rig)));
+    layout.line(
+        "points",
+        format!("± {sigma:.2} mm along the line of sight at the sheet's distance {distance}{shared}{remedy}"),
+    );
+    if let Some((length, [across, along])) = volume.and_then(|v| lengths(rig, v.axis)) {
+        let [across, along] = [across, along].map(|s| rounded(s, 1));
+        layout.line(
+            "lengths",
+            format!(
+                "{length:.0} mm at the sheet: ± {across} mm across and ± {along} mm along the line of sight"
+            ),
+        );
+    }
+}
+
+/// A row for each device.
 fn devices(layout: &mut TextLayout, rig: &Rig) {
     let mut table = Table::new(["", "focal length, px", ">", "principal point, px", "size, px"]);
-    let mut bent = Vec::new();
+    let mut distorted = Vec::new();
     for (name, device) in rig.devices() {
         let (model, k) = (&device.model, &device.model.intrinsics);
         let sigma = device.sigma.as_ref();
@@ -79,11 +106,11 @@ fn devices(layout: &mut TextLayout, rig: &Rig) {
             table.row(["", &format!("{:.1} vertically", k.fy)]);
         }
         if model.distortion.to_array().iter().any(|&c| c != 0.0) {
-            bent.push((name, device));
+            distorted.push((name, device));
         }
     }
     layout.table(&table);
-    for (name, device) in bent {
+    for (name, device) in distorted {
         distortion(layout, name, device);
     }
 }
@@ -104,7 +131,7 @@ fn with_sigma(value: f64, sigma: Option<f64>) -> String {
     }
 }
 
-/// The sheet in each photograph, a row each.
+/// A row for the sheet in each photograph.
 fn views(layout: &mut TextLayout, rig: &Rig, first: &View) {
     let all_alike = rig.views.iter().all(|v| v.size == first.size);
     let sizes = if all_alike {
@@ -113,19 +140,17 @@ fn views(layout: &mut TextLayout, rig: &Rig, first: &View) {
         "of several sizes".to_owned()
     };
     let with_rms = rig.views.iter().any(|v| v.rms_px.is_some());
-    layout.line("sheet", format!("{sizes}{}", if with_rms { "; residuals (rms) in px" } else { "" }));
-    let mut heads = vec!["", ">away", ">tilted by"];
+    layout.line("sheet", format!("{sizes}{}", if with_rms { "; rms residuals in px" } else { "" }));
+    let mut heads = vec!["", ">distance", ">tilt"];
     if with_rms {
-        heads.extend([">edges", ">pattern", ">panel"]);
+        heads.extend([">edges", ">corners", ">projector"]);
     }
     heads.push("photograph");
     let mut table = Table::new(heads);
     for (i, view) in rig.views.iter().enumerate() {
-        let centre = nalgebra::Point3::new(view.size.width_mm / 2.0, view.size.height_mm / 2.0, 0.0);
-        let distance = view.camera_from_sheet.transform(&centre).coords.norm();
         let mut row = vec![
             format!("view {}", i + 1),
-            format!("{distance:.0} mm"),
+            format!("{:.0} mm", view_distance_mm(view)),
             rig.tilt_rad(i).map_or(String::new(), |t| format!("{:.1}°", t.to_degrees())),
         ];
         if with_rms {
@@ -143,18 +168,26 @@ fn views(layout: &mut TextLayout, rig: &Rig, first: &View) {
     layout.table(&table);
 }
 
-/// Warnings, and then what to do.
-fn remarks<'a>(rig: &'a Rig, report: &'a CalibrationReport) -> Vec<(anstyle::Style, &'static str, String)> {
+/// What must not change after the calibration.
+pub(crate) fn holds_while(rig: &Rig) -> &'static str {
+    match rig.projector {
+        Some(_) => {
+            "valid only while camera and projector keep their positions relative to each other, their zoom and their focus; \
+             slcal verify checks it"
+        }
+        None => "valid only while the camera keeps its zoom and focus",
+    }
+}
+
+/// Warnings, advice, and how long the calibration holds.
+fn remarks(rig: &Rig, report: &CalibrationReport) -> Vec<(anstyle::Style, &'static str, String)> {
     let warnings = rig.quality.iter().flat_map(|q| &q.warnings);
-    let mut said: Vec<_> =
+    let mut remarks: Vec<_> =
         warnings.clone().map(|w| (FAIR, "warning", format!("{} ({})", w.message, w.code))).collect();
     // The report's advice is often that of a warning.
     let mut once = HashSet::new();
     let advice = warnings.map(|w| &w.advice).chain([&report.advice]);
-    said.extend(
-        advice
-            .filter(|a| !a.is_empty() && once.insert(*a))
-            .map(|a| (crate::output::BOLD, "advice", a.clone())),
-    );
-    said
+    remarks.extend(advice.filter(|a| !a.is_empty() && once.insert(*a)).map(|a| (BOLD, "advice", a.clone())));
+    remarks.push((BOLD, "note", holds_while(rig).to_owned()));
+    remarks
 }

@@ -1,4 +1,4 @@
-//! Clouds.
+//! Point clouds.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use slcal_core::{PointCloud, Reconstruction};
 use super::decoding::{add_counts, add_remarks, decoded_percent};
 use crate::output::{TextLayout, unbroken};
 
-/// One cloud of many: decoding and points in a line, and lines of their own for what is out of the ordinary.
+/// One cloud of many: points and decoding in one line, then warnings and notes.
 pub(crate) fn cloud_in_a_line(result: &Reconstruction) -> String {
     let mut text = format!("{} points", result.cloud.points.len());
     if !result.cloud.triangles.is_empty() {
@@ -25,7 +25,7 @@ pub(crate) fn cloud_in_a_line(result: &Reconstruction) -> String {
     text.trim_end().to_owned()
 }
 
-/// A photograph's way to its cloud.
+/// Decoding, points, warnings and notes.
 pub(crate) fn reconstruction(result: &Reconstruction) -> String {
     let mut layout = TextLayout::new();
     if let Some(report) = &result.decode {
@@ -38,7 +38,7 @@ pub(crate) fn reconstruction(result: &Reconstruction) -> String {
     layout.into_text()
 }
 
-/// What became of matches.
+/// Points from matches.
 pub(crate) fn cloud(result: &Reconstruction) -> String {
     let mut layout = TextLayout::new();
     points(&mut layout, result);
@@ -56,24 +56,32 @@ fn points(layout: &mut TextLayout, result: &Reconstruction) {
         parts.push(format!("half of them within {middle:.0} mm"));
     }
     layout.line("points", listed(&parts));
-    let t = &result.triangulate;
-    let refused = t.invalid + t.grazing + t.behind + t.outside_panel + t.contradicting;
-    if refused + result.cull.outliers > 0 {
-        let mut parts = vec![
-            format!("{} outliers", result.cull.outliers),
-            format!("{} without coordinates", t.invalid),
-            format!("{} grazing", t.grazing),
-            format!("{} behind the devices", t.behind),
-            format!("{} lit from outside the panel", t.outside_panel),
-        ];
-        if t.contradicting > 0 {
-            parts.push(format!("{} whose column and row contradict each other", t.contradicting));
-        }
-        layout.line("left out", listed(&parts));
+    let left_out = left_out(result);
+    if !left_out.is_empty() {
+        layout.line(
+            "left out",
+            listed(&left_out.iter().map(|(count, why)| format!("{count} {why}")).collect::<Vec<_>>()),
+        );
     }
 }
 
-/// With commas between, broken nowhere else.
+/// Matches that are no points of the cloud: how many, and why; only reasons that occurred.
+pub(crate) fn left_out(result: &Reconstruction) -> Vec<(usize, &'static str)> {
+    let t = &result.triangulate;
+    let mut reasons = vec![
+        (result.cull.outliers, "outliers (far from their neighbours)"),
+        (t.invalid, "invalid (no projector coordinate, or outside the lens model)"),
+        (t.grazing, "with a ray nearly parallel to the light plane"),
+        (t.behind, "behind the camera or the projector"),
+        (t.outside_panel, "lit from outside the projector's image"),
+        (t.contradicting, "whose column and row contradict each other"),
+        (t.outside_depth, "outside the depth limits"),
+    ];
+    reasons.retain(|(count, _)| *count > 0);
+    reasons
+}
+
+/// Joined by commas; lines break only there.
 fn listed(parts: &[String]) -> String {
     parts.iter().map(|p| unbroken(p)).collect::<Vec<_>>().join(", ")
 }

@@ -1,21 +1,21 @@
-//! What decoding saw.
+//! What decoding found in a photograph of stripes.
 
 use slcal_core::decode::{DecodeReport, ScanDirection};
 
 use crate::output::{BOLD, FAIR, TextLayout, unbroken};
 
-/// Above this share of clipped stripes the user is told to expose less.
+/// A warning above this share of overexposed crossings.
 const SATURATED_SHARE: f64 = 0.05;
-/// Above this share of bright stripes without a number the pattern is doubted: the right one leaves 2 % in a clean
-/// photograph and 18 % in a compressed one of a head; a pattern that shares parts of the code, on surfaces too broken for
-/// decoding to refuse it, mostly 28 % to 80 %.
-const UNNUMBERED_SHARE: f64 = 0.25;
-/// Channels that spill more than this into each other are told: hues get closer.
+/// A warning above this share of ambiguous crossings among those with enough contrast: the pattern may be another one. The right one
+/// leaves 2 % in a clean photograph and 18 % in a compressed one of a head. A pattern that shares parts of the code leaves 28 % to 80 %
+/// on most surfaces that are too broken for decoding to refuse it.
+const AMBIGUOUS_SHARE: f64 = 0.25;
+/// A note from this crosstalk between channels on: it brings hues closer together.
 const CROSSTALK_SHARE: f64 = 0.1;
-/// Above this noise, in 8-bit grey levels, centres are told to be the worse for it.
+/// A note above this noise, 8-bit grey levels: it scatters the stripes' centres.
 const NOISE_LEVELS: f64 = 4.0;
 
-/// What decoding saw and why it left some of it out.
+/// Counts of decoded and rejected crossings, then warnings and notes.
 pub(crate) fn decoding(report: &DecodeReport) -> String {
     let mut layout = TextLayout::new();
     add_counts(&mut layout, report);
@@ -23,60 +23,77 @@ pub(crate) fn decoding(report: &DecodeReport) -> String {
     layout.into_text()
 }
 
-/// Of the crossings that were seen.
+/// The share of decoded crossings, per cent.
 pub(super) fn decoded_percent(report: &DecodeReport) -> f64 {
     100.0 * report.decoded as f64 / report.crossings.max(1) as f64
 }
 
-/// The numbers.
+/// Counts of decoded and rejected crossings.
 pub(super) fn add_counts(layout: &mut TextLayout, report: &DecodeReport) {
     let share = decoded_percent(report);
     let parts = [
-        format!("{} crossings seen,", report.crossings),
+        format!("{} stripe crossings on scanlines,", report.crossings),
         format!("{} decoded ({share:.1} %),", report.decoded),
         format!("{} different slits,", report.slits),
-        format!("{:.1} px wide", report.stripe_width_px),
+        format!("median width {:.1} px", report.stripe_width_px),
     ];
     layout.line("stripes", parts.map(|p| unbroken(&p)).join(" "));
-    let d = &report.rejected;
-    let parts = [
-        format!("{} weak,", d.low_contrast),
-        format!("{} ambiguous,", d.ambiguous),
-        format!("{} inconsistent,", d.duplicate),
-        format!("{} cut,", d.truncated),
-        format!("{} unsure", d.low_confidence),
-    ];
-    layout.line("dropped", parts.map(|p| unbroken(&p)).join(" "));
+    let parts = rejected(report).map(|(reason, count, _)| unbroken(&format!("{reason} {count}")));
+    layout.line("rejected", parts.join(", "));
 }
 
-/// What to know or to do.
+/// Rejected crossings: the reason, how many, and what it means.
+pub(crate) fn rejected(report: &DecodeReport) -> [(&'static str, usize, &'static str); 5] {
+    let r = &report.rejected;
+    [
+        ("low contrast", r.low_contrast, "contrast too low for the noise, or an edge is missing"),
+        (
+            "ambiguous",
+            r.ambiguous,
+            "the scanlines of its stripe do not agree on a slit, or too few were decoded",
+        ),
+        (
+            "duplicate",
+            r.duplicate,
+            "its neighbour on the scanline has the same slit and at least as much support",
+        ),
+        (
+            "truncated",
+            r.truncated,
+            "cut by an outline or a shadow, so that the centre of its slit is unknown",
+        ),
+        ("low confidence", r.low_confidence, "too few neighbouring scanlines confirm its slit"),
+    ]
+}
+
+/// Warnings and notes.
 pub(super) fn add_remarks(layout: &mut TextLayout, report: &DecodeReport) {
     for (label, remark) in remarks(report) {
         layout.styled_line(if label == "warning" { FAIR } else { BOLD }, label, remark);
     }
 }
 
-/// What the user should know or do about a photograph of stripes: "warning" or "note", and the sentence.
+/// Warnings and notes on a photograph of stripes: the label ("warning", "note") and the sentence.
 pub(crate) fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
     let mut remarks = Vec::new();
     if report.saturated > SATURATED_SHARE {
         let percent = 100.0 * report.saturated;
         let sentence = format!(
-            "{percent:.0} % of the crossings are overexposed and their colours unreliable: expose less"
+            "{percent:.0} % of the stripe crossings are overexposed, so their colours are unreliable: expose less"
         );
         remarks.push(("warning", sentence));
     }
-    let bright = report.crossings.saturating_sub(report.rejected.low_contrast).max(1);
-    let unnumbered = report.rejected.ambiguous as f64 / bright as f64;
-    if unnumbered > UNNUMBERED_SHARE {
-        let percent = 100.0 * unnumbered;
+    let with_contrast = report.crossings.saturating_sub(report.rejected.low_contrast).max(1);
+    let ambiguous = report.rejected.ambiguous as f64 / with_contrast as f64;
+    if ambiguous > AMBIGUOUS_SHARE {
+        let percent = 100.0 * ambiguous;
         let sentence = format!(
-            "{percent:.0} % of the stripes have no place in the code: is the pattern file the one that was projected?"
+            "{percent:.0} % of the stripe crossings fit no place in the code: is the pattern file the one that was projected?"
         );
         remarks.push(("warning", sentence));
     }
     if report.reversed {
-        let sentence = "the slits run backwards: the projector stands upside down or behind a mirror";
+        let sentence = "the slits are in reverse order: the projector is upside down, or there is a mirror";
         remarks.push(("note", sentence.to_owned()));
     }
     if report.turned {
@@ -85,7 +102,7 @@ pub(crate) fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
             ScanDirection::Columns => "across",
         };
         let sentence = format!(
-            "the stripes run {way} the photograph, a quarter turn from the pattern's: the camera or the projector is turned"
+            "the stripes run {way} the photograph, rotated by 90° from the pattern: the camera or the projector is rotated"
         );
         remarks.push(("note", sentence));
     }
@@ -93,12 +110,14 @@ pub(crate) fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
         && share > CROSSTALK_SHARE
     {
         let percent = 100.0 * share;
-        let sentence = format!("crosstalk: the camera's {into} sees {percent:.0} % of the projector's {of}");
+        let sentence = format!(
+            "crosstalk: the camera's {into} channel responds to {percent:.0} % of the projector's {of}"
+        );
         remarks.push(("note", sentence));
     }
     if report.noise_levels > NOISE_LEVELS {
         let sentence = format!(
-            "noise of {:.1} grey levels (1σ) scatters the centres: more light or a lower gain makes them surer",
+            "noise of {:.1} grey levels (1σ) scatters the stripes' centres: use more light or a lower gain",
             report.noise_levels
         );
         remarks.push(("note", sentence));
@@ -106,7 +125,7 @@ pub(crate) fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
     remarks
 }
 
-/// The camera's channel that sees most of another primary's light, that primary, and the share.
+/// The largest crosstalk: the camera's channel, the projector's primary that it responds to, and the share.
 fn largest_crosstalk(report: &DecodeReport) -> Option<(&'static str, &'static str, f64)> {
     const NAMES: [&str; 3] = ["red", "green", "blue"];
     let matrix = report.crosstalk.as_ref()?;
@@ -123,7 +142,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn remarks_say_what_is_out_of_the_ordinary_and_nothing_else() {
+    fn only_unusual_measures_are_remarked_upon() {
         let plain = DecodeReport {
             crosstalk: Some([[1.0, 0.05, 0.0], [0.02, 1.0, 0.08], [0.0, 0.03, 1.0]]),
             noise_levels: 1.2,
@@ -139,11 +158,13 @@ mod tests {
             rejected: Rejected { low_contrast: 5, ambiguous: 16_200, ..Rejected::default() },
             ..plain
         };
-        let said: Vec<String> = remarks(&odd).into_iter().map(|(_, s)| s).collect();
-        assert_eq!(said.len(), 4);
-        assert!(said[0].contains("36 % of the stripes") && said[0].contains("pattern file"));
-        assert!(said[1].contains("run across the photograph"));
-        assert!(said[2].contains("blue sees 31 % of the projector's green"));
-        assert!(said[3].contains("7.0 grey levels"));
+        let sentences: Vec<String> = remarks(&odd).into_iter().map(|(_, s)| s).collect();
+        assert_eq!(sentences.len(), 4);
+        assert!(
+            sentences[0].contains("36 % of the stripe crossings") && sentences[0].contains("pattern file")
+        );
+        assert!(sentences[1].contains("run across the photograph"));
+        assert!(sentences[2].contains("blue channel responds to 31 % of the projector's green"));
+        assert!(sentences[3].contains("7.0 grey levels"));
     }
 }

@@ -1,4 +1,4 @@
-//! Results in words, for people: the verdict first, then numbers, and what to do at the end, where the eye lies.
+//! Results in words: the verdict first, then numbers, and what to do at the end, next to the prompt.
 
 mod advice;
 mod calibration;
@@ -9,11 +9,12 @@ mod number;
 mod surface_fit;
 mod verdict;
 mod verification;
+pub(crate) mod working_volume;
 
 pub(crate) use advice::advice;
-pub(crate) use calibration::calibration;
-pub(crate) use cloud::{cloud, cloud_in_a_line, reconstruction};
-pub(crate) use decoding::{decoding, remarks};
+pub(crate) use calibration::{calibration, holds_while};
+pub(crate) use cloud::{cloud, cloud_in_a_line, left_out, reconstruction};
+pub(crate) use decoding::{decoding, rejected, remarks};
 pub(crate) use noise_experiment::noise_experiment;
 pub(crate) use number::unsigned;
 pub(crate) use surface_fit::{plane_fit, sphere_fit};

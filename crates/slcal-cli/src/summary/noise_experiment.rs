@@ -1,4 +1,4 @@
-//! The synthetic experiment as tables.
+//! The synthetic noise experiment as tables.
 
 use slcal_core::simulate::{
     Coverage, ErrorStatistics, LevelReport, MethodName, MethodReport, NoiseConfig, NoiseReport,
@@ -11,7 +11,7 @@ use crate::output::{Table, TextLayout, unbroken};
 /// Tilts below this about one of the axes leave one vanishing point near infinity, rad.
 const SINGLE_AXIS_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
-/// The tables with what they mean.
+/// The tables and their explanation.
 pub(crate) fn noise_experiment(config: &NoiseConfig, report: &NoiseReport) -> String {
     let mut layout = TextLayout::new();
     head(&mut layout, config, report);
@@ -20,7 +20,7 @@ pub(crate) fn noise_experiment(config: &NoiseConfig, report: &NoiseReport) -> St
     layout.gap();
     layout.table(&errors(report));
     layout.gap();
-    layout.table(&held(report));
+    layout.table(&coverage(report));
     layout.gap();
     foot(&mut layout, config, report);
     layout.into_text()
@@ -41,16 +41,16 @@ fn head(layout: &mut TextLayout, config: &NoiseConfig, report: &NoiseReport) {
         format!("tilted by {x:.1}°, {y:.1}°"),
     ];
     layout.line("truth", parts.map(|p| unbroken(&p)).join(" "));
-    let told = match config.principal_points {
-        PrincipalPoints::Exact => "principal points are told exactly",
+    let principal_points = match config.principal_points {
+        PrincipalPoints::Exact => "principal points are known exactly",
         PrincipalPoints::Prior => {
-            "principal points are drawn from the default priors: ml is told these, two-vp takes the centres for exact"
+            "principal points are drawn from the default priors, which ml knows; two-vp assumes the image centres"
         }
     };
     layout.line(
         "draws",
         format!(
-            "{} per level, seed {}; {told}; projected squares of {} px; cube of {} mm on the sheet, {} corners seen",
+            "{} per level, seed {}; {principal_points}; projected squares of {} px; cube of {} mm on the sheet, {} visible corners",
             config.draws, config.seed, t.square_px, t.cube_mm, t.cube_corners
         ),
     );
@@ -63,12 +63,12 @@ fn name(m: &MethodReport) -> &'static str {
     }
 }
 
-/// The first row of a level says which it is.
+/// The level, in its first row only.
 fn level_cell(level: &LevelReport, row: usize) -> String {
     if row == 0 { format!("{:.3}", level.level_px) } else { String::new() }
 }
 
-/// How well the rigs explain what was observed, and how well they reconstruct.
+/// Reprojection and reconstruction errors.
 fn fits(report: &NoiseReport) -> Table {
     let mut table = Table::new(["noise, px", "", ">camera, px", ">projector, px", ">3D error, %", ">failed"]);
     for level in &report.levels {
@@ -86,7 +86,7 @@ fn fits(report: &NoiseReport) -> Table {
     table
 }
 
-/// How far the rigs are from the truth, and how near anything could come.
+/// Errors of the parameters, and the Cramér–Rao bound.
 fn errors(report: &NoiseReport) -> Table {
     let t = report.truth;
     let mut table = Table::new(["noise, px", "", ">f camera, %", ">f projector, %", ">translation, mm"]);
@@ -112,10 +112,10 @@ fn errors(report: &NoiseReport) -> Table {
     table
 }
 
-/// How often a rig's own σ was right.
-fn held(report: &NoiseReport) -> Table {
+/// Coverage of the rigs' own σ.
+fn coverage(report: &NoiseReport) -> Table {
     let mut table =
-        Table::new(["noise, px", "", ">f camera held, %", ">f projector held, %", ">baseline held, %"]);
+        Table::new(["noise, px", "", ">coverage: f camera, %", ">f projector, %", ">baseline, %"]);
     for level in &report.levels {
         for (i, m) in level.methods.iter().enumerate() {
             let row = [level_cell(level, i), name(m).to_owned()];
@@ -126,7 +126,7 @@ fn held(report: &NoiseReport) -> Table {
 }
 
 fn mean(s: &Statistics, decimals: usize) -> String {
-    // Beyond a thousand the digits behind the point mean nothing, and the column would burst.
+    // From a thousand on, decimals mean nothing and would widen the column.
     let large = s.mean.into_iter().chain(s.std).any(|x| x.abs() >= 1000.0);
     let decimals = if large { 0 } else { decimals };
     match (s.mean, s.std) {
@@ -138,7 +138,7 @@ fn mean(s: &Statistics, decimals: usize) -> String {
 
 fn error(e: &ErrorStatistics, unit: f64, decimals: usize) -> String {
     match (e.rms, e.bias) {
-        // Beyond a thousand the digits behind the point mean nothing, and the column would burst.
+        // From a thousand on, decimals mean nothing and would widen the column.
         (Some(rms), Some(bias)) if rms / unit < 1000.0 => {
             let bias = unsigned(bias / unit, decimals);
             format!("{:.decimals$} ({bias:.decimals$})", rms / unit)
@@ -153,13 +153,13 @@ fn shares(h: &Coverage) -> [String; 3] {
     [h.camera_focal, h.projector_focal, h.baseline].map(percent)
 }
 
-/// What the columns are; where the method of two vanishing points fails, and why.
+/// The meaning of the columns, and why the two-vanishing-point method fails where it does.
 fn foot(layout: &mut TextLayout, config: &NoiseConfig, report: &NoiseReport) {
     layout.paragraph(
-        "camera, projector: reprojection of what was observed, mean ± std; 3D error: corners of the cube in the camera's frame, mean \
-         ± std; failed: draws without a real focal length, refused by their own σ, failed otherwise. Errors of f and \
-         translation: rms (bias); bound: smallest standard deviation that any unbiased estimator can have (Cramér–Rao). held: how often \
-         ±1.96 of a rig's own σ held the truth. Refused draws count in all columns, others without a rig in none.",
+        "camera, projector: reprojection errors, mean ± std. 3D error: corners of the cube in the camera's frame, mean ± std. failed: \
+         draws with an imaginary focal length, draws refused for their own σ, other failures. Errors of f and translation: rms \
+         (bias). bound: the smallest standard deviation of any unbiased estimator (Cramér–Rao). coverage: how often ±1.96 σ of a \
+         rig contain the truth. Refused draws count in all columns, other failures in none.",
     );
     let two_vp = report.levels.iter().map(|l| &l.methods[0]);
     let (draws, imaginary, refused) =
@@ -168,7 +168,7 @@ fn foot(layout: &mut TextLayout, config: &NoiseConfig, report: &NoiseReport) {
         layout.line(
             "two-vp",
             format!(
-                "{imaginary} of {draws} draws without a real focal length, {refused} refused by their own σ"
+                "{imaginary} of {draws} draws with an imaginary focal length, {refused} refused for their own σ"
             ),
         );
     }
@@ -176,15 +176,15 @@ fn foot(layout: &mut TextLayout, config: &NoiseConfig, report: &NoiseReport) {
     if pose.tilt_x_rad.abs().min(pose.tilt_y_rad.abs()) < SINGLE_AXIS_RAD {
         layout.line(
             "two-vp",
-            "a tilt about (nearly) one axis alone sends a vanishing point to infinity, where noise alone decides: the second \
-             constraint of a sheet of known size, which ml uses, is what determines the focal length there",
+            "a tilt about one axis alone moves a vanishing point to infinity, so that only noise determines it; there the known \
+             size of the sheet, which ml uses, determines the focal length",
         );
     }
     if config.principal_points == PrincipalPoints::Prior && config.rig.lens_shift != 0.0 {
         layout.line(
             "two-vp",
-            "takes the projector's principal point to be the panel's centre; the lens shift of this one makes its focal length wrong or \
-             imaginary, without noise as well",
+            "assumes that the projector's principal point is the panel's centre; the lens shift here makes its focal length wrong \
+             or imaginary even without noise",
         );
     }
 }

@@ -1,10 +1,10 @@
-//! How well a surface fits a cloud.
+//! A plane or sphere fitted to a cloud.
 
 use slcal_core::evaluate::{FitReport, PlaneFit, SphereFit};
 
 use crate::output::{Table, TextLayout};
 
-/// The plane, and how far the points lie from it.
+/// The plane, and the distances of the points from it.
 pub(crate) fn plane_fit(fit: &PlaneFit) -> String {
     let (n, offset) = (fit.plane.normal, fit.plane.offset_mm);
     let term = |x: f64, digits: usize, name: &str| {
@@ -15,7 +15,7 @@ pub(crate) fn plane_fit(fit: &PlaneFit) -> String {
     surface_fit("plane", &equation, &fit.report)
 }
 
-/// The sphere, and how far the points lie from it.
+/// The sphere, and the distances of the points from it.
 pub(crate) fn sphere_fit(fit: &SphereFit) -> String {
     let [x, y, z]: [f64; 3] = fit.centre.into();
     let words = format!("centre {x:.2}, {y:.2}, {z:.2} mm, radius {:.2} mm", fit.radius_mm);
@@ -25,7 +25,7 @@ pub(crate) fn sphere_fit(fit: &SphereFit) -> String {
 fn surface_fit(shape: &str, surface: &str, report: &FitReport) -> String {
     let mut layout = TextLayout::new();
     layout.line(shape, surface);
-    let mut table = Table::new(["", ">mm", "% of the distance to the camera"]);
+    let mut table = Table::new(["", ">mm", "% of the distance from the camera"]);
     for (name, mm, percent) in [
         ("mean", report.mean_mm, report.mean_percent),
         ("std", report.std_mm, report.std_percent),
@@ -37,7 +37,7 @@ fn surface_fit(shape: &str, surface: &str, report: &FitReport) -> String {
     layout.line(
         "over",
         format!(
-            "{} of {} points, those within {:.3} mm of it ({:.1} % are not), {:.0} mm from the camera on average",
+            "{} of {} points, the inliers within {:.3} mm ({:.1} % are outliers), {:.0} mm from the camera on average",
             report.inliers,
             report.points,
             report.inlier_limit_mm,

@@ -12,7 +12,7 @@ use self::point_cloud::plotted;
 use super::figure::{Figures, packed};
 use super::page::Section;
 use super::rig_page::ShownCloud;
-use super::verdict::sheet_distance_mm;
+use crate::summary::working_volume::sheet_distance_mm;
 
 /// Length of the drawn pyramids as a share of the distance of what they look at.
 const PYRAMID: f64 = 0.22;

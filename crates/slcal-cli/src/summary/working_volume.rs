@@ -1,17 +1,17 @@
-//! Where one works with a rig, and how sure a point or a length will be there.
+//! The expected uncertainty of points and lengths in the working volume: what is visible to the camera and lit by the projector.
 
 use nalgebra::{Point2, Point3, Vector3};
 use slcal_core::geometry::Camera;
 use slcal_core::pattern::Axis;
 use slcal_core::reconstruct::{ExpectedSigma, SigmaForecast, length_sigma};
-use slcal_core::{Match, Rig, Verdict};
+use slcal_core::{Match, Rig, Verdict, View};
 
-/// Rows of the image that are tried for each of them: odd, so that the middle is one, and up to both edges.
+/// Image rows that are tried for a place seen from above: an odd number, so that the middle is one of them, and up to both edges.
 const LAYERS: usize = 33;
-/// Patterns have vertical stripes unless asked otherwise: horizontal ones are spoken of where their σ is below this share.
+/// Patterns have vertical stripes by default. Horizontal ones are reported where their σ is below this share.
 const CLEARLY_BETTER: f64 = 0.5;
 
-/// Which place of the image the working distance is looked at.
+/// The place in the image at which the working distance is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Place {
     Sheet,
@@ -19,30 +19,28 @@ enum Place {
     Lit,
 }
 
-/// Where one works with a rig, and what σ is foretold there.
-pub(super) struct WorkingVolume {
-    /// The slits that tell depths better there.
-    pub(super) axis: Axis,
+/// A place in the working volume and the σ that is expected there.
+pub(crate) struct WorkingVolume {
+    /// The direction of slits with the smaller σ there.
+    pub(crate) axis: Axis,
     forecast: SigmaForecast,
     /// Where in the image.
     pixel: Point2<f64>,
     place: Place,
     /// The depth there.
-    pub(super) distance_mm: f64,
+    pub(crate) distance_mm: f64,
     /// Whether that is the sheet's.
-    pub(super) of_sheet: bool,
+    pub(crate) of_sheet: bool,
     /// Whether the rig's share of σ is known.
-    pub(super) knows_rig: bool,
-    pub(super) sigma: ExpectedSigma,
+    pub(crate) knows_rig: bool,
+    pub(crate) sigma: ExpectedSigma,
 }
 
-/// The middle of the first sheet, or of the image some baselines away, or else any place lit there; under the slits that tell
-/// its depth better. `None` where nothing is lit there.
-pub(super) fn working(rig: &Rig) -> slcal_core::Result<Option<WorkingVolume>> {
+/// The middle of the first sheet, or of the image some baselines away, or else any place that is lit; with the slits that give the
+/// smaller σ. `None` where nothing is lit.
+pub(crate) fn working_volume(rig: &Rig) -> slcal_core::Result<Option<WorkingVolume>> {
     let model = &rig.camera.model;
-    let middle = rig.views.first().map(|v| {
-        v.camera_from_sheet.transform(&Point3::new(v.size.width_mm / 2.0, v.size.height_mm / 2.0, 0.0))
-    });
+    let middle = rig.views.first().map(sheet_centre);
     let centre = Camera::image_centre(model.width, model.height);
     let (depths, of_sheet) = match middle {
         Some(m) => (vec![m.z], model.project(&m)),
@@ -57,13 +55,13 @@ pub(super) fn working(rig: &Rig) -> slcal_core::Result<Option<WorkingVolume>> {
         forecasts.push((axis, SigmaForecast::new(rig, axis, Match::DEFAULT_SIGMA_PX)?));
     }
     for ((place, pixel), depth) in places.iter().flat_map(|p| depths.iter().map(move |d| (*p, *d))) {
-        let told: Vec<_> = forecasts
+        let expected: Vec<_> = forecasts
             .iter_mut()
             .enumerate()
             .filter_map(|(i, (_, f))| Some((i, f.at(pixel, depth)?)))
             .collect();
         let clearly = |a: &ExpectedSigma, b: &ExpectedSigma| b.sigma_mm < CLEARLY_BETTER * a.sigma_mm;
-        let best = told.into_iter().reduce(|a, b| if clearly(&a.1, &b.1) { b } else { a });
+        let best = expected.into_iter().reduce(|a, b| if clearly(&a.1, &b.1) { b } else { a });
         if let Some((i, sigma)) = best {
             let (axis, forecast) = forecasts.swap_remove(i);
             let (of_sheet, knows_rig) = (middle.is_some(), rig.covariance.is_some());
@@ -83,7 +81,7 @@ pub(super) fn working(rig: &Rig) -> slcal_core::Result<Option<WorkingVolume>> {
 }
 
 /// Slopes y/z of rows of the image, from its middle outwards, by turns up and down.
-pub(super) fn slopes(model: &Camera) -> Vec<f64> {
+pub(crate) fn slopes(model: &Camera) -> Vec<f64> {
     let h = f64::from(model.height);
     let row = |i: usize| {
         let off = i.div_ceil(2) as f64 / (LAYERS / 2) as f64 * h / 2.0;
@@ -103,12 +101,12 @@ fn grid(model: &Camera) -> impl Iterator<Item = Point2<f64>> {
 
 impl WorkingVolume {
     /// The share of σ that is common to all points, mm.
-    pub(super) fn rig_mm(&self) -> f64 {
+    pub(crate) fn rig_mm(&self) -> f64 {
         (self.sigma.sigma_mm.powi(2) - self.sigma.noise_mm.powi(2)).max(0.0).sqrt()
     }
 
     /// Where in the image that is.
-    pub(super) fn place_in_words(&self) -> &'static str {
+    pub(crate) fn place_in_words(&self) -> &'static str {
         match self.place {
             Place::Sheet => "the middle of the sheet",
             Place::Image => "the middle of the image",
@@ -117,12 +115,12 @@ impl WorkingVolume {
     }
 
     /// σ along the line of sight through that place.
-    pub(super) fn at_depth(&mut self, depth_mm: f64) -> Option<ExpectedSigma> {
+    pub(crate) fn at_depth(&mut self, depth_mm: f64) -> Option<ExpectedSigma> {
         self.forecast.at(self.pixel, depth_mm)
     }
 
     /// σ at a place seen from above, whatever its height: at the row of the image nearest to the middle that is lit there.
-    pub(super) fn seen_from_above(
+    pub(crate) fn seen_from_above(
         &mut self,
         model: &Camera,
         slopes: &[f64],
@@ -138,25 +136,25 @@ impl WorkingVolume {
     }
 }
 
-/// How a reader knows the slits.
-pub(super) fn stripes(axis: Axis) -> &'static str {
+/// The direction of slits in words.
+pub(crate) fn stripes(axis: Axis) -> &'static str {
     match axis {
         Axis::Columns => "vertical stripes",
         Axis::Rows => "horizontal stripes",
     }
 }
 
-/// A length near the first sheet, and its σ across and along the line of sight, mm: the worst of the middle and a quarter of
-/// the sheet beside, before and behind it, as the sheet pins what lies at its own place. `None` for rigs that are too unsure
-/// for a first-order σ to mean anything.
-pub(super) fn lengths(rig: &Rig, axis: Axis) -> Option<(f64, [f64; 2])> {
+/// A length near the first sheet, and its σ across and along the line of sight, mm: the largest over the middle of the sheet and
+/// places a quarter of the sheet beside, before and behind it, since calibration determines lengths at the sheet itself best. `None`
+/// for verdicts worse than fair, for which a first-order σ means nothing.
+pub(crate) fn lengths(rig: &Rig, axis: Axis) -> Option<(f64, [f64; 2])> {
     if rig.quality.as_ref()?.verdict > Verdict::Fair {
         return None;
     }
     let view = rig.views.first()?;
     let (w, h) = (view.size.width_mm, view.size.height_mm);
-    let middle = view.camera_from_sheet.transform(&Point3::new(w / 2.0, h / 2.0, 0.0));
-    // As long as things are that one measures there: at most half of the sheet, in round numbers.
+    let middle = sheet_centre(view);
+    // The size of typical objects: at most half of the sheet, in round numbers.
     let length = [1000.0, 100.0, 10.0].into_iter().find(|l| *l <= w.max(h) / 2.0)?;
     let along = middle.coords.try_normalize(0.0)?;
     let across = Vector3::y().cross(&along).try_normalize(0.0)?;
@@ -169,7 +167,7 @@ pub(super) fn lengths(rig: &Rig, axis: Axis) -> Option<(f64, [f64; 2])> {
     };
     let worst = |directions: &[Vector3<f64>]| {
         let offsets = [Vector3::zeros(), across * aside, -across * aside, along * aside, -along * aside];
-        // Places that are not lit say nothing.
+        // Places that are not lit are skipped.
         let all = offsets
             .iter()
             .flat_map(|o| directions.iter().map(move |d| (*o, *d)))
@@ -177,6 +175,21 @@ pub(super) fn lengths(rig: &Rig, axis: Axis) -> Option<(f64, [f64; 2])> {
         all.reduce(f64::max)
     };
     Some((length, [worst(&[across, upright])?, worst(&[along])?]))
+}
+
+/// Mean distance of the sheets' centres from the camera, mm.
+pub(crate) fn sheet_distance_mm(rig: &Rig) -> f64 {
+    rig.views.iter().map(view_distance_mm).sum::<f64>() / rig.views.len().max(1) as f64
+}
+
+/// Distance of a sheet's centre from the camera, mm.
+pub(crate) fn view_distance_mm(view: &View) -> f64 {
+    sheet_centre(view).coords.norm()
+}
+
+/// A sheet's centre in the camera's frame.
+fn sheet_centre(view: &View) -> Point3<f64> {
+    view.camera_from_sheet.transform(&Point3::new(view.size.width_mm / 2.0, view.size.height_mm / 2.0, 0.0))
 }
 
 #[cfg(test)]
