@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Point2, Point3};
 use slcal_core::geometry::Distortion;
 use slcal_core::reconstruct::{CullRule, Culler, TriangulateConfig, Triangulator};
 use slcal_core::simulate::{RigConfig, Scene};
-use slcal_core::{Covariance, Match, Matches, PointCloud, Projector, Rig};
+use slcal_core::{Covariance, Match, Matches, Parameter, PointCloud, Projector, Rig};
 
 /// The default simulated rig with these lenses and a covariance.
 fn rig(camera: Distortion, projector: Distortion) -> Rig {
@@ -15,7 +15,9 @@ fn rig(camera: Distortion, projector: Distortion) -> Rig {
     rig.projector.as_mut().expect("a projector").device.model.distortion = projector;
     let lens = ["focal_px", "cx_px", "cy_px"];
     let pose = ["rx_rad", "ry_rad", "rz_rad", "tx_mm", "ty_mm", "tz_mm"];
-    let of = |device: &str, names: &[&str]| names.iter().map(|n| format!("{device}.{n}")).collect::<Vec<_>>();
+    let of = |device: &str, names: &[&str]| {
+        names.iter().map(|n| format!("{device}.{n}").as_str().into()).collect::<Vec<Parameter>>()
+    };
     let parameters =
         [of("camera", &lens), of("projector", &lens), of("projector_from_camera", &pose)].concat();
     rig.covariance = Some(Covariance { parameters, matrix: DMatrix::identity(12, 12) * 1e-4 });

@@ -32,6 +32,7 @@ mod error;
 mod matches;
 mod named;
 mod observations;
+mod parameter;
 mod rig;
 
 pub use calibrate::{
@@ -45,6 +46,7 @@ pub use matches::{Match, Matches};
 pub use observations::{
     CornerPair, EdgePoint, ExternalObservations, Observations, SheetObservation, Unstated, ViewObservation,
 };
+pub use parameter::{LensParameter, Parameter, PoseParameter};
 pub use pipeline::{
     Calibrator, CloudReport, PhotoVerifier, ReconstructConfig, Reconstruction, Reconstructor, SheetPhoto,
     VerifiedPhoto, VerifyPhotoConfig, cloud_from_matches, verify_photo,

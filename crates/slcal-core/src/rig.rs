@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Pose, RectangleSize, VanishingPoints};
+use crate::parameter::{Parameter, PoseParameter};
 
 /// 1σ of a device's parameters; zero for what was held fixed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -170,11 +171,17 @@ pub struct Quality {
     pub warnings: Vec<Warning>,
 }
 
+impl Warning {
+    pub(crate) fn new(code: &str, message: String, advice: impl Into<String>) -> Self {
+        Self { code: code.into(), message, advice: advice.into() }
+    }
+}
+
 /// Covariance of all estimated parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covariance {
-    /// Names of rows and columns.
-    pub parameters: Vec<String>,
+    /// What rows and columns are of.
+    pub parameters: Vec<Parameter>,
     /// Symmetric, in the units of the parameters (px, mm, rad).
     pub matrix: DMatrix<f64>,
 }
@@ -214,7 +221,7 @@ impl Rig {
     #[must_use]
     pub fn baseline_sigma_mm(&self) -> Option<f64> {
         let along = self.projector?.from_camera.pose.translation.try_normalize(0.0)?;
-        self.stereo_sigma(["tx_mm", "ty_mm", "tz_mm"], &along)
+        self.stereo_sigma([PoseParameter::Tx, PoseParameter::Ty, PoseParameter::Tz], &along)
     }
 
     /// 1σ of the rotation angle between the devices, rad: of a small rotation that follows another, the part along the
@@ -222,16 +229,16 @@ impl Rig {
     #[must_use]
     pub fn rotation_sigma_rad(&self) -> Option<f64> {
         let axis = self.projector?.from_camera.pose.rotation.axis()?;
-        self.stereo_sigma(["rx_rad", "ry_rad", "rz_rad"], &axis)
+        self.stereo_sigma([PoseParameter::Rx, PoseParameter::Ry, PoseParameter::Rz], &axis)
     }
 
     /// √(uᵀ C u) with C the covariance of three parameters between the devices.
-    fn stereo_sigma(&self, names: [&str; 3], u: &Vector3<f64>) -> Option<f64> {
+    fn stereo_sigma(&self, parameters: [PoseParameter; 3], u: &Vector3<f64>) -> Option<f64> {
         let covariance = self.covariance.as_ref()?;
         let mut at = [0; 3];
-        for (index, name) in at.iter_mut().zip(names) {
-            let name = format!("projector_from_camera.{name}");
-            *index = covariance.parameters.iter().position(|p| *p == name)?;
+        for (index, parameter) in at.iter_mut().zip(parameters) {
+            let wanted = Parameter::ProjectorFromCamera(parameter);
+            *index = covariance.parameters.iter().position(|p| *p == wanted)?;
         }
         let c = Matrix3::from_fn(|i, j| covariance.matrix.get((at[i], at[j])).copied().unwrap_or(f64::NAN));
         let variance = (u.transpose() * c * u)[0];
@@ -300,7 +307,7 @@ mod tests {
         let along = Vector3::new(0.6, 0.8, 0.0);
         let matrix = across * across.transpose() + along * along.transpose() * 0.25;
         rig.covariance = Some(Covariance {
-            parameters: ["tx_mm", "ty_mm", "tz_mm"].map(|n| format!("projector_from_camera.{n}")).to_vec(),
+            parameters: PoseParameter::ALL[3..].iter().map(|p| Parameter::ProjectorFromCamera(*p)).collect(),
             matrix: DMatrix::from_iterator(3, 3, matrix.iter().copied()),
         });
         assert!((rig.baseline_sigma_mm().unwrap() - 0.5).abs() < 1e-12);
@@ -310,7 +317,7 @@ mod tests {
         let turned = Pose { rotation: nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 0.5), ..pose };
         rig.projector.as_mut().unwrap().from_camera.pose = turned;
         rig.covariance = Some(Covariance {
-            parameters: ["rx_rad", "ry_rad", "rz_rad"].map(|n| format!("projector_from_camera.{n}")).to_vec(),
+            parameters: PoseParameter::ALL[..3].iter().map(|p| Parameter::ProjectorFromCamera(*p)).collect(),
             matrix: DMatrix::from_diagonal(&nalgebra::dvector![1e-6, 4e-6, 9e-6]),
         });
         assert!((rig.rotation_sigma_rad().unwrap() - 3e-3).abs() < 1e-15);

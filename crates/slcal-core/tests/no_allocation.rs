@@ -27,7 +27,7 @@ fn rig() -> Rig {
     // With a share of the rig in every σ.
     rig.covariance = Some(slcal_core::Covariance {
         parameters: ["camera.focal_px", "projector.cy_px", "projector_from_camera.tx_mm"]
-            .map(String::from)
+            .map(slcal_core::Parameter::from)
             .to_vec(),
         matrix: nalgebra::DMatrix::identity(3, 3),
     });

@@ -17,7 +17,7 @@ fn rig() -> Rig {
     rig.camera.model.distortion.k1 = -0.1;
     rig.covariance = Some(Covariance {
         parameters: ["camera.focal_px", "projector.cy_px", "projector_from_camera.tx_mm"]
-            .map(String::from)
+            .map(slcal_core::Parameter::from)
             .to_vec(),
         matrix: DMatrix::identity(3, 3),
     });

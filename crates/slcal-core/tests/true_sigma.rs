@@ -123,7 +123,8 @@ fn errors_are_as_large_as_their_sigma() {
         let projector = c.rig.projector.as_ref().unwrap();
         let t = projector.from_camera.pose.translation;
         let covariance = c.rig.covariance.as_ref().unwrap();
-        let first = covariance.parameters.iter().position(|n| n == "projector_from_camera.tx_mm").unwrap();
+        let first =
+            covariance.parameters.iter().position(|p| *p == "projector_from_camera.tx_mm".into()).unwrap();
         let block = covariance.matrix.fixed_view::<3, 3>(first, first);
         let along = (t.normalize().transpose() * block * t.normalize())[0].sqrt();
         let z = [

@@ -1,6 +1,6 @@
 //! The next best view.
 
-use slcal_core::advise::{Advice, Predicted, TiltForecast};
+use slcal_core::advise::{Advice, Predicted, TiltPrediction};
 
 use crate::output::{BOLD, GOOD, Table, TextLayout, styled, unbroken};
 
@@ -59,9 +59,9 @@ pub(crate) fn advice(advice: &Advice) -> String {
 }
 
 /// What is predicted: one more photograph, or two.
-type Prediction = fn(&TiltForecast) -> Option<Predicted>;
+type Prediction = fn(&TiltPrediction) -> Option<Predicted>;
 
-fn table(layout: &mut TextLayout, advice: &Advice, title: &str, of: impl Fn(&TiltForecast) -> Option<f64>) {
+fn table(layout: &mut TextLayout, advice: &Advice, title: &str, of: impl Fn(&TiltPrediction) -> Option<f64>) {
     let Some(first) = advice.table.first() else { return };
     layout.gap();
     layout.paragraph(styled(BOLD, &unbroken(title)));

@@ -1,101 +1,88 @@
-//! What to do about a weak view, with numbers predicted from the Jacobian.
+//! What is advised.
 
-use nalgebra::{Unit, Vector3};
+use nalgebra::Point2;
 
-use super::predict::{MORE_TILT, predict, reversed, tilt, turned};
-use crate::estimate::Joint;
-use crate::estimate::refine::Fit;
-use crate::geometry::Pose;
-use crate::rig::Verdict;
+use super::predicted_covariance::Predicted;
+use crate::geometry::{Pose, RectangleSize};
 
-/// With several photographs one more is advised when it brings σ below this part of itself.
-const WORTH_ANOTHER: f64 = 0.5;
-
-/// The better of tilting the first view's sheet by 15° more about one of the camera's axes.
-pub(crate) struct Tilt {
-    pub(crate) axis: &'static str,
-    pub(crate) sigma: f64,
-    pose: Pose,
+/// A tilt with what a photograph under it would bring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TiltPrediction {
+    /// Turn about the camera's horizontal axis, rad; positive: the top side is nearer to the camera than the bottom.
+    pub tilt_x_rad: f64,
+    /// Turn about its vertical axis, rad; positive: the right side is nearer to the camera than the left.
+    pub tilt_y_rad: f64,
+    /// σ after one photograph; `None` where the sheet would leave the frame or the pattern the sheet, or be seen too flat.
+    pub one: Option<Predicted>,
+    /// σ after a second one with the tilt reversed as well.
+    pub pair: Option<Predicted>,
 }
 
-/// The tilt of 15° more that lowers the worst focal σ the most.
-pub(crate) fn best_tilt(joint: &Joint, fit: &Fit) -> Option<Tilt> {
-    let (pose, size) = (fit.model.views.first()?, *joint.sizes.first()?);
-    let [_, about_x, about_y] = tilt(pose);
-    let options = [("horizontal", Vector3::x_axis(), about_x), ("vertical", Vector3::y_axis(), about_y)];
-    let tried = options.into_iter().filter_map(|(axis, direction, now): (_, Unit<Vector3<f64>>, f64)| {
-        // More of the tilt that is there; from face-on either sign will do.
-        let angle = if now < 0.0 { -MORE_TILT } else { MORE_TILT };
-        let pose = turned(pose, size, direction, angle);
-        Some(Tilt { axis, sigma: predict(joint, fit, &[pose])?.worst(), pose })
-    });
-    tried.min_by(|a, b| a.sigma.total_cmp(&b.sigma))
+/// A pose of the sheet to photograph.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NextView {
+    /// X_camera = R · X_sheet + t.
+    pub camera_from_sheet: Pose,
+    /// As in [`TiltPrediction`].
+    pub tilt_x_rad: f64,
+    /// As in [`TiltPrediction`].
+    pub tilt_y_rad: f64,
+    /// From the camera to the sheet's middle, mm.
+    pub distance_mm: f64,
+    /// Where the sheet's middle is seen, px.
+    pub centre_px: Point2<f64>,
+    /// What is known after it (with a second photograph, its tilt reversed, when it is the first one).
+    pub after: Predicted,
 }
 
-/// Per cent with two significant digits: "0.015 %", "5.4 %", "45 %"; beyond ten times the value the digits mean nothing.
-pub(crate) fn percent(share: f64) -> String {
-    let p = share * 100.0;
-    if p > 1000.0 {
-        return "more than 1000 %".into();
-    }
-    if p >= 10.0 || p <= 0.0 {
-        return format!("{p:.0} %");
-    }
-    let decimals = (1.0 - p.log10().floor()).clamp(1.0, 6.0) as usize;
-    format!("{p:.decimals$} %")
-}
-
-/// One sentence of advice: what more tilt and what a photograph with the tilt reversed would bring.
-pub(crate) fn advise(joint: &Joint, fit: &Fit, sigma: f64) -> String {
-    let (Some(pose), Some(&size)) = (fit.model.views.first(), joint.sizes.first()) else {
-        return String::new();
-    };
-    let others = &fit.model.views[1..];
-    // All poses with the first as given, and one more that reverses it.
-    let with_reversed = |p: &Pose| {
-        let mut poses = vec![*p, reversed(p, size)];
-        poses.extend_from_slice(others);
-        predict(joint, fit, &poses).map(|s| s.worst())
-    };
-    let now = percent(sigma);
-    let (again, all) = if others.is_empty() { ("a second time", "both") } else { ("once more", "all") };
-    let second =
-        with_reversed(pose).filter(|s| *s < if others.is_empty() { 1.0 } else { WORTH_ANOTHER } * sigma);
-    let tilt_more = || best_tilt(joint, fit).filter(|t| t.sigma < sigma.min(Verdict::WEAK_BELOW));
-    if sigma >= Verdict::FAIR_BELOW
-        && others.is_empty()
-        && let Some(t) = tilt_more()
-    {
-        let pair = with_reversed(&t.pose)
-            .filter(|s| *s < t.sigma)
-            .map(|s| format!(", and a second photograph with the tilt reversed brings it to {}", percent(s)));
-        return format!(
-            "tilt the sheet by 15° more about its {} axis: that brings σ of the focal length to {}{}",
-            t.axis,
-            percent(t.sigma),
-            pair.unwrap_or_default()
-        );
-    }
-    match second {
-        Some(s) => format!(
-            "photograph the sheet {again} with its tilt reversed, and calibrate from {all} photographs: that brings σ of the \
-             focal length from {now} to {}",
-            percent(s)
-        ),
-        None if sigma >= Verdict::FAIR_BELOW => {
-            "give the principal points or a known camera, or photograph the sheet in other poses".into()
-        }
-        None => format!("more photographs would change little: σ of the focal length is {now}"),
+impl NextView {
+    /// How to hold the sheet, for a person: which side is nearer to the camera, by what angle and by how much. Sides are as
+    /// the photograph shows them.
+    #[must_use]
+    pub fn in_words(&self, size: RectangleSize) -> String {
+        let part = |angle: f64, positive: [&str; 2], length: f64, axis: &str| {
+            let degrees = angle.to_degrees().round();
+            if degrees == 0.0 {
+                return None;
+            }
+            let [near, far] = if degrees > 0.0 { positive } else { [positive[1], positive[0]] };
+            Some(format!(
+                "its {near} side nearer to the camera than its {far} side by {:.0} mm (a tilt of {:.0}° about its {axis} axis)",
+                length * angle.sin().abs(),
+                degrees.abs()
+            ))
+        };
+        let parts: Vec<String> = [
+            part(self.tilt_y_rad, ["right", "left"], size.width_mm * self.tilt_x_rad.cos(), "vertical"),
+            part(self.tilt_x_rad, ["top", "bottom"], size.height_mm, "horizontal"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        let held =
+            if parts.is_empty() { "face-on".to_owned() } else { format!("with {}", parts.join(" and ")) };
+        format!(
+            "hold the sheet {held}, its middle {:.0} mm from the camera and at ({:.0}, {:.0}) px of the photograph",
+            self.distance_mm, self.centre_px.x, self.centre_px.y
+        )
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn per_cent_have_two_digits() {
-        let shown = [0.000_15, 0.054, 0.45, 3.2, 81.0, 0.0].map(percent);
-        assert_eq!(shown, ["0.015 %", "5.4 %", "45 %", "320 %", "more than 1000 %", "0 %"]);
-    }
+/// What to do next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Advice {
+    /// What is known now; `None` before the first photograph.
+    pub now: Option<Predicted>,
+    /// The sheet.
+    pub size: RectangleSize,
+    /// From the camera to its middle in the table, mm.
+    pub distance_mm: f64,
+    /// σ of the sheet's measurement (per corner, or per eighth of a side) and of a projected corner that the prediction assumes, px.
+    pub noise_px: [f64; 2],
+    /// Row by row: one tilt about the horizontal axis each, all tilts about the vertical axis in it.
+    pub table: Vec<TiltPrediction>,
+    /// The best pose that is possible; `None` when no pose is.
+    pub next: Option<NextView>,
+    /// Whether it is worth taking.
+    pub worth_it: bool,
 }

@@ -1,3 +1,5 @@
+use nalgebra::Point2;
+
 use super::*;
 use crate::calibrate::tests::scene::{observe, pose, rig, rng, with_edges};
 use crate::calibrate::{DistortionModel, PrincipalPointRule, calibrate_observations};
@@ -24,24 +26,18 @@ fn plan(projector: bool) -> CameraPlan {
 /// σ in per cent of one photograph (or the pair) whatever the frame.
 fn at(plan: &CameraPlan, a: f64, b: f64, pair: bool) -> Predicted {
     let middle = Point3::new(0.0, 0.0, plan.distance_mm.unwrap());
+    let tilted = |s: f64| posed(middle, plan.size, [s * a.to_radians(), s * b.to_radians(), 0.0]);
+    let poses = [tilted(1.0), tilted(-1.0)];
     let model = Model {
         camera: plan.camera,
         projector: plan.projector,
         projector_from_camera: beside(plan.projector.as_ref(), middle.z),
-        views: Vec::new(),
+        views: vec![poses[0]],
     };
-    let outlook = Outlook {
-        root: known_beforehand(&model, &plan.config, middle.z),
-        size: plan.size,
-        corners_only: true,
-        sheet_sigma_px: plan.noise_px[0],
-        pattern: pattern_of(&model, None).unwrap(),
-        pattern_sigma_px: plan.noise_px[1],
-        model,
-    };
-    let tilted = |s: f64| posed(middle, plan.size, [s * a.to_radians(), s * b.to_radians(), 0.0]);
-    let poses = [tilted(1.0), tilted(-1.0)];
-    outlook.predict(if pair { &poses } else { &poses[..1] }).unwrap()
+    let factor = known_beforehand(&model, &plan.config);
+    let sheet = (plan.size, ExpectedSheet::Corners(1.0));
+    let knowledge = Knowledge::new(model, factor, sheet, None, plan.noise_px, |_, _| true).unwrap();
+    knowledge.predict(if pair { &poses } else { &poses[..1] }).unwrap()
 }
 
 #[test]
@@ -106,10 +102,10 @@ fn what_is_predicted_is_what_the_photograph_brings() {
                 r.quality.as_ref().unwrap().expected_point_sigma_mm.unwrap(),
             ]
         };
-        let told = |p: &Predicted| {
+        let expected = |p: &Predicted| {
             [p.camera_focal, p.projector_focal.unwrap(), p.projector_cy_px.unwrap(), p.point_mm.unwrap()]
         };
-        for (a, b) in told(&now).into_iter().zip(sigma(&before)) {
+        for (a, b) in expected(&now).into_iter().zip(sigma(&before)) {
             assert!((a / b - 1.0).abs() < 1e-3, "now: {a} {b}");
         }
         let next = advice.next.unwrap();
@@ -118,7 +114,7 @@ fn what_is_predicted_is_what_the_photograph_brings() {
         let mut all = views;
         all.push(next.camera_from_sheet);
         let after = sigma(&calibrated(all));
-        for (i, (a, b)) in told(&next.after).into_iter().zip(after).enumerate().take(3) {
+        for (i, (a, b)) in expected(&next.after).into_iter().zip(after).enumerate().take(3) {
             assert!((a / b - 1.0).abs() < 0.1, "{i}: predicted {a}, came out as {b}");
         }
         // The table's best is no better by much than what was chosen.
@@ -160,9 +156,11 @@ fn words_say_which_side_is_nearer() {
         let upright = if top < bottom { side("top", "bottom") } else { side("bottom", "top") };
         assert!(words.contains(&sideways) && words.contains(&upright), "{words}");
         // The distance between the nearer and the farther side is that of the depths.
-        let told: Vec<f64> =
+        let found: Vec<f64> =
             words.split("side by ").skip(1).map(|t| t.split(' ').next().unwrap().parse().unwrap()).collect();
-        assert!((told[0] - (left - right).abs()).abs() < 0.6 && (told[1] - (top - bottom).abs()).abs() < 0.6);
+        assert!(
+            (found[0] - (left - right).abs()).abs() < 0.6 && (found[1] - (top - bottom).abs()).abs() < 0.6
+        );
     }
     let flat = NextView {
         camera_from_sheet: Pose::identity(),
@@ -186,15 +184,8 @@ fn poses_are_possible_ones() {
         assert!((0.0..1279.0).contains(&p.x) && (0.0..959.0).contains(&p.y), "{p}");
     }
     // The pattern stays where the projector throws it, and the sheet is under it.
-    let stereo = before.projector.unwrap().from_camera.pose;
     for q in [Point2::new(295.5, 239.5), Point2::new(727.5, 527.5)] {
-        let p = crate::estimate::residual::lit_point(
-            &before.projector.unwrap().device.model,
-            &stereo,
-            &next.camera_from_sheet,
-            q,
-        )
-        .unwrap();
+        let p = Model::of_rig(&before).lit(&next.camera_from_sheet, q).unwrap();
         let p = next.camera_from_sheet.inverse().transform(&p);
         assert!((0.0..=594.0).contains(&p.x) && (0.0..=420.0).contains(&p.y), "{p}");
     }
@@ -234,7 +225,7 @@ fn first_photographs_are_planned_with_and_without_projector() {
 }
 
 #[test]
-fn rigs_that_tell_too_little_are_refused() {
+fn rigs_without_views_or_covariance_are_refused() {
     let rig = calibrated(vec![pose(25.0, 28.0)]);
     let without = Rig { covariance: None, ..rig.clone() };
     assert!(advise_next(&without, None).unwrap_err().to_string().contains("covariance"));

@@ -1,114 +1,16 @@
 //! What the user may ask of a calibration.
 
-use std::fmt;
-use std::str::FromStr;
-
-use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::geometry::{Camera, FILM_DIAGONAL_MM};
-use crate::named::{named, unnamed};
+use crate::estimate::assumptions::{
+    Assumptions, DistortionModel, FocalPrior, LensAssumptions, PrincipalPointRule,
+};
+use crate::geometry::Camera;
+use crate::named::named;
 
 /// Fewest views in which the projector's distortion can be told from its principal point and from the camera's lens.
 pub(crate) const VIEWS_FOR_PROJECTOR_DISTORTION: usize = 3;
-
-/// What is known about a principal point.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum PrincipalPointRule {
-    /// The image's centre, uncertain by [`CalibrateConfig::principal_point_sigma`] of the width along both axes.
-    Prior,
-    /// Exactly the image's centre.
-    Centre,
-    /// Unknown; only several well-spread views determine it.
-    Free,
-    /// Exactly this pixel.
-    Exact(f64, f64),
-    /// The horizontal centre as in [`Prior`](Self::Prior), the vertical one unknown (1σ of four times the panel's
-    /// height): a projector with lens shift.
-    Shift,
-}
-
-impl PrincipalPointRule {
-    /// The names of the rules; a pixel has none.
-    pub const NAMES: &'static [&'static str] = &["shift", "prior", "centre", "free"];
-
-    /// Where the principal point of a device of width and height `size` is expected before anything was photographed, px:
-    /// the stated one, the lower edge's middle where lens shift is expected, else the centre.
-    #[must_use]
-    pub fn expected(self, [width, height]: [u32; 2]) -> Point2<f64> {
-        let centre = Camera::image_centre(width, height);
-        match self {
-            Self::Exact(x, y) => Point2::new(x, y),
-            Self::Shift => Point2::new(centre.x, f64::from(height) - 0.5),
-            Self::Prior | Self::Centre | Self::Free => centre,
-        }
-    }
-}
-
-impl fmt::Display for PrincipalPointRule {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Shift => f.pad("shift"),
-            Self::Prior => f.pad("prior"),
-            Self::Centre => f.pad("centre"),
-            Self::Free => f.pad("free"),
-            Self::Exact(x, y) => write!(f, "{x},{y}"),
-        }
-    }
-}
-
-impl FromStr for PrincipalPointRule {
-    type Err = Error;
-
-    /// `shift`, `prior`, `centre`, `free`, or a pixel as `X,Y`.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] that lists these.
-    fn from_str(text: &str) -> Result<Self> {
-        let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-        Ok(match text.to_ascii_lowercase().as_str() {
-            "shift" => Self::Shift,
-            "prior" => Self::Prior,
-            "centre" | "center" => Self::Centre,
-            "free" => Self::Free,
-            _ => {
-                let point = text.split_once(',').and_then(|(x, y)| number(x).zip(number(y)));
-                let wrong = || unnamed("principal point", Self::NAMES, " or X,Y in pixels", text);
-                let (x, y) = point.ok_or_else(wrong)?;
-                Self::Exact(x, y)
-            }
-        })
-    }
-}
-
-/// What is known about the camera's focal length beforehand, as from a photograph's EXIF tags.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FocalPrior {
-    /// The expected focal length, px.
-    pub focal_px: f64,
-    /// 1σ of it as a share of the focal length (of ln f).
-    pub sigma_share: f64,
-}
-
-impl FocalPrior {
-    /// From the focal length as its 35 mm equivalent (the EXIF tag `FocalLengthIn35mmFilm`), mm, for an uncropped image of
-    /// this width and height: the angle of view over the diagonal is that of 36×24 mm film.
-    ///
-    /// σ is 5 % and what rounding to whole millimetres adds: some cameras mean the width instead of the diagonal (4 % for an
-    /// image of 4:3), lenses focused at arm's length reach a few per cent further than their name, and makers round.
-    #[must_use]
-    pub fn from_35mm_equivalent(equivalent_mm: f64, [width, height]: [u32; 2]) -> Self {
-        const MEANING: f64 = 0.05;
-        let rounding = 1.0 / (12_f64.sqrt() * equivalent_mm);
-        Self {
-            focal_px: equivalent_mm / FILM_DIAGONAL_MM * f64::from(width).hypot(f64::from(height)),
-            sigma_share: MEANING.hypot(rounding),
-        }
-    }
-}
 
 /// Which estimator to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -123,31 +25,6 @@ pub enum Method {
 }
 
 named!(Method, "method", { Ml => "ml", TwoVp => "two-vp" });
-
-/// Which distortion coefficients of a device are estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum DistortionModel {
-    /// k1 and k2 when they lower the residuals by more than chance would, else none.
-    #[default]
-    Auto,
-    /// None: a pinhole.
-    None,
-    /// k1.
-    K1,
-    /// k1 and k2.
-    K1K2,
-    /// k1, k2, p1, p2, k3.
-    Full,
-}
-
-named!(DistortionModel, "distortion", {
-    Auto => "auto",
-    None => "none",
-    K1 => "k1",
-    K1K2 => "k1k2",
-    Full => "full",
-});
 
 /// Parameters of [`calibrate_observations`](crate::calibrate::calibrate_observations).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -245,6 +122,27 @@ impl CalibrateConfig {
 }
 
 impl CalibrateConfig {
+    /// What the estimator takes for known.
+    pub(crate) fn assumptions(&self) -> Assumptions {
+        let camera = LensAssumptions {
+            known: self.known_camera.is_some(),
+            principal_point: self.camera_pp,
+            distortion: self.distortion,
+            focal: self.focal_prior,
+        };
+        let projector = LensAssumptions {
+            known: false,
+            principal_point: self.projector_pp,
+            distortion: self.projector_distortion,
+            focal: None,
+        };
+        Assumptions {
+            lenses: [camera, projector],
+            principal_point_sigma: self.principal_point_sigma,
+            distortion_sigma: self.distortion_sigma,
+        }
+    }
+
     /// Checks the values for this many photographs, with a projected pattern or without.
     ///
     /// # Errors
@@ -296,23 +194,6 @@ impl CalibrateConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_35_mm_equivalent_spans_the_diagonal() {
-        // 36x24 at 100 px per mm: 50 mm are 5000 px.
-        let prior = FocalPrior::from_35mm_equivalent(50.0, [3600, 2400]);
-        assert!((prior.focal_px - 5000.0).abs() < 1e-9);
-        assert!((0.05..0.051).contains(&prior.sigma_share));
-        assert!(FocalPrior::from_35mm_equivalent(4.0, [3600, 2400]).sigma_share > 0.08);
-    }
-
-    #[test]
-    fn principal_points_are_expected_where_the_rule_says() {
-        let expected = |rule: PrincipalPointRule| rule.expected([1024, 768]);
-        assert_eq!(expected(PrincipalPointRule::Prior), Point2::new(511.5, 383.5));
-        assert_eq!(expected(PrincipalPointRule::Shift), Point2::new(511.5, 767.5));
-        assert_eq!(expected(PrincipalPointRule::Exact(7.0, -9.0)), Point2::new(7.0, -9.0));
-    }
 
     #[test]
     fn defaults_are_valid_and_nonsense_is_not() {

@@ -3,45 +3,37 @@
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::initial_guess::{camera_starts, projector_starts};
 use crate::error::{Error, ErrorSubject, Result};
-use crate::estimate::model::{Layout, Model, priors};
-use crate::estimate::refine::{Fit, refine};
-use crate::estimate::{Joint, Kind, Measurement, measurements};
-use crate::geometry::RectangleSize;
+use crate::estimate::prior::priors;
+use crate::estimate::robust::RobustFit;
+use crate::estimate::{BundleAdjustment, Kind, Measurement, Model, Solution, Unknowns, measurements};
 use crate::observations::Observations;
 
-/// A fit and the problem that it solves.
-#[derive(Clone)]
-pub(crate) struct Solved {
-    pub(crate) joint: Joint,
-    pub(crate) fit: Fit,
-}
-
-pub(crate) fn problem(observations: &Observations, config: &CalibrateConfig, model: &Model) -> Joint {
-    let sizes: Vec<RectangleSize> = observations.views.iter().map(|v| v.size).collect();
+/// The problem that observations pose under a configuration; without a projector in the model, that of the camera alone.
+pub(crate) fn problem(
+    observations: &Observations,
+    config: &CalibrateConfig,
+    model: &Model,
+) -> BundleAdjustment {
+    let sizes: Vec<_> = observations.views.iter().map(|v| v.size).collect();
     let with_projector = model.projector.is_some();
-    let layout = Layout::new(config, with_projector, sizes.len());
-    let priors = priors(config, &layout, model);
+    let assumptions = config.assumptions();
+    let unknowns = Unknowns::new(&assumptions, with_projector, sizes.len());
+    let priors = priors(&assumptions, &unknowns, model);
     let all: Vec<Measurement> =
         measurements(observations).into_iter().filter(|m| with_projector || m.kind() != Kind::Pair).collect();
-    Joint::new(sizes, all, layout, priors)
+    BundleAdjustment::new(sizes, all, unknowns, priors)
 }
 
 /// The best refinement over several starts; a start that fails is passed over.
-fn best(observations: &Observations, config: &CalibrateConfig, starts: Vec<Model>) -> Option<Solved> {
-    let mut best: Option<Solved> = None;
-    for start in starts {
-        let mut joint = problem(observations, config, &start);
-        if let Some(fit) = refine(&mut joint, start)
-            && best.as_ref().is_none_or(|b| quality(&fit) < quality(&b.fit))
-        {
-            best = Some(Solved { joint, fit });
-        }
-    }
-    best
+fn best(observations: &Observations, config: &CalibrateConfig, starts: Vec<Model>) -> Option<Solution> {
+    let solutions =
+        starts.into_iter().filter_map(|start| Solution::refine(problem(observations, config, &start), start));
+    // Of those that tie, the first one.
+    solutions.min_by(|a, b| penalised_cost(&a.fit).total_cmp(&penalised_cost(&b.fit)))
 }
 
 /// What starts are compared by: outliers first lower a redescending cost, so those count as well.
-fn quality(fit: &Fit) -> f64 {
+fn penalised_cost(fit: &RobustFit<Model>) -> f64 {
     let outliers = fit.inliers.iter().filter(|k| !**k).count();
     fit.cost + 10.0 * outliers as f64
 }
@@ -58,7 +50,7 @@ fn failed(complaint: Option<Error>, device: &'static str) -> Error {
 }
 
 /// Camera and poses, from the sheet alone.
-pub(crate) fn solve_camera(observations: &Observations, config: &CalibrateConfig) -> Result<Solved> {
+pub(crate) fn solve_camera(observations: &Observations, config: &CalibrateConfig) -> Result<Solution> {
     let (starts, complaint) = camera_starts(observations, config)?;
     best(observations, config, starts).ok_or_else(|| failed(complaint, "camera"))
 }
@@ -67,15 +59,16 @@ pub(crate) fn solve_camera(observations: &Observations, config: &CalibrateConfig
 pub(crate) fn add_projector(
     observations: &Observations,
     config: &CalibrateConfig,
-    camera: &Solved,
-) -> Result<Solved> {
+    camera: &Solution,
+) -> Result<Solution> {
     let Some(panel) = observations.projector else { return Ok(camera.clone()) };
-    let (starts, complaint) = projector_starts(observations, config, panel, &camera.fit.model)?;
-    let both = best(observations, config, starts).ok_or_else(|| failed(complaint, "projector"))?;
-    Ok(Solved { fit: Fit { iterations: both.fit.iterations + camera.fit.iterations, ..both.fit }, ..both })
+    let (starts, complaint) = projector_starts(observations, config, panel, camera.model())?;
+    let mut both = best(observations, config, starts).ok_or_else(|| failed(complaint, "projector"))?;
+    both.fit.iterations += camera.fit.iterations;
+    Ok(both)
 }
 
 /// Camera, poses and, when the observations have one, the projector.
-pub(crate) fn solve(observations: &Observations, config: &CalibrateConfig) -> Result<Solved> {
+pub(crate) fn solve(observations: &Observations, config: &CalibrateConfig) -> Result<Solution> {
     add_projector(observations, config, &solve_camera(observations, config)?)
 }

@@ -1,20 +1,18 @@
-//! The unknowns of the joint problem: which there are, where they stand in the vector, what is known beforehand.
+//! The two devices, the transform between them and the sheet's poses: what is estimated.
 
-use nalgebra::{DMatrix, DVector, Point2, Rotation3, Vector3};
+use nalgebra::{DVector, Point2, Point3, Rotation3, Vector3};
 
-use super::residual::{LENS, POSE};
-use crate::calibrate::config::{CalibrateConfig, DistortionModel, PrincipalPointRule};
-use crate::geometry::{Camera, Distortion, Intrinsics, Pose};
+use super::assumptions::Lens;
+use super::residual::{LENS, lit_point};
+use super::unknowns::Unknowns;
+use crate::geometry::{Camera, Distortion, Intrinsics, Plane, Pose, Ray};
+use crate::parameter::{LensParameter, Parameter, PoseParameter};
+use crate::rig::Rig;
 
-/// 1σ of a principal point that is free, in widths: no information, but never a singular matrix.
-const FREE_WIDTHS: f64 = 10.0;
-/// 1σ of the vertical principal point of a lens-shifted projector, in heights around the centre; published ones lie 0.5
-/// to 1.3 heights off, and a narrower prior would pull them inwards.
-const SHIFT_HEIGHTS: f64 = 4.0;
-/// 1σ of the tangential coefficients and of k3; real lenses stay below.
-const TANGENTIAL_SIGMA: f64 = 0.01;
 /// A focal length outside this range (in units of the longer side of the image) is not that of a lens: 170° to 0.5° of view.
 pub(crate) const FOCAL_RANGE: [f64; 2] = [0.05, 100.0];
+/// Each round gains two digits or more at the strongest distortion that a projector has.
+const ROUNDS_ON_A_CURVED_COLUMN: usize = 30;
 
 /// Everything that is estimated, and what is held fixed with it.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,36 +20,20 @@ pub(crate) struct Model {
     pub(crate) camera: Camera,
     pub(crate) projector: Option<Camera>,
     pub(crate) projector_from_camera: Pose,
+    /// The sheet in the camera frame, view by view.
     pub(crate) views: Vec<Pose>,
 }
 
-/// Positions in the vector of unknowns; `None` for what is held fixed.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Layout {
-    pub(crate) camera: [Option<usize>; LENS],
-    pub(crate) projector: [Option<usize>; LENS],
-    pub(crate) stereo: Option<usize>,
-    pub(crate) views: usize,
-    pub(crate) len: usize,
-}
-
-/// A lens parameter that is known to be `mean` ± `sigma`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Prior {
-    pub(crate) of_projector: bool,
-    pub(crate) index: usize,
-    pub(crate) mean: f64,
-    pub(crate) sigma: f64,
-}
-
-/// Values of a lens in the order of its parameters.
+/// Values of a lens in the order of its parameters, the focal length as ln f.
 pub(crate) fn lens_values(c: &Camera) -> [f64; LENS] {
     let d = c.distortion;
     [c.intrinsics.fx.ln(), c.intrinsics.cx, c.intrinsics.cy, d.k1, d.k2, d.p1, d.p2, d.k3]
 }
 
-fn moved_lens(c: &Camera, places: &[Option<usize>; LENS], delta: &DVector<f64>) -> Option<Camera> {
-    let d = places.map(|p| p.map_or(0.0, |i| delta[i]));
+/// fx, fy and skew grow together.
+fn moved_lens(c: &Camera, lens: Lens, unknowns: &Unknowns, delta: &DVector<f64>) -> Option<Camera> {
+    let position = |p| unknowns.lens(lens, p);
+    let d = LensParameter::ALL.map(|p| position(p).map_or(0.0, |i| delta[i]));
     let (k, grow) = (c.intrinsics, d[0].exp());
     let l = c.distortion;
     let intrinsics = Intrinsics {
@@ -62,8 +44,8 @@ fn moved_lens(c: &Camera, places: &[Option<usize>; LENS], delta: &DVector<f64>) 
         cy: k.cy + d[2],
     };
     let side = f64::from(c.width.max(c.height));
-    let fine =
-        places[0].is_none() || (FOCAL_RANGE[0] * side..=FOCAL_RANGE[1] * side).contains(&intrinsics.fx);
+    let fine = position(LensParameter::Focal).is_none()
+        || (FOCAL_RANGE[0] * side..=FOCAL_RANGE[1] * side).contains(&intrinsics.fx);
     let distortion =
         Distortion { k1: l.k1 + d[3], k2: l.k2 + d[4], p1: l.p1 + d[5], p2: l.p2 + d[6], k3: l.k3 + d[7] };
     (fine && intrinsics.cx.is_finite() && intrinsics.cy.is_finite()).then_some(Camera {
@@ -80,19 +62,65 @@ fn moved_pose(p: &Pose, at: usize, delta: &DVector<f64>) -> Pose {
 }
 
 impl Model {
-    /// The model after a step.
-    pub(crate) fn moved(&self, layout: &Layout, delta: &DVector<f64>) -> Option<Self> {
+    /// A rig with all of its views.
+    pub(crate) fn of_rig(rig: &Rig) -> Self {
+        Self {
+            camera: rig.camera.model,
+            projector: rig.projector.map(|p| p.device.model),
+            projector_from_camera: rig.projector.map_or(Pose::identity(), |p| p.from_camera.pose),
+            views: rig.views.iter().map(|v| v.camera_from_sheet).collect(),
+        }
+    }
+
+    /// The same devices with other views.
+    pub(crate) fn with_views(&self, views: &[Pose]) -> Self {
+        Self { views: views.to_vec(), ..*self }
+    }
+
+    /// A device, if there is one.
+    pub(crate) fn lens(&self, lens: Lens) -> Option<&Camera> {
+        match lens {
+            Lens::Camera => Some(&self.camera),
+            Lens::Projector => self.projector.as_ref(),
+        }
+    }
+
+    /// The model after a step; `None` where a focal length leaves the range that lenses have.
+    pub(crate) fn moved(&self, unknowns: &Unknowns, delta: &DVector<f64>) -> Option<Self> {
         Some(Self {
-            camera: moved_lens(&self.camera, &layout.camera, delta)?,
+            camera: moved_lens(&self.camera, Lens::Camera, unknowns, delta)?,
             projector: match &self.projector {
-                Some(p) => Some(moved_lens(p, &layout.projector, delta)?),
+                Some(p) => Some(moved_lens(p, Lens::Projector, unknowns, delta)?),
                 None => None,
             },
-            projector_from_camera: layout
-                .stereo
+            projector_from_camera: unknowns
+                .projector_from_camera()
                 .map_or(self.projector_from_camera, |at| moved_pose(&self.projector_from_camera, at, delta)),
-            views: self.views.iter().enumerate().map(|(i, v)| moved_pose(v, layout.view(i), delta)).collect(),
+            views: self
+                .views
+                .iter()
+                .enumerate()
+                .map(|(i, v)| moved_pose(v, unknowns.view(i), delta))
+                .collect(),
         })
+    }
+
+    /// The natural unit of each unknown: 1 for ln f, angles and coefficients, the width for pixels, the distance of the
+    /// furthest sheet for lengths.
+    pub(crate) fn units(&self, unknowns: &Unknowns) -> Vec<f64> {
+        let distance = self.views.iter().map(|v| v.translation.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let lens = |lens: Lens, p| match p {
+            LensParameter::Cx | LensParameter::Cy => self.lens(lens).map_or(1.0, |c| f64::from(c.width)),
+            _ => 1.0,
+        };
+        let pose = |p| if p as usize >= PoseParameter::Tx as usize { distance } else { 1.0 };
+        let unit = |parameter| match parameter {
+            Parameter::Camera(p) => lens(Lens::Camera, p),
+            Parameter::Projector(p) => lens(Lens::Projector, p),
+            Parameter::ProjectorFromCamera(p) | Parameter::View(_, p) => pose(p),
+            Parameter::Other(_) => 1.0,
+        };
+        unknowns.parameters().into_iter().map(unit).collect()
     }
 
     /// Removes the drift from orthonormality that products of rotations collect.
@@ -101,128 +129,43 @@ impl Model {
             pose.rotation.renormalize();
         }
     }
-}
 
-impl Layout {
-    /// The unknowns for `views` views under a configuration, with or without a projector.
-    pub(crate) fn new(config: &CalibrateConfig, with_projector: bool, views: usize) -> Self {
-        let mut len = 0;
-        let mut place = |active: bool| {
-            active.then(|| {
-                len += 1;
-                len - 1
-            })
-        };
-        let pp = |rule| !matches!(rule, PrincipalPointRule::Centre | PrincipalPointRule::Exact(..));
-        let coefficients = |model| match model {
-            DistortionModel::Auto | DistortionModel::None => 0,
-            DistortionModel::K1 => 1,
-            DistortionModel::K1K2 => 2,
-            DistortionModel::Full => LENS - 3,
-        };
-        let active = |i: usize, rule, distortion| {
-            i == 0 || i < 3 && pp(rule) || i >= 3 && i - 3 < coefficients(distortion)
-        };
-        let unknown = config.known_camera.is_none();
-        let camera =
-            std::array::from_fn(|i| place(unknown && active(i, config.camera_pp, config.distortion)));
-        let projector = std::array::from_fn(|i| {
-            place(with_projector && active(i, config.projector_pp, config.projector_distortion))
-        });
-        let stereo = with_projector.then_some(len);
-        let first_view = len + if with_projector { POSE } else { 0 };
-        Self { camera, projector, stereo, views: first_view, len: first_view + POSE * views }
+    /// Where a projector pixel falls on a sheet, in the camera frame; `None` when it misses the plane.
+    pub(crate) fn lit(&self, sheet: &Pose, q: Point2<f64>) -> Option<Point3<f64>> {
+        lit_point(self.projector.as_ref()?, &self.projector_from_camera, sheet, q)
     }
 
-    /// Where view `i` begins.
-    pub(crate) fn view(&self, i: usize) -> usize {
-        self.views + POSE * i
+    /// A camera pixel cast onto a sheet and seen from the projector, projector px.
+    pub(crate) fn on_panel(&self, sheet: &Pose, seen: Point2<f64>) -> Option<Point2<f64>> {
+        let plane = Plane::from_point_normal(&sheet.translation.into(), sheet.rotation * Vector3::z())?;
+        let ray = Ray { origin: Point3::origin(), direction: self.camera.bearing(seen)? };
+        self.projector.as_ref()?.project(&self.projector_from_camera.transform(&ray.meet(&plane)?))
     }
 
-    /// The same unknowns for another number of views.
-    pub(crate) fn with_views(&self, views: usize) -> Self {
-        Self { len: self.views + POSE * views, ..self.clone() }
-    }
-
-    /// Names of the unknowns, in order.
-    pub(crate) fn names(&self) -> Vec<String> {
-        const LENS_NAMES: [&str; LENS] = ["focal_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2", "k3"];
-        const POSE_NAMES: [&str; POSE] = ["rx_rad", "ry_rad", "rz_rad", "tx_mm", "ty_mm", "tz_mm"];
-        let mut names = Vec::with_capacity(self.len);
-        for (device, places) in [("camera", &self.camera), ("projector", &self.projector)] {
-            let active = LENS_NAMES.iter().zip(places).filter(|(_, p)| p.is_some());
-            names.extend(active.map(|(n, _)| format!("{device}.{n}")));
-        }
-        if self.stereo.is_some() {
-            names.extend(POSE_NAMES.iter().map(|n| format!("projector_from_camera.{n}")));
-        }
-        for i in 0..(self.len - self.views) / POSE {
-            names.extend(POSE_NAMES.iter().map(|n| format!("views[{i}].{n}")));
-        }
-        names
-    }
-
-    /// A covariance in ln f as one in f.
-    pub(crate) fn in_pixels(&self, covariance: &DMatrix<f64>, model: &Model) -> DMatrix<f64> {
-        let mut c = covariance.clone();
-        let lenses = [Some((self.camera[0], model.camera)), model.projector.map(|p| (self.projector[0], p))];
-        for (place, lens) in lenses.into_iter().flatten() {
-            if let Some(i) = place {
-                c.row_mut(i).scale_mut(lens.intrinsics.fx);
-                c.column_mut(i).scale_mut(lens.intrinsics.fx);
+    /// Distance along the camera's ray through pixel `p` (per unit of the bearing's length) at which the projector's column
+    /// `column` crosses it (Orghidan et al. 2014, eq. 17 to 19). `row` is about where the light comes from.
+    pub(crate) fn depth_on_column(&self, p: Point2<f64>, column: f64, row: f64) -> Option<f64> {
+        let projector = self.projector.as_ref()?;
+        let ray = self.projector_from_camera.rotation * self.camera.bearing(p)?;
+        let t = self.projector_from_camera.translation;
+        // The column as the plane through the projector's centre and the light at (column, row) along the panel's y axis. A
+        // distorted column is no plane: its part at the row that the point is lit from.
+        let mut row = row;
+        for _ in 0..ROUNDS_ON_A_CURVED_COLUMN {
+            let light = projector.bearing(Point2::new(column, row))?;
+            let s = -(t.x - light.x * t.z) / (ray.x - light.x * ray.z);
+            if !(s.is_finite() && s > 0.0) {
+                return None;
             }
+            if projector.distortion.is_none() {
+                return Some(s);
+            }
+            let next = projector.project(&Point3::from(ray * s + t))?.y;
+            if (next - row).abs() < 1e-9 * f64::from(projector.height) {
+                return Some(s);
+            }
+            row = next;
         }
-        c
+        None
     }
-}
-
-/// Where a rule puts the principal point of a W×H device.
-pub(crate) fn principal_point(rule: PrincipalPointRule, width: u32, height: u32) -> Point2<f64> {
-    match rule {
-        PrincipalPointRule::Exact(x, y) => Point2::new(x, y),
-        _ => Camera::image_centre(width, height),
-    }
-}
-
-/// What is known beforehand about the unknowns of `layout`.
-pub(crate) fn priors(config: &CalibrateConfig, layout: &Layout, model: &Model) -> Vec<Prior> {
-    let mut priors = Vec::new();
-    let devices = [
-        Some((false, &model.camera, config.camera_pp, &layout.camera)),
-        model.projector.as_ref().map(|p| (true, p, config.projector_pp, &layout.projector)),
-    ];
-    for (of_projector, device, rule, places) in devices.into_iter().flatten() {
-        let centre = principal_point(rule, device.width, device.height);
-        let (w, h) = (f64::from(device.width), f64::from(device.height));
-        let near = config.principal_point_sigma * w;
-        let sigma = match rule {
-            PrincipalPointRule::Prior => [near, near],
-            PrincipalPointRule::Shift => [near, SHIFT_HEIGHTS * h],
-            _ => [FREE_WIDTHS * w; 2],
-        };
-        let coefficients = [
-            config.distortion_sigma,
-            config.distortion_sigma,
-            TANGENTIAL_SIGMA,
-            TANGENTIAL_SIGMA,
-            TANGENTIAL_SIGMA,
-        ];
-        let focal = config.focal_prior.filter(|_| !of_projector);
-        let all = focal
-            .map(|f| (0, f.focal_px.ln(), f.sigma_share))
-            .into_iter()
-            .chain([(1, centre.x, sigma[0]), (2, centre.y, sigma[1])])
-            .chain((3..LENS).map(|i| (i, 0.0, coefficients[i - 3])));
-        let active = all.filter(|(i, ..)| places[*i].is_some());
-        priors.extend(active.map(|(index, mean, sigma)| Prior { of_projector, index, mean, sigma }));
-    }
-    priors
-}
-
-/// How far each prior's parameter lies from its mean, in squares of σ.
-pub(crate) fn prior_squares<'a>(priors: &'a [Prior], model: &'a Model) -> impl Iterator<Item = f64> + 'a {
-    priors.iter().filter_map(|p| {
-        let lens = if p.of_projector { model.projector? } else { model.camera };
-        Some(((lens_values(&lens)[p.index] - p.mean) / p.sigma).powi(2))
-    })
 }

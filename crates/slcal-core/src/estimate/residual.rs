@@ -6,33 +6,34 @@
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Point2, Point3, SMatrix, SVector, Vector2, Vector3};
 
 use crate::geometry::{Camera, Distortion, Pose, RectangleSize, Side};
+use crate::parameter::{LensParameter, PoseParameter};
 
 /// Number of parameters of a lens.
-pub(crate) const LENS: usize = 8;
+pub(crate) const LENS: usize = LensParameter::ALL.len();
 /// Number of parameters of a pose.
-pub(crate) const POSE: usize = 6;
+pub(crate) const POSE: usize = PoseParameter::ALL.len();
 
-type Lens1 = SVector<f64, LENS>;
 type Lens2 = SMatrix<f64, 2, LENS>;
-type Pose1 = SVector<f64, POSE>;
 type Pose2 = SMatrix<f64, 2, POSE>;
 
-/// A scalar residual and its derivatives.
-pub(crate) struct EdgeResidual {
-    pub(crate) value: f64,
-    /// Unit vector of the image along which it grows.
-    pub(crate) normal: Vector2<f64>,
-    pub(crate) camera: Lens1,
-    pub(crate) view: Pose1,
+/// A residual and its derivatives; those that do not apply are zero, as is the second row of an edge point.
+pub(crate) struct Residual {
+    /// px.
+    pub(crate) value: Vector2<f64>,
+    /// From where it was seen to where it is expected, px.
+    pub(crate) miss: Vector2<f64>,
+    /// By the parameters of camera and projector.
+    pub(crate) lenses: [Lens2; 2],
+    pub(crate) projector_from_camera: Pose2,
+    pub(crate) view: Pose2,
 }
 
-/// A residual with two coordinates and its derivatives; those that do not apply are zero.
-pub(crate) struct PointResidual {
-    pub(crate) value: Vector2<f64>,
-    pub(crate) camera: Lens2,
-    pub(crate) projector: Lens2,
-    pub(crate) stereo: Pose2,
-    pub(crate) view: Pose2,
+impl Residual {
+    /// A residual of the camera and the sheet alone.
+    fn of_sheet(value: Vector2<f64>, miss: Vector2<f64>, camera: Lens2, view: Pose2) -> Self {
+        let lenses = [camera, Lens2::zeros()];
+        Self { value, miss, lenses, projector_from_camera: Pose2::zeros(), view }
+    }
 }
 
 fn cross_matrix(v: &Vector3<f64>) -> Matrix3<f64> {
@@ -113,7 +114,7 @@ pub(crate) fn edge(
     size: RectangleSize,
     side: Side,
     p: Point2<f64>,
-) -> Option<EdgeResidual> {
+) -> Option<Residual> {
     let corners = size.corners();
     let (from, to) = (corners[side as usize], corners[(side as usize + 1) % 4]);
     let along = (to - from).normalize();
@@ -135,9 +136,9 @@ pub(crate) fn edge(
     by_line.y -= shrink.y;
     let by_line = by_line.transpose() / norm;
     let turn = cross_matrix(&e) * cross_matrix(&arm) - cross_matrix(&start) * cross_matrix(&e);
-    let mut view = Pose1::zeros();
-    view.fixed_rows_mut::<3>(0).copy_from(&(by_line * turn).transpose());
-    view.fixed_rows_mut::<3>(3).copy_from(&(-by_line * cross_matrix(&e)).transpose());
+    let mut view = Pose2::zeros();
+    view.fixed_view_mut::<1, 3>(0, 0).copy_from(&(by_line * turn));
+    view.fixed_view_mut::<1, 3>(0, 3).copy_from(&(-by_line * cross_matrix(&e)));
     let mut by_lens = (line.xy().transpose() * lens / norm).transpose();
     by_lens[0] += value;
     let (by_x, by_coefficients) =
@@ -145,28 +146,24 @@ pub(crate) fn edge(
     let change = value / (norm * norm);
     by_lens += lens.transpose() * by_x * change;
     by_lens.fixed_rows_mut::<5>(3).axpy(change, &by_coefficients, 1.0);
-    Some(EdgeResidual { value, normal: gradient / norm, camera: by_lens, view })
+    let mut camera = Lens2::zeros();
+    camera.set_row(0, &by_lens.transpose());
+    Some(Residual::of_sheet(Vector2::new(value, 0.0), gradient * (-value / norm), camera, view))
 }
 
-/// A corner of the sheet: prediction minus observation, px.
+/// A corner of the sheet: expected minus seen, px.
 pub(crate) fn sheet_corner(
     camera: &Camera,
     camera_from_sheet: &Pose,
     corner: Point2<f64>,
     seen: Point2<f64>,
-) -> Option<PointResidual> {
+) -> Option<Residual> {
     let arm = camera_from_sheet.rotation * Vector3::new(corner.x, corner.y, 0.0);
     let (pixel, by_point, lens) = project(camera, &Point3::from(arm + camera_from_sheet.translation))?;
     let mut view = Pose2::zeros();
     view.fixed_view_mut::<2, 3>(0, 0).copy_from(&(-by_point * cross_matrix(&arm)));
     view.fixed_view_mut::<2, 3>(0, 3).copy_from(&by_point);
-    Some(PointResidual {
-        value: pixel - seen,
-        camera: lens,
-        projector: Lens2::zeros(),
-        stereo: Pose2::zeros(),
-        view,
-    })
+    Some(Residual::of_sheet(pixel - seen, pixel - seen, lens, view))
 }
 
 /// Where the light of a projector pixel falls on the sheet, in the camera frame; `None` when it misses the plane.
@@ -184,8 +181,8 @@ pub(crate) fn lit_point(
     (s > 0.0 && s.is_finite()).then(|| Point3::from(centre + ray * s))
 }
 
-/// A projected corner: the exact projector pixel `q` is cast onto the sheet and seen by the camera; prediction minus
-/// observation, camera px.
+/// A projected corner: the exact projector pixel `q` is cast onto the sheet and seen by the camera; expected minus seen,
+/// camera px.
 ///
 /// With c the projector's centre and m the ray in the camera frame, n the sheet's normal and t its origin,
 /// X = c + s·m, s = n·(t − c)/(n·m), so dX = u + m·(dn·(t − X) + n·(dt − u))/(n·m) with u = dc + s·dm.
@@ -196,7 +193,7 @@ pub(crate) fn projected_corner(
     camera_from_sheet: &Pose,
     q: Point2<f64>,
     seen: Point2<f64>,
-) -> Option<PointResidual> {
+) -> Option<Residual> {
     let back = projector_from_camera.rotation.inverse();
     let (x, _, by_lens) = unproject(projector, q)?;
     let bearing = Vector3::new(x.x, x.y, 1.0);
@@ -224,6 +221,7 @@ pub(crate) fn projected_corner(
     stereo.fixed_view_mut::<2, 3>(0, 0).copy_from(&(by_ray * back * cross_matrix(&lever)));
     stereo.fixed_view_mut::<2, 3>(0, 3).copy_from(&(-(by_ray * back)));
     let back_xy = back.fixed_view::<3, 2>(0, 0).into_owned();
-    let projector = by_ray * back_xy * by_lens * s;
-    Some(PointResidual { value: pixel - seen, camera: lens, projector, stereo, view })
+    let lenses = [lens, by_ray * back_xy * by_lens * s];
+    let value = pixel - seen;
+    Some(Residual { value, miss: value, lenses, projector_from_camera: stereo, view })
 }

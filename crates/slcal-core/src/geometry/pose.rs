@@ -1,6 +1,6 @@
 //! Rigid transforms.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point2, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use crate::error::{Error, Result};
 
@@ -52,6 +52,12 @@ impl Pose {
     #[must_use]
     pub fn transform(&self, p: &Point3<f64>) -> Point3<f64> {
         self.rotation * p + self.translation
+    }
+
+    /// The point (x, y, 0) of b, in a: `a_from_b.lift(p)`.
+    #[must_use]
+    pub fn lift(&self, p: Point2<f64>) -> Point3<f64> {
+        self.transform(&Point3::new(p.x, p.y, 0.0))
     }
 
     /// `b_from_a`.

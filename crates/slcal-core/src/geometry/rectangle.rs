@@ -84,6 +84,12 @@ impl RectangleSize {
         [Point2::new(0.0, 0.0), Point2::new(w, 0.0), Point2::new(w, h), Point2::new(0.0, h)]
     }
 
+    /// The middle, mm.
+    #[must_use]
+    pub fn centre(&self) -> Point2<f64> {
+        Point2::new(self.width_mm / 2.0, self.height_mm / 2.0)
+    }
+
     /// The sides as lines on the sheet, in the order of [`Side::ALL`].
     #[must_use]
     pub fn sides(&self) -> [Line; 4] {

@@ -1,8 +1,8 @@
-//! What σ a point would have that is not there yet: how sure a rig is over its working volume.
+//! Expected σ of points over a rig's working volume.
 
 use nalgebra::{Point2, Point3};
 
-use super::synthetic_match::Probe;
+use super::synthetic_match::SyntheticMatches;
 use super::triangulate::Triangulator;
 use crate::cloud::PointCloud;
 use crate::error::Result;
@@ -19,10 +19,10 @@ pub struct ExpectedSigma {
     pub noise_mm: f64,
 }
 
-/// Foretells the σ of points by making a match for each and triangulating it: what is told is what reconstruction says.
+/// Predicts the σ of points by triangulating a synthetic match for each, as reconstruction does.
 #[derive(Debug, Clone)]
 pub struct SigmaForecast {
-    probe: Probe,
+    synthetic: SyntheticMatches,
     triangulator: Triangulator,
     one: Matches,
     cloud: PointCloud,
@@ -34,17 +34,17 @@ impl SigmaForecast {
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) for a rig without a projector, or a noise that is negative or not finite.
     pub fn new(rig: &Rig, axis: Axis, match_sigma_px: f64) -> Result<Self> {
-        let probe = Probe::new(rig, axis, match_sigma_px)?;
-        let triangulator = Probe::triangulator(rig)?;
-        Ok(Self { probe, triangulator, one: Matches::default(), cloud: PointCloud::default() })
+        let synthetic = SyntheticMatches::new(rig, axis, match_sigma_px)?;
+        let triangulator = SyntheticMatches::triangulator(rig)?;
+        Ok(Self { synthetic, triangulator, one: Matches::default(), cloud: PointCloud::default() })
     }
 
     /// 1σ of a point at `depth_mm` (along the optical axis) behind a camera pixel, on a surface at constant depth; `None`
     /// where the projector does not light it or its light cannot be told from its neighbours'.
     pub fn at(&mut self, pixel: Point2<f64>, depth_mm: f64) -> Option<ExpectedSigma> {
-        let point = Point3::from(self.probe.camera().bearing(pixel)? * depth_mm);
+        let point = Point3::from(self.synthetic.camera().bearing(pixel)? * depth_mm);
         self.one.items.clear();
-        self.one.items.push(self.probe.seen(&point)?);
+        self.one.items.push(self.synthetic.seen(&point)?);
         self.triangulator.triangulate(&self.one, &mut self.cloud);
         let point = self.cloud.points.first()?;
         Some(ExpectedSigma { sigma_mm: point.sigma_mm, noise_mm: point.noise_mm })
@@ -93,8 +93,8 @@ mod tests {
     }
 
     #[test]
-    fn a_whole_coordinate_is_no_line_that_stripes_were_looked_for_on() {
-        // ProjectorLight from above: rows of the panel tell depths, and move along the image's columns alone. A pixel with a whole
+    fn a_whole_coordinate_is_no_scanline() {
+        // Light from above: rows of the panel tell depths, and move along the image's columns alone. A pixel with a whole
         // column and a row between two would pass for a stripe that was measured across its column.
         let mut rig = calibrated();
         let mut projector = rig.projector.unwrap();

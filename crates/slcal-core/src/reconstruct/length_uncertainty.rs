@@ -1,18 +1,16 @@
-//! What σ a length would have that is measured between two points: how a rig's uncertainty reads for somebody who measures.
+//! Expected σ of a length between two reconstructed points.
 
-use nalgebra::{Point3, Rotation3, Vector3};
+use nalgebra::Point3;
 
-use super::point_covariance::{LENS, place};
-use super::synthetic_match::Probe;
+use super::synthetic_match::SyntheticMatches;
 use crate::cloud::PointCloud;
 use crate::error::Result;
-use crate::geometry::{Camera, Distortion, Pose};
+use crate::estimate::propagation::{STEP_SIGMAS, propagate};
+use crate::estimate::{Model, Unknowns, covariance};
 use crate::matches::Matches;
+use crate::parameter::Parameter;
 use crate::pattern::Axis;
 use crate::rig::Rig;
-
-/// Steps of the derivatives, in σ of the parameter: small enough to be straight, far above rounding.
-const STEP_SIGMAS: f64 = 1e-3;
 
 /// 1σ of a length that is measured between two reconstructed points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,14 +42,14 @@ pub fn length_sigma(
     match_sigma_px: f64,
     [a, b]: [Point3<f64>; 2],
 ) -> Result<Option<LengthSigma>> {
-    let probe = Probe::new(rig, axis, match_sigma_px)?;
-    let (Some(from), Some(to)) = (probe.seen(&a), probe.seen(&b)) else { return Ok(None) };
+    let synthetic = SyntheticMatches::new(rig, axis, match_sigma_px)?;
+    let (Some(from), Some(to)) = (synthetic.seen(&a), synthetic.seen(&b)) else { return Ok(None) };
     let matches = Matches { items: vec![from, to] };
     let Some(points) = ends(rig, &matches)? else { return Ok(None) };
     let Some(along) = (points[1].0 - points[0].0).try_normalize(0.0) else { return Ok(None) };
     // Noise moves each end along its ray.
     let moved = points.map(|(p, noise)| noise * p.coords.normalize().dot(&along));
-    let Some(rig_mm) = rig_share(rig, &matches)? else { return Ok(None) };
+    let Some(rig_mm) = rig_share(rig, &matches) else { return Ok(None) };
     Ok(Some(LengthSigma { rig_mm, noise_mm: moved[0].hypot(moved[1]) }))
 }
 
@@ -61,88 +59,42 @@ type End = (Point3<f64>, f64);
 /// Both ends; `None` where one is no point.
 fn ends(rig: &Rig, matches: &Matches) -> Result<Option<[End; 2]>> {
     let mut cloud = PointCloud::default();
-    Probe::triangulator(rig)?.triangulate(matches, &mut cloud);
+    SyntheticMatches::triangulator(rig)?.triangulate(matches, &mut cloud);
     Ok(match cloud.points.as_slice() {
         [a, b] => Some([(a.position, a.noise_mm), (b.position, b.noise_mm)]),
         _ => None,
     })
 }
 
-/// √(gᵀ C g) with the derivatives g of the length by the rig's parameters, by central differences.
-fn rig_share(rig: &Rig, matches: &Matches) -> Result<Option<f64>> {
-    let Some(covariance) = &rig.covariance else { return Ok(None) };
-    let n = covariance.parameters.len();
+/// σ of the length by the rig's covariance; `None` where the rig has none, or one of parameters that are not known here.
+fn rig_share(rig: &Rig, matches: &Matches) -> Option<f64> {
+    let known = rig.covariance.as_ref()?;
+    if known.parameters.iter().any(|p| matches!(p, Parameter::Other(_))) {
+        return None;
+    }
+    let unknowns = Unknowns::all(0);
+    let model = Model::of_rig(rig).with_views(&[]);
     // Of the bare rig, whose points need no σ of their own.
     let bare = Rig { covariance: None, views: Vec::new(), quality: None, ..rig.clone() };
-    let length = |moved: &Rig| -> Result<Option<f64>> {
-        Ok(ends(moved, matches)?.map(|[(a, _), (b, _)]| (b - a).norm()))
+    let length = |model: &Model| {
+        let mut rig = bare.clone();
+        rig.camera.model = model.camera;
+        rig.projector.as_mut()?.device.model = model.projector?;
+        rig.projector.as_mut()?.from_camera.pose = model.projector_from_camera;
+        let [(a, _), (b, _)] = ends(&rig, matches).ok()??;
+        Some([(b - a).norm()])
     };
-    let mut gradient = vec![0.0; n];
-    for (i, name) in covariance.parameters.iter().enumerate() {
-        let variance = covariance.matrix.get((i, i)).copied().unwrap_or(f64::NAN);
-        if name.starts_with("views[") || variance == 0.0 {
-            continue;
-        }
-        let step = STEP_SIGMAS * variance.sqrt();
-        let (Some(ahead), Some(behind)) = (moved(&bare, name, step), moved(&bare, name, -step)) else {
-            return Ok(None);
-        };
-        let (Some(longer), Some(shorter)) = (length(&ahead)?, length(&behind)?) else { return Ok(None) };
-        gradient[i] = (longer - shorter) / (2.0 * step);
-    }
-    let term = |i: usize, j: usize| {
-        gradient[i] * gradient[j] * covariance.matrix.get((i, j)).copied().unwrap_or(f64::NAN)
-    };
-    let variance: f64 = (0..n).map(|i| (0..n).map(|j| term(i, j)).sum::<f64>()).sum();
-    Ok(variance.is_finite().then(|| variance.max(0.0).sqrt()))
-}
-
-/// The rig with one parameter of its covariance moved; `None` for names that are not known here.
-fn moved(rig: &Rig, name: &str, by: f64) -> Option<Rig> {
-    let mut rig = rig.clone();
-    match place(name)? {
-        i if i < LENS => move_lens(&mut rig.camera.model, i, by),
-        i if i < 2 * LENS => move_lens(&mut rig.projector.as_mut()?.device.model, i - LENS, by),
-        i => move_pose(&mut rig.projector.as_mut()?.from_camera.pose, i - 2 * LENS, by),
-    }
-    Some(rig)
-}
-
-fn move_lens(model: &mut Camera, i: usize, by: f64) {
-    let k = &mut model.intrinsics;
-    match i {
-        0 => {
-            // One focal length of pixels that are as square as they are.
-            let share = 1.0 + by / k.fx;
-            k.fx *= share;
-            k.fy *= share;
-        }
-        1 => k.cx += by,
-        2 => k.cy += by,
-        _ => {
-            let mut terms = model.distortion.to_array();
-            terms[i - 3] += by;
-            model.distortion = Distortion::from_array(terms);
-        }
-    }
-}
-
-/// Rotations are about the projector's axes.
-fn move_pose(pose: &mut Pose, i: usize, by: f64) {
-    let step = Vector3::ith(i % 3, by);
-    if i < 3 {
-        pose.rotation = Rotation3::new(step) * pose.rotation;
-    } else {
-        pose.translation += step;
-    }
+    let covariance = covariance::of_rig(rig, &unknowns)?;
+    propagate(&covariance, STEP_SIGMAS, |step| length(&model.moved(&unknowns, step)?)).map(|[sigma]| sigma)
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::DMatrix;
+    use nalgebra::{DMatrix, Vector3};
 
     use super::*;
     use crate::calibrate::tests::scene::{calibrated, size};
+    use crate::parameter::PoseParameter;
     use crate::reconstruct::SigmaForecast;
     use crate::rig::Covariance;
 
@@ -153,8 +105,8 @@ mod tests {
     }
 
     #[test]
-    fn a_length_along_a_ray_is_surer_than_its_far_end() {
-        // The errors of both ends are alike: the nearer they are to each other, the surer the length.
+    fn a_length_along_a_ray_has_a_smaller_sigma_than_its_far_end() {
+        // The errors of both ends are alike: the nearer they are to each other, the better known is the length.
         let rig = calibrated();
         let far = middle(&rig);
         let pixel = rig.camera.model.project(&far).unwrap();
@@ -171,14 +123,14 @@ mod tests {
     }
 
     #[test]
-    fn a_scale_that_is_unsure_makes_lengths_unsure_in_proportion() {
-        // The translation unsure along itself alone is a scale: σ_L / L = σ_t / t for any length.
+    fn an_uncertain_scale_makes_lengths_uncertain_in_proportion() {
+        // The translation uncertain along itself alone is a scale: σ_L / L = σ_t / t for any length.
         let mut rig = calibrated();
         let t = rig.projector.unwrap().from_camera.pose.translation;
-        let names = ["tx_mm", "ty_mm", "tz_mm"].map(|n| format!("projector_from_camera.{n}")).to_vec();
+        let translation = PoseParameter::ALL[3..].iter().map(|p| Parameter::ProjectorFromCamera(*p));
         let matrix = t * t.transpose() * 0.02_f64.powi(2);
         rig.covariance = Some(Covariance {
-            parameters: names,
+            parameters: translation.collect(),
             matrix: DMatrix::from_iterator(3, 3, matrix.iter().copied()),
         });
         let at = middle(&rig);
@@ -193,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_told_is_none() {
+    fn what_is_not_known_is_none() {
         let rig = calibrated();
         let at = middle(&rig);
         let behind = Point3::new(0.0, 0.0, -1000.0);

@@ -3,14 +3,12 @@
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::light_plane::{Hit, ProjectorLight};
+use crate::estimate::Unknowns;
+use crate::estimate::residual::LENS;
+use crate::estimate::unknowns::SHARED;
 use crate::geometry::{Camera, Distortion};
+use crate::parameter::Parameter;
 use crate::rig::Rig;
-
-/// Parameters of a device: focal length, principal point, distortion.
-pub(super) const LENS: usize = 8;
-const LENS_NAMES: [&str; LENS] = ["focal_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2", "k3"];
-const POSE_NAMES: [&str; 6] = ["rx_rad", "ry_rad", "rz_rad", "tx_mm", "ty_mm", "tz_mm"];
-const ALL: usize = 2 * LENS + POSE_NAMES.len();
 
 /// A camera's ray: what the rig's share needs of it.
 #[derive(Debug, Clone, Copy)]
@@ -27,23 +25,10 @@ pub(super) struct CameraRay {
 /// The covariance of the devices and of the transform between them.
 #[derive(Debug, Clone)]
 pub(super) struct RigSigma {
-    /// Which of the parameters (camera, projector, transform) row i belongs to.
+    /// Of the parameters of camera, projector and transform, the one that row i is of.
     parameters: Vec<usize>,
     /// Row by row.
     matrix: Vec<f64>,
-}
-
-/// The place of a parameter by its name among those of camera, projector and the transform between them; `None` for unknown
-/// names.
-pub(super) fn place(name: &str) -> Option<usize> {
-    let (of, name) = name.split_once('.')?;
-    let find = |names: &[&str]| names.iter().position(|n| *n == name);
-    match of {
-        "camera" => find(&LENS_NAMES),
-        "projector" => find(&LENS_NAMES).map(|i| LENS + i),
-        "projector_from_camera" => find(&POSE_NAMES).map(|i| 2 * LENS + i),
-        _ => None,
-    }
 }
 
 impl RigSigma {
@@ -52,9 +37,11 @@ impl RigSigma {
     pub(super) fn of(rig: &Rig) -> Option<Self> {
         let covariance = rig.covariance.as_ref()?;
         // Poses of the sheet play no part.
-        let names = covariance.parameters.iter().enumerate().filter(|(_, n)| !n.starts_with("views["));
+        let all = Unknowns::all(0);
+        let shared =
+            covariance.parameters.iter().enumerate().filter(|(_, p)| !matches!(p, Parameter::View(..)));
         let places: Vec<(usize, usize)> =
-            names.map(|(row, n)| place(n).map(|p| (row, p))).collect::<Option<_>>()?;
+            shared.map(|(row, p)| Some((row, all.position(p)?))).collect::<Option<_>>()?;
         let mut matrix = Vec::with_capacity(places.len() * places.len());
         for (i, _) in &places {
             for (j, _) in &places {
@@ -75,11 +62,11 @@ impl RigSigma {
     ) -> f64 {
         let all = gradient(camera, light, ray, hit);
         let n = self.parameters.len();
-        let mut g = [0.0; ALL];
+        let mut g = [0.0; SHARED];
         for (to, from) in g.iter_mut().zip(&self.parameters) {
             *to = all[*from];
         }
-        let g = &g[..n.min(ALL)];
+        let g = &g[..n.min(SHARED)];
         let rows = self.matrix.chunks_exact(n);
         let row = |row: &[f64]| row.iter().zip(g).map(|(m, x)| m * x).sum::<f64>();
         let variance: f64 = rows.zip(g).map(|(r, x)| row(r) * x).sum();
@@ -92,13 +79,13 @@ impl RigSigma {
 /// The camera's parameters move the ray (by δb), and the point stays on it and in the light: with the light's coordinate
 /// u(X) and the point z·b, ∇u·δ(z·b) + δu = 0. The displacement along the ray is that of the depth and that of the ray
 /// itself, |b|·δz + z·(b·δb)/|b|.
-fn gradient(camera: &Camera, light: &ProjectorLight, ray: &CameraRay, hit: &Hit) -> [f64; ALL] {
+fn gradient(camera: &Camera, light: &ProjectorLight, ray: &CameraRay, hit: &Hit) -> [f64; SHARED] {
     let z = 1.0 / hit.inverse_depth;
     let (b, q) = (&ray.bearing, &ray.in_projector);
     // What a displacement of the ray's direction, per unit of (x, y), does to the result.
     let length = ray.squared_length.sqrt();
     let mut by_ray = b.xy() * (z / length);
-    let mut out = [0.0; ALL];
+    let mut out = [0.0; SHARED];
     for c in hit.coordinates() {
         // As h is perpendicular to q + t/z: −1/(h·q), by what the coordinate counts.
         let factor = length * c.gain / (hit.inverse_depth * hit.depth_ratio);

@@ -1,4 +1,4 @@
-//! A match for a point that is not there yet: how forecasts ask triangulation.
+//! Matches of points that have not been seen, for the prediction of σ.
 
 use nalgebra::Point3;
 
@@ -11,7 +11,7 @@ use crate::rig::{Projector, Rig};
 
 /// A rig's devices, and how a point in space would be matched by them.
 #[derive(Debug, Clone)]
-pub(super) struct Probe {
+pub(super) struct SyntheticMatches {
     camera: Camera,
     projector: Camera,
     projector_from_camera: Pose,
@@ -19,7 +19,7 @@ pub(super) struct Probe {
     sigma_px: f64,
 }
 
-impl Probe {
+impl SyntheticMatches {
     /// For slits along `axis`, whose matches have a noise of `sigma_px` camera px (1σ).
     ///
     /// # Errors
@@ -38,7 +38,7 @@ impl Probe {
         })
     }
 
-    /// What becomes points of such matches: they were not looked for on lines of pixels.
+    /// The triangulator of such matches, which do not lie on scanlines.
     ///
     /// # Errors
     /// As [`Triangulator::new`].

@@ -9,6 +9,7 @@ use super::triangulate::{TriangulateConfig, Triangulator, triangulate};
 use crate::cloud::PointCloud;
 use crate::geometry::{Camera, Distortion, Intrinsics, Plane, Ray};
 use crate::matches::{Match, Matches};
+use crate::parameter::{LensParameter, Parameter, PoseParameter};
 use crate::reconstruct::test_rig;
 use crate::rig::{Covariance, Rig};
 
@@ -72,7 +73,7 @@ fn points_are_recovered_from_column_row_or_both_for_any_lens() {
 fn a_row_without_depth_information_does_no_harm() {
     let mut rig = test_rig();
     let names = ["camera.focal_px", "projector.cy_px", "projector_from_camera.ty_mm"];
-    let parameters = names.map(String::from).to_vec();
+    let parameters = names.map(Parameter::from).to_vec();
     rig.covariance = Some(Covariance { parameters, matrix: DMatrix::identity(3, 3) });
     let pose = &mut rig.projector.as_mut().unwrap().from_camera.pose;
     pose.rotation = Rotation3::identity();
@@ -251,24 +252,21 @@ fn errors_on_planes_match_their_sigma() {
     }
 }
 
-const LENS_NAMES: [&str; 8] = ["focal_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2", "k3"];
-const POSE_NAMES: [&str; 6] = ["rx_rad", "ry_rad", "rz_rad", "tx_mm", "ty_mm", "tz_mm"];
-
 /// All parameters with plausible σ, each correlated with all others, in another order than the library's own.
 fn with_covariance(mut rig: Rig) -> (Rig, DMatrix<f64>) {
     let lens = [5.0, 4.0, 4.0, 3e-3, 3e-3, 2e-4, 2e-4, 1e-3];
     let pose = [2e-3, 2e-3, 2e-3, 1.5, 1.0, 2.0];
     let mut parameters = Vec::new();
     let mut sigma = Vec::new();
-    for (name, s) in POSE_NAMES.iter().zip(pose) {
-        parameters.push(format!("projector_from_camera.{name}"));
+    for (parameter, s) in PoseParameter::ALL.into_iter().zip(pose) {
+        parameters.push(Parameter::ProjectorFromCamera(parameter));
         sigma.push(s);
     }
-    parameters.push("views[0].rx_rad".into());
+    parameters.push(Parameter::View(0, PoseParameter::Rx));
     sigma.push(0.5);
-    for device in ["camera", "projector"] {
-        for (name, s) in LENS_NAMES.iter().zip(lens) {
-            parameters.push(format!("{device}.{name}"));
+    for device in [Parameter::Camera, Parameter::Projector] {
+        for (parameter, s) in LensParameter::ALL.into_iter().zip(lens) {
+            parameters.push(device(parameter));
             sigma.push(s);
         }
     }

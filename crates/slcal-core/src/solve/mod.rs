@@ -12,4 +12,4 @@ pub use dlt::homography_from_points;
 pub use lm::{Block, CONVERGED_DECREASE, Linearised, Minimum, Problem, minimise, polish, robust_cost};
 pub use nullspace::null_vector;
 pub use polynomial::Polynomial;
-pub use robust::{Loss, median, median_f32, robust_scale};
+pub use robust::{Loss, median, median_f32, rms, robust_scale};

@@ -45,6 +45,13 @@ pub fn robust_scale(absolute: impl Iterator<Item = f64>) -> f64 {
     median(&mut absolute.collect::<Vec<_>>()).map_or(0.0, |m| m * MAD_TO_SIGMA)
 }
 
+/// Root mean square; `None` for nothing.
+#[must_use]
+pub fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, n) = values.fold((0.0, 0), |(s, n), v| (s + v * v, n + 1));
+    (n > 0).then(|| (sum / f64::from(n)).sqrt())
+}
+
 /// The median, of an even number the larger of the middle two; `None` of nothing. Reorders the values.
 #[must_use]
 pub fn median(values: &mut [f64]) -> Option<f64> {

@@ -2,13 +2,16 @@
 
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
-use super::chi_squared_sf::exceeded_by_chance;
+use super::chi_squared_sf::chi_squared_sf;
 use super::keystone::Measured;
-use super::posterior_fit::{Fit, Scene, Weights};
-use crate::advise::shared::{PROJECTOR, SHARED, STEREO};
-use crate::estimate::residual::lit_point;
+use super::posterior_fit::{Posterior, PosteriorFit};
+use crate::estimate::covariance::correlations;
+use crate::estimate::residual::POSE;
+use crate::estimate::unknowns::SHARED;
 use crate::estimate::{Kind, Target};
-use crate::geometry::{Plane, Ray};
+use crate::geometry::{Plane, Ray, RectangleSize};
+use crate::parameter::{LensParameter, Parameter, PoseParameter};
+use crate::solve::rms;
 
 /// What a map of the sheet to the panel has: the freedom of the projector in one view of a plane.
 const PROJECTOR_FREEDOM: usize = 8;
@@ -36,13 +39,13 @@ pub enum Change {
 /// Projector against camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigCheck {
-    /// Whether the test says so.
+    /// Whether the p-value is below the significance level.
     pub moved: bool,
-    /// How often an unmoved rig would look at least as odd.
+    /// p-value: probability of at least this χ² when nothing has moved.
     pub p_value: f64,
-    /// What setting the projector free gains.
+    /// By how much χ² falls when the projector is free.
     pub chi_squared: f64,
-    /// Its degrees of freedom.
+    /// Degrees of freedom.
     pub freedom: usize,
     /// Rms distance of the pattern on the sheet from where the rig puts it, mm.
     pub pattern_off_mm: f64,
@@ -55,9 +58,9 @@ pub struct RigCheck {
 /// The sheet against the rig's first view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SheetCheck {
-    /// Whether the test says so.
+    /// Whether the p-value is below the significance level.
     pub moved: bool,
-    /// How often an unmoved sheet would look at least as odd.
+    /// p-value: probability of at least this χ² when the sheet has not moved.
     pub p_value: f64,
     /// Squared distance of the poses in their own covariance.
     pub chi_squared: f64,
@@ -71,99 +74,90 @@ pub struct SheetCheck {
 
 /// Tests the rig; the second value is the fit with the rig as it is, when that is accepted.
 pub(super) fn rig_check(
-    scene: &Scene,
-    weights: &Weights,
-    free: &Fit,
-    freed: &[usize],
+    posterior: &Posterior,
+    free: &PosteriorFit,
+    freed: &[Parameter],
     significance: f64,
-) -> Option<(RigCheck, Option<Fit>)> {
-    let bound = scene.fit(&[], &weights.each)?;
+) -> Option<(RigCheck, Option<PosteriorFit>)> {
+    let bound = posterior.fit(&[])?;
     let chi_squared = (bound.chi_squared - free.chi_squared).max(0.0);
-    let p_value = exceeded_by_chance(chi_squared, PROJECTOR_FREEDOM);
+    let p_value = chi_squared_sf(chi_squared, PROJECTOR_FREEDOM);
     let moved = p_value < significance;
     let check = RigCheck {
         moved,
         p_value,
         chi_squared,
         freedom: PROJECTOR_FREEDOM,
-        pattern_off_mm: pattern_off(scene, free, weights)?,
-        corner_rms_px: [&bound, free].map(|f| corner_rms(scene, f, weights)),
-        change: if moved { Some(change(scene, weights, &bound, freed, significance)?) } else { None },
+        pattern_off_mm: pattern_off(posterior, free)?,
+        corner_rms_px: [&bound, free].map(|f| corner_rms(posterior, f)),
+        change: if moved { Some(change(posterior, &bound, freed, significance)?) } else { None },
     };
     Some((check, (!moved).then_some(bound)))
 }
 
-/// Rms of the corners' residuals per coordinate's pair, px.
-fn corner_rms(scene: &Scene, fit: &Fit, weights: &Weights) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for ((m, n), w) in scene.measurements.iter().zip(&fit.norms).zip(&weights.each) {
-        if m.kind() == Kind::Pair && *w > 0.0 {
-            sum += (n * m.sigma_px).powi(2);
-            count += 1.0;
-        }
-    }
-    if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
+/// Rms residual of the projected corners, px.
+fn corner_rms(posterior: &Posterior, fit: &PosteriorFit) -> f64 {
+    let measured = posterior.measurements().iter().zip(&fit.norms_px);
+    rms(measured.filter(|(m, _)| m.kind() == Kind::Pair).map(|(_, norm)| *norm)).unwrap_or(0.0)
 }
 
-/// Rms distance on the sheet between the corners as seen and as the rig, as it was, would throw them.
-fn pattern_off(scene: &Scene, fit: &Fit, weights: &Weights) -> Option<f64> {
-    let rig = crate::estimate::model::Model { views: fit.model.views.clone(), ..fit.past.clone() };
-    let pose = rig.views.first()?;
+/// Rms distance on the sheet between the corners as seen and where the rig, as it was, would throw them.
+fn pattern_off(posterior: &Posterior, fit: &PosteriorFit) -> Option<f64> {
+    let pose = fit.model.views.first()?;
     let plane = Plane::from_point_normal(&pose.translation.into(), pose.rotation * Vector3::z())?;
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (m, _) in scene.measurements.iter().zip(&weights.each).filter(|(_, w)| **w > 0.0) {
-        let Target::Pair(q) = m.of else { continue };
-        let ray = Ray { origin: Point3::origin(), direction: rig.camera.bearing(m.seen)? };
-        let expected = lit_point(rig.projector.as_ref()?, &rig.projector_from_camera, pose, q);
+    let distance = |seen, q| {
+        let ray = Ray { origin: Point3::origin(), direction: fit.past.camera.bearing(seen)? };
         // The rig may not even light the sheet there.
-        if let (Some(a), Some(b)) = (ray.meet(&plane), expected) {
-            sum += nalgebra::distance_squared(&a, &b);
-            count += 1.0;
-        }
-    }
-    Some(if count > 0.0 { (sum / count).sqrt() } else { 0.0 })
+        Some(nalgebra::distance(&ray.meet(&plane)?, &fit.past.lit(pose, q)?))
+    };
+    let distances = posterior.measurements().iter().filter_map(|m| match m.of {
+        Target::Pair(q) => distance(m.seen, q),
+        _ => None,
+    });
+    Some(rms(distances).unwrap_or(0.0))
 }
 
 /// The simplest change that explains what is seen.
 fn change(
-    scene: &Scene,
-    weights: &Weights,
-    bound: &Fit,
-    freed: &[usize],
+    posterior: &Posterior,
+    bound: &PosteriorFit,
+    freed: &[Parameter],
     significance: f64,
 ) -> Option<Change> {
     // Everything that is considered, at once.
-    let all: Vec<usize> = freed.iter().copied().chain([0]).collect();
-    let most = scene.fit(&all, &weights.each)?.chi_squared;
+    let [projector, camera] = [Parameter::Projector, Parameter::Camera].map(|of| of(LensParameter::Focal));
+    let all = [freed, std::slice::from_ref(&camera)].concat();
+    let most = posterior.fit(&all)?.chi_squared;
     let gained = (bound.chi_squared - most).max(0.0);
-    let stereo: [usize; 6] = std::array::from_fn(|i| STEREO + i);
-    for free in [&[PROJECTOR][..], &[0], &stereo] {
-        let Some(fit) = scene.fit(free, &weights.each) else { continue };
+    for free in
+        [&[projector.clone()][..], &[camera.clone()], &PoseParameter::ALL.map(Parameter::ProjectorFromCamera)]
+    {
+        let Some(fit) = posterior.fit(free) else { continue };
         let left = (fit.chi_squared - most).max(0.0);
-        let enough = exceeded_by_chance(left, PROJECTOR_FREEDOM + 1 - free.len()) >= significance;
+        let enough = chi_squared_sf(left, PROJECTOR_FREEDOM + 1 - free.len()) >= significance;
         if !(enough || left <= UNEXPLAINED * gained) {
             continue;
         }
-        let at = scene.root.ncols();
+        let at = posterior.bound();
         let focal = || Measured { value: fit.freed[0].exp_m1(), sigma: fit.covariance[(at, at)].sqrt() };
         return match free {
-            [PROJECTOR] => Some(Change::ProjectorFocal(focal())),
-            [0] => Some(Change::CameraFocal(focal())),
-            _ => Some(transform(scene, &fit, free)),
+            [only] if *only == projector => Some(Change::ProjectorFocal(focal())),
+            [_] => Some(Change::CameraFocal(focal())),
+            _ => Some(transform(posterior, &fit)),
         };
     }
     Some(Change::Several)
 }
 
 /// How the projector stands against how the rig has it.
-fn transform(scene: &Scene, fit: &Fit, free: &[usize]) -> Change {
-    let at = scene.root.ncols();
+fn transform(posterior: &Posterior, fit: &PosteriorFit) -> Change {
+    let at = posterior.bound();
     let before = fit.past.projector_from_camera;
     let now = fit.model.projector_from_camera;
     let turn = now.turn_from(&before).norm();
     let shift = nalgebra::distance(&now.centre(), &before.centre());
     // Of what was set free alone: the rig's own uncertainty is part of it through the correlations.
-    let unit: Vec<f64> = free.iter().map(|&i| scene.units[i]).collect();
+    let unit: Vec<f64> = fit.free.iter().map(|&i| posterior.units[i]).collect();
     let c = DMatrix::from_fn(6, 6, |i, j| fit.covariance[(at + i, at + j)] * unit[i] * unit[j]);
     let mean = |from: usize| ((0..3).map(|i| c[(from + i, from + i)]).sum::<f64>() / 3.0).sqrt();
     Change::Moved {
@@ -173,9 +167,14 @@ fn transform(scene: &Scene, fit: &Fit, free: &[usize]) -> Change {
 }
 
 /// Tests the sheet's pose against the rig's first view; both are correlated through the rig.
-pub(super) fn sheet_check(scene: &Scene, fit: &Fit, significance: f64) -> Option<SheetCheck> {
-    let k = scene.root.ncols();
-    let of_view = scene.root.rows(SHARED, 6);
+pub(super) fn sheet_check(
+    posterior: &Posterior,
+    fit: &PosteriorFit,
+    size: RectangleSize,
+    significance: f64,
+) -> Option<SheetCheck> {
+    let k = posterior.bound();
+    let of_view = posterior.factor.rows(SHARED, POSE);
     let (was, now) = (fit.past.views.first()?, fit.model.views.first()?);
     let mut off = DVector::zeros(6);
     off.rows_mut(0, 3).copy_from(&now.turn_from(was));
@@ -186,25 +185,22 @@ pub(super) fn sheet_check(scene: &Scene, fit: &Fit, significance: f64) -> Option
     by.view_mut((0, n - 6), (6, 6)).fill_with_identity();
     let covariance = &by * &fit.covariance * by.transpose();
     let chi_squared = distance(&off, &covariance)?;
-    let p_value = exceeded_by_chance(chi_squared, 6);
-    let centre = Point3::new(scene.size.width_mm / 2.0, scene.size.height_mm / 2.0, 0.0);
-    let far = |p: Point3<f64>| nalgebra::distance(&now.transform(&p), &was.transform(&p));
-    let corners = scene.size.corners().map(|c| far(Point3::new(c.x, c.y, 0.0)));
+    let p_value = chi_squared_sf(chi_squared, 6);
+    let moved_by = |p| nalgebra::distance(&now.lift(p), &was.lift(p));
     Some(SheetCheck {
         moved: p_value < significance,
         p_value,
         chi_squared,
         turn_rad: now.turn_from(was).norm(),
-        shift_mm: far(centre),
-        largest_mm: corners.into_iter().fold(0.0, f64::max),
+        shift_mm: moved_by(size.centre()),
+        largest_mm: size.corners().map(moved_by).into_iter().fold(0.0, f64::max),
     })
 }
 
 /// dᵀC⁻¹d, on correlations: the units differ by orders of magnitude.
 fn distance(d: &DVector<f64>, c: &DMatrix<f64>) -> Option<f64> {
-    let sigma: Vec<f64> = c.diagonal().iter().map(|v| v.max(f64::MIN_POSITIVE).sqrt()).collect();
-    let scaled = DVector::from_fn(d.len(), |i, _| d[i] / sigma[i]);
-    let correlation = DMatrix::from_fn(d.len(), d.len(), |i, j| c[(i, j)] / (sigma[i] * sigma[j]));
-    let value = scaled.dot(&correlation.cholesky()?.solve(&scaled));
+    let (sigma, correlations) = correlations(c);
+    let scaled = d.component_div(&sigma);
+    let value = scaled.dot(&correlations.cholesky()?.solve(&scaled));
     value.is_finite().then_some(value.max(0.0))
 }

@@ -1,4 +1,4 @@
-//! How often chance alone exceeds a value of χ².
+//! The survival function of χ².
 
 /// Γ(x) in logarithm for x > 0 (C. Lanczos, 1964, with P. Godfrey's coefficients: 15 digits).
 fn ln_gamma(x: f64) -> f64 {
@@ -22,7 +22,7 @@ fn ln_gamma(x: f64) -> f64 {
 /// The probability that χ² with `freedom` degrees exceeds `value`: the upper incomplete gamma function Q(k/2, x/2), by its
 /// series below the mode and by Lentz's continued fraction above (Press et al., "Numerical recipes", section 6.2). 1 for
 /// values that are not positive, 0 degrees included.
-pub(super) fn exceeded_by_chance(value: f64, freedom: usize) -> f64 {
+pub(super) fn chi_squared_sf(value: f64, freedom: usize) -> f64 {
     const TERMS: usize = 10_000;
     const TINY: f64 = 1e-300;
     let (a, x) = (freedom as f64 / 2.0, value / 2.0);
@@ -78,23 +78,19 @@ mod tests {
             (7.344_121_497_701_792, 8, 0.5),
             (2.732_636_793_499_664, 8, 0.95),
         ] {
-            assert!(
-                (exceeded_by_chance(x, k) / p - 1.0).abs() < 1e-9,
-                "{x} {k}: {}",
-                exceeded_by_chance(x, k)
-            );
+            assert!((chi_squared_sf(x, k) / p - 1.0).abs() < 1e-9, "{x} {k}: {}", chi_squared_sf(x, k));
         }
         // Two degrees: exp(−x/2) exactly.
         for x in [1e-3, 1.0, 40.0, 700.0] {
-            assert!((exceeded_by_chance(x, 2) / (-x / 2.0f64).exp() - 1.0).abs() < 1e-9);
+            assert!((chi_squared_sf(x, 2) / (-x / 2.0f64).exp() - 1.0).abs() < 1e-9);
         }
     }
 
     #[test]
     fn odd_values_have_an_answer() {
         for (x, p) in [(f64::NAN, 1.0), (-1.0, 1.0), (f64::INFINITY, 0.0), (1e9, 0.0), (0.0, 1.0)] {
-            assert_eq!(exceeded_by_chance(x, 6), p);
+            assert_eq!(chi_squared_sf(x, 6), p);
         }
-        assert_eq!(exceeded_by_chance(5.0, 0), 1.0);
+        assert_eq!(chi_squared_sf(5.0, 0), 1.0);
     }
 }

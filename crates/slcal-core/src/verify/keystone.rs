@@ -2,9 +2,8 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::posterior_fit::{Fit, Scene};
-use crate::estimate::model::Model;
-use crate::estimate::residual::lit_point;
+use super::posterior_fit::{Posterior, PosteriorFit};
+use crate::estimate::Model;
 
 /// A number with its 1σ.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,11 +38,10 @@ const FIGURES: usize = 8;
 
 /// The corners on the sheet, mm.
 fn on_sheet(model: &Model, outline_px: &[Point2<f64>; 4]) -> Option<[Point2<f64>; 4]> {
-    let (projector, pose) = (model.projector.as_ref()?, model.views.first()?);
+    let pose = model.views.first()?;
     let mut corners = [Point2::origin(); 4];
     for (corner, &q) in corners.iter_mut().zip(outline_px) {
-        let lit = lit_point(projector, &model.projector_from_camera, pose, q)?;
-        *corner = pose.inverse().transform(&lit).xy();
+        *corner = pose.inverse().transform(&model.lit(pose, q)?).xy();
     }
     Some(corners)
 }
@@ -61,15 +59,14 @@ fn figures(c: &[Point2<f64>; 4], aspect: f64) -> [f64; FIGURES] {
 
 /// The keystone of the rectangle with these corners on the panel and this aspect on the pattern.
 pub(super) fn keystone(
-    scene: &Scene,
-    fit: &Fit,
-    free: &[usize],
+    posterior: &Posterior,
+    fit: &PosteriorFit,
     outline_px: &[Point2<f64>; 4],
     aspect: f64,
 ) -> Option<Keystone> {
     let corners_mm = on_sheet(&fit.model, outline_px)?;
     let values = figures(&corners_mm, aspect);
-    let sigmas = scene.propagate(fit, free, |m| Some(figures(&on_sheet(m, outline_px)?, aspect)))?;
+    let sigmas = posterior.propagate(fit, |m| Some(figures(&on_sheet(m, outline_px)?, aspect)))?;
     let all: [Measured; FIGURES] = std::array::from_fn(|i| Measured { value: values[i], sigma: sigmas[i] });
     let sides_rad = [all[0], all[1], all[2], all[3]];
     let worst_rad = sides_rad.into_iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))?;

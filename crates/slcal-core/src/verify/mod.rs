@@ -1,8 +1,8 @@
 //! Rig + photograph of a projected checkerboard → how square it is on the sheet, and whether the rig has moved.
 //!
-//! [`verify`] fits the photograph under the rig, with the rig's own covariance as what is known beforehand (`fit`), so that
-//! an uncertain rig does not cry wolf; once with the rig as it is and once with the projector free. What that gains is χ²
-//! distributed when nothing has moved (`moved`). `keystone` measures the projected rectangle on the sheet.
+//! [`verify`] fits the photograph under the rig, with the rig's own covariance as prior (`posterior_fit`), so that an
+//! uncertain rig raises no false alarms; once with the rig as it is and once with the projector free. The difference is χ²
+//! distributed when nothing has moved (`change_test`). `keystone` measures the projected rectangle on the sheet.
 
 mod change_test;
 mod chi_squared_sf;
@@ -12,23 +12,18 @@ mod report_json;
 #[cfg(test)]
 mod tests;
 
-use nalgebra::{DMatrix, Point2};
+use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
-use crate::advise::outlook_of;
-use crate::advise::shared::{PROJECTOR, SHARED, STEREO, covariance_of, model, root};
-use crate::calibrate::CalibrateConfig;
-use crate::calibrate::camera_from_sheet as sheet_homography;
-use crate::calibrate::{check, pose_from_homography};
+use self::posterior_fit::Posterior;
 use crate::error::{Error, ErrorSubject, Result};
-use crate::estimate::measurements;
-use crate::estimate::model::Model;
-use crate::estimate::residual::lit_point;
-use crate::geometry::{Pose, RectangleSize};
+use crate::estimate::Model;
+use crate::estimate::validate::validate;
+use crate::geometry::{Pose, Warp};
 use crate::observations::{Observations, ViewObservation};
-use crate::rig::{Projector, Rig};
-
-use posterior_fit::{Past, Scene, Weights};
+use crate::parameter::{LensParameter, Parameter, PoseParameter};
+use crate::pattern::CheckerPattern;
+use crate::rig::Rig;
 
 pub use change_test::{Change, RigCheck, SheetCheck};
 pub use keystone::{Keystone, Measured};
@@ -37,7 +32,7 @@ pub use keystone::{Keystone, Measured};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct VerifyConfig {
-    /// How often a rig that has not moved may be said to have: the level of both tests; default 0.001.
+    /// False-alarm rate of both tests: how often a rig that has not moved is said to have moved; default 0.001.
     pub significance: f64,
 }
 
@@ -83,20 +78,17 @@ pub struct Verification {
     pub widened: [f64; 2],
 }
 
-/// So many of a rig's views stand for themselves; with more of them it is certain enough for its covariance to do.
-const VIEWS: usize = 2;
-
-/// The projector's unknowns that are set free: where it stands and all of its lens that one view of a plane shows.
-const FREE: [usize; 9] = [
-    STEREO,
-    STEREO + 1,
-    STEREO + 2,
-    STEREO + 3,
-    STEREO + 4,
-    STEREO + 5,
-    PROJECTOR,
-    PROJECTOR + 1,
-    PROJECTOR + 2,
+/// What is free when the projector is: where it stands and all of its lens that one view of a plane shows.
+const FREE: [Parameter; 9] = [
+    Parameter::ProjectorFromCamera(PoseParameter::Rx),
+    Parameter::ProjectorFromCamera(PoseParameter::Ry),
+    Parameter::ProjectorFromCamera(PoseParameter::Rz),
+    Parameter::ProjectorFromCamera(PoseParameter::Tx),
+    Parameter::ProjectorFromCamera(PoseParameter::Ty),
+    Parameter::ProjectorFromCamera(PoseParameter::Tz),
+    Parameter::Projector(LensParameter::Focal),
+    Parameter::Projector(LensParameter::Cx),
+    Parameter::Projector(LensParameter::Cy),
 ];
 
 /// Compares a rig with one photograph: `seen` with the panel's pixels in its pairs; `outline_px` are the corners TL, TR, BR,
@@ -124,7 +116,7 @@ pub fn verify(
         projector: Some([projector.width, projector.height]),
         views: vec![seen.clone()],
     };
-    check(&observations, &CalibrateConfig::default())?;
+    validate(&observations)?;
     let inconsistent = || {
         Error::Degenerate {
         what: ErrorSubject::RigComparison,
@@ -135,15 +127,16 @@ pub fn verify(
             .into(),
     }
     };
-    let scene = scene(rig, seen, &observations).ok_or_else(inconsistent)?;
-    let weights = scene.weigh(&FREE).ok_or_else(inconsistent)?;
-    let free = scene.fit(&FREE, &weights.each).ok_or_else(inconsistent)?;
-    let keystone = keystone::keystone(&scene, &free, &FREE, outline_px, aspect).ok_or_else(inconsistent)?;
-    let (rig_check, accepted) = change_test::rig_check(&scene, &weights, &free, &FREE, config.significance)
-        .ok_or_else(inconsistent)?;
+    let posterior = Posterior::new(rig, &observations).ok_or_else(inconsistent)?;
+    let robust = posterior.fit_robustly(&FREE).ok_or_else(inconsistent)?;
+    let posterior = posterior.with_inliers(&robust);
+    let free = posterior.fit(&FREE).ok_or_else(inconsistent)?;
+    let keystone = keystone::keystone(&posterior, &free, outline_px, aspect).ok_or_else(inconsistent)?;
+    let (rig_check, accepted) =
+        change_test::rig_check(&posterior, &free, &FREE, config.significance).ok_or_else(inconsistent)?;
     let sheet = rig.views.first().filter(|v| v.size == seen.size).and_then(|_| {
         let fit = accepted.as_ref().unwrap_or(&free);
-        change_test::sheet_check(&scene, fit, config.significance)
+        change_test::sheet_check(&posterior, fit, seen.size, config.significance)
     });
     let camera_from_sheet = *free.model.views.first().ok_or_else(inconsistent)?;
     Ok(Verification {
@@ -152,55 +145,18 @@ pub fn verify(
         rig: rig_check,
         sheet,
         significance: config.significance,
-        with_covariance: scene.root.ncols() > 0,
+        with_covariance: posterior.bound() > 0,
         corners: seen.pairs.len(),
-        left_out: Weights::left_out(&weights),
-        widened: weights.widened,
+        left_out: robust.inliers.iter().filter(|keep| !**keep).count(),
+        widened: robust.widened,
     })
-}
-
-fn scene(rig: &Rig, seen: &ViewObservation, observations: &Observations) -> Option<Scene> {
-    let camera = rig.camera.model;
-    let homography = sheet_homography(seen, Some(&camera)).ok()?;
-    let centre = Point2::new(seen.size.width_mm / 2.0, seen.size.height_mm / 2.0);
-    let pose: Pose = pose_from_homography(&homography, &camera.intrinsics, centre)?;
-    let base = model(rig, pose);
-    let mut units = vec![1.0; SHARED];
-    for (at, device) in [(0, Some(camera)), (PROJECTOR, base.projector)] {
-        let width = device.map_or(1.0, |d| f64::from(d.width));
-        units[at + 1..at + 3].fill(width);
-    }
-    units[STEREO + 3..STEREO + 6].fill(pose.translation.norm());
-    let counted = rig.views.len().min(VIEWS);
-    let n = SHARED + 6 * counted;
-    let root = root(&covariance_of(rig, counted).unwrap_or_else(|| DMatrix::zeros(n, n)));
-    let past = past(rig, counted, &root, seen.size);
-    Some(Scene { size: seen.size, measurements: measurements(observations), root, past, base, units })
-}
-
-/// The rig's first views as they are expected, with the noise that its covariance tells of; where it tells none, y alone.
-fn past(rig: &Rig, counted: usize, root: &DMatrix<f64>, seen: RectangleSize) -> Past {
-    let poses: Vec<Pose> = rig.views[..counted].iter().map(|v| v.camera_from_sheet).collect();
-    let was = Model { views: poses, ..model(rig, Pose::identity()) };
-    let size = rig.views.first().map_or(seen, |v| v.size);
-    let linear = || Past::linear(was.clone(), size, root.ncols());
-    let views = || {
-        let mut outlook = outlook_of(rig, None).ok()?;
-        if rig.views[..counted].iter().any(|v| v.size != size) {
-            return None;
-        }
-        [outlook.sheet_sigma_px, outlook.pattern_sigma_px] = outlook.noise_of(rig)?;
-        let seen = was.views.iter().map(|v| outlook.measurements(v)).collect::<Option<Vec<_>>>()?;
-        Past::with_views(was.clone(), seen, size, root)
-    };
-    views().unwrap_or_else(linear)
 }
 
 /// The corners of a whole pattern where they are drawn on the panel, and the aspect of the pattern: what [`verify`] takes.
 #[must_use]
 pub fn outline(
-    pattern: &crate::pattern::CheckerPattern,
-    panel_from_pattern: Option<&crate::geometry::Warp>,
+    pattern: &CheckerPattern,
+    panel_from_pattern: Option<&Warp>,
 ) -> Option<([Point2<f64>; 4], f64)> {
     let mut corners = pattern.outline();
     let size = corners[2] - corners[0];
@@ -218,7 +174,5 @@ pub fn expected_corner(
     camera_from_sheet: &Pose,
     projector_px: Point2<f64>,
 ) -> Option<Point2<f64>> {
-    let Projector { device, from_camera } = rig.projector.as_ref()?;
-    let lit = lit_point(&device.model, &from_camera.pose, camera_from_sheet, projector_px)?;
-    rig.camera.model.project(&lit)
+    rig.camera.model.project(&Model::of_rig(rig).lit(camera_from_sheet, projector_px)?)
 }

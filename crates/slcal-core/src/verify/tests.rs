@@ -4,10 +4,8 @@ use nalgebra::{Point2, Rotation3, Vector3};
 
 use super::*;
 use crate::CornerPair;
-use crate::calibrate::calibrate_observations;
 use crate::calibrate::tests::scene::{observe, pose, rig as truth, rng, with_edges};
-use crate::estimate::model::Model;
-use crate::estimate::residual::lit_point;
+use crate::calibrate::{CalibrateConfig, calibrate_observations};
 use crate::pattern::{CheckerConfig, CheckerPattern};
 use crate::rectify_checker;
 use rand_chacha::ChaCha8Rng;
@@ -46,7 +44,7 @@ fn from_uniform(mut p: Vec<f64>) -> f64 {
 }
 
 #[test]
-fn unmoved_rigs_are_called_moved_as_often_as_stated() {
+fn the_false_alarm_rate_is_the_stated_one() {
     const DRAWS: usize = 250;
     let mut rng = rng(31);
     let model = two_views();
@@ -68,7 +66,7 @@ fn unmoved_rigs_are_called_moved_as_often_as_stated() {
 }
 
 #[test]
-fn an_uncertain_rig_does_not_cry_wolf() {
+fn an_uncertain_rig_raises_no_false_alarms() {
     // One photograph, its principal points off by what the priors allow: the rig is 2 % off, and knows it.
     let mut rng = rng(7);
     let (mut alarms, mut blind_alarms) = (0, 0);
@@ -117,7 +115,7 @@ fn a_turned_projector_is_noticed_and_measured() {
 }
 
 #[test]
-fn a_moved_sheet_is_told_from_a_moved_rig() {
+fn a_moved_sheet_is_distinguished_from_a_moved_rig() {
     let mut rng = rng(4);
     let model = two_views();
     let rig = calibrated(&model, &mut rng);
@@ -173,7 +171,7 @@ fn rectified(model: &Model, at: &[Point2<f64>], rng: &mut ChaCha8Rng) -> ViewObs
     seen.pairs = at
         .iter()
         .map(|&q| {
-            let p = lit_point(&model.projector.unwrap(), &model.projector_from_camera, &model.views[0], q);
+            let p = model.lit(&model.views[0], q);
             let c = model.camera.project(&p.unwrap()).unwrap();
             let camera = Point2::new(c.x + noise.sample(rng), c.y + noise.sample(rng));
             CornerPair { camera, projector: q, sigma_px: NOISE_PX }
@@ -208,8 +206,7 @@ fn a_rectified_pattern_has_no_keystone_left_and_a_moved_sheet_has_what_geometry_
     moved.views[0].rotation *= Rotation3::from_euler_angles(0.02, -0.05, 0.01);
     let found = check(&moved, &mut rng);
     let on_sheet = corners.map(|q| {
-        let p =
-            lit_point(&moved.projector.unwrap(), &moved.projector_from_camera, &moved.views[0], q).unwrap();
+        let p = moved.lit(&moved.views[0], q).unwrap();
         moved.views[0].inverse().transform(&p).xy()
     });
     let top = on_sheet[1] - on_sheet[0];
@@ -220,7 +217,7 @@ fn a_rectified_pattern_has_no_keystone_left_and_a_moved_sheet_has_what_geometry_
 }
 
 #[test]
-fn one_wrong_corner_is_outvoted() {
+fn one_wrong_corner_is_left_out() {
     let mut rng = rng(8);
     let model = two_views();
     let rig = calibrated(&model, &mut rng);
@@ -231,7 +228,7 @@ fn one_wrong_corner_is_outvoted() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_said() {
+fn what_cannot_be_compared_is_refused() {
     let mut rng = rng(9);
     let model = two_views();
     let rig = calibrated(&model, &mut rng);

@@ -87,7 +87,7 @@ impl Covariance {
     /// Names of rows and columns.
     #[getter]
     fn parameters(&self) -> Vec<String> {
-        self.0.parameters.clone()
+        self.0.parameters.iter().map(ToString::to_string).collect()
     }
 
     /// (P, P) float64, symmetric, in the units of the parameters (px, mm, rad).

@@ -1,17 +1,14 @@
-//! How far each measurement lies from a rig: what a picture of a calibration shows, and a table of its views tells.
+//! Residuals of observations against a rig, view by view.
 
-use nalgebra::{Point2, Vector2};
-
-use crate::calibrate::CalibrateConfig;
-use crate::calibrate::build_rig::{cast_onto_panel, rms};
 use crate::error::{Error, ErrorSubject, Result};
-use crate::estimate::model::{Layout, Model};
-use crate::estimate::refine::{kept, whitened};
-use crate::estimate::{Joint, Kind, Measurement, Target, measurements};
-use crate::geometry::{Camera, Pose};
+use crate::estimate::robust::{kept, whitened};
+use crate::estimate::validate::validate;
+use crate::estimate::{BundleAdjustment, Kind, Measurement, Model, Target, Unknowns, measurements};
+use crate::geometry::Camera;
 use crate::observations::Observations;
 use crate::rig::Rig;
-use crate::solve::{median, robust_scale};
+use crate::solve::{median, rms, robust_scale};
+use nalgebra::{Point2, Vector2};
 
 /// From this many times the other photographs' residuals on, a photograph is the odd one: noise and sharpness differ by less
 /// between photographs of one camera.
@@ -80,25 +77,20 @@ impl ViewResiduals {
 /// [`Error::Invalid`] when there are not as many views as the rig has, when image or panel have other sizes than the rig's
 /// devices, when the observations themselves are inconsistent, or when a point cannot be seen by the rig at all.
 pub fn residuals(rig: &Rig, observations: &Observations) -> Result<Vec<ViewResiduals>> {
-    crate::calibrate::check(observations, &CalibrateConfig::default())?;
+    validate(observations)?;
     belong_together(rig, observations)?;
-    let model = Model {
-        camera: rig.camera.model,
-        projector: rig.projector.map(|p| p.device.model),
-        projector_from_camera: rig.projector.map_or(Pose::identity(), |p| p.from_camera.pose),
-        views: rig.views.iter().map(|v| v.camera_from_sheet).collect(),
-    };
-    let layout = Layout::new(&CalibrateConfig::default(), rig.projector.is_some(), rig.views.len());
-    let sizes = observations.views.iter().map(|v| v.size).collect();
-    let joint = Joint::new(sizes, measurements(observations), layout, Vec::new());
-    let misses = joint.misses_px(&model).ok_or_else(|| {
+    let model = Model::of_rig(rig);
+    let sizes: Vec<_> = observations.views.iter().map(|v| v.size).collect();
+    let unknowns = Unknowns::all(sizes.len());
+    let problem = BundleAdjustment::new(sizes, measurements(observations), unknowns, Vec::new());
+    let misses = problem.misses_px(&model).ok_or_else(|| {
         Error::invalid(
             ErrorSubject::Observations,
             "those that the rig was calibrated from",
             "points that this rig cannot see: behind a device, or where its lens's model ends",
         )
     })?;
-    let mut views = split(&joint, &model, &misses);
+    let mut views = split(&problem.measurements, &model, &misses);
     compare(&mut views);
     Ok(views)
 }
@@ -121,9 +113,9 @@ fn belong_together(rig: &Rig, observations: &Observations) -> Result<()> {
     ))
 }
 
-fn split(joint: &Joint, model: &Model, misses: &[Vector2<f64>]) -> Vec<ViewResiduals> {
+fn split(measurements: &[Measurement], model: &Model, misses: &[Vector2<f64>]) -> Vec<ViewResiduals> {
     let norms: Vec<f64> = misses.iter().map(Vector2::norm).collect();
-    let kept = kept(joint, &norms);
+    let kept = kept(measurements, &norms);
     let empty = ViewResiduals {
         sheet: Vec::new(),
         pairs: Vec::new(),
@@ -132,34 +124,35 @@ fn split(joint: &Joint, model: &Model, misses: &[Vector2<f64>]) -> Vec<ViewResid
         times_others: None,
     };
     let mut views = vec![empty; model.views.len()];
-    for ((m, miss), kept) in joint.measurements.iter().zip(misses).zip(&kept) {
+    for ((m, miss), kept) in measurements.iter().zip(misses).zip(&kept) {
         let point =
             PointResidual { seen: m.seen, expected: m.seen + miss, sigma_px: m.sigma_px, kept: *kept };
         match m.of {
             Target::Pair(drawn) => {
-                let on_panel = model.projector.as_ref().and_then(|p| {
-                    let between = &model.projector_from_camera;
-                    cast_onto_panel(&model.camera, p, between, &model.views[m.view], m.seen)
-                });
+                let on_panel = model.on_panel(&model.views[m.view], m.seen);
                 views[m.view].pairs.push(PairResidual { camera: point, drawn, on_panel });
             }
             _ => views[m.view].sheet.push(point),
         }
     }
     for (i, view) in views.iter_mut().enumerate() {
-        view.sheet_scatter = scatter(joint, &norms, &kept, |m| m.view == i && m.kind() != Kind::Pair);
+        view.sheet_scatter = scatter(measurements, &norms, &kept, |m| m.view == i && m.kind() != Kind::Pair);
         view.pair_scatter = (!view.pairs.is_empty())
-            .then(|| scatter(joint, &norms, &kept, |m| m.view == i && m.kind() == Kind::Pair));
+            .then(|| scatter(measurements, &norms, &kept, |m| m.view == i && m.kind() == Kind::Pair));
     }
     views
 }
 
-fn scatter(joint: &Joint, norms: &[f64], kept: &[bool], of: impl Fn(&Measurement) -> bool) -> f64 {
-    let own = || joint.measurements.iter().zip(norms).zip(kept).filter(|((m, _), _)| of(m));
+fn scatter(
+    measurements: &[Measurement],
+    norms: &[f64],
+    kept: &[bool],
+    of: impl Fn(&Measurement) -> bool,
+) -> f64 {
+    let own = || measurements.iter().zip(norms).zip(kept).filter(|((m, _), _)| of(m));
     let robust = robust_scale(own().map(|((m, n), _)| whitened(m, *n)));
-    let per_coordinate =
-        |m: &Measurement| if m.kind() == Kind::Edge { 1.0 } else { std::f64::consts::SQRT_2 };
-    let of_kept = own().filter(|(_, kept)| **kept).map(|((m, n), _)| n / m.sigma_px / per_coordinate(m));
+    let per_coordinate = |m: &Measurement, n: &f64| n / m.sigma_px / (m.rows() as f64).sqrt();
+    let of_kept = own().filter(|(_, kept)| **kept).map(|((m, n), _)| per_coordinate(m, n));
     robust.max(rms(of_kept).unwrap_or(0.0))
 }
 
@@ -183,8 +176,8 @@ fn compare(views: &mut [ViewResiduals]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::calibrate_observations;
     use crate::calibrate::tests::scene::{observe, pose, rig, rng, with_edges};
+    use crate::calibrate::{CalibrateConfig, calibrate_observations};
     use crate::observations::SheetObservation;
 
     /// Three views with noise of 0.1 px, and the rig that is calibrated from them.

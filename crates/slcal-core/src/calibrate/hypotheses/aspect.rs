@@ -2,15 +2,14 @@
 //! photograph but its distance and can never be noticed; a wrong proportion can, where the principal point is held or
 //! several views agree on it.
 
-use crate::calibrate::config::{CalibrateConfig, PrincipalPointRule};
-use crate::calibrate::diagnostics::misfit::{Misfit, misfit};
-use crate::calibrate::diagnostics::verdict::warning;
-use crate::calibrate::maximum_likelihood::{Solved, problem};
-use crate::estimate::refine::refine;
+use super::misfit::{Misfit, misfit};
+use crate::calibrate::config::CalibrateConfig;
+use crate::calibrate::maximum_likelihood::problem;
+use crate::estimate::{Model, Solution};
 use crate::observations::Observations;
 use crate::rig::Warning;
 
-/// Distance from the given proportion, in σ, that is told. By chance it is passed once in 16 000 photographs.
+/// Distance from the given proportion, in σ, that is reported. By chance it is passed once in 16 000 photographs.
 const DOUBTFUL: f64 = 4.0;
 /// Changes of ln(width/height) that matter to nobody; the step of differences.
 const NEAR: f64 = 2e-4;
@@ -19,24 +18,21 @@ const STEP: f64 = 0.01;
 const DOUBLINGS: usize = 6;
 
 /// The fit of the sheet alone with its proportion changed by a factor e^`change`, area kept.
-fn fit_at(sheet: &Observations, config: &CalibrateConfig, from: &Solved, change: f64) -> Option<Misfit> {
+fn fit_at(sheet: &Observations, config: &CalibrateConfig, from: &Solution, change: f64) -> Option<Misfit> {
     let mut o = sheet.clone();
     for view in &mut o.views {
         view.size.width_mm *= (change / 2.0).exp();
         view.size.height_mm *= (-change / 2.0).exp();
     }
-    let mut model = from.fit.model.clone();
-    model.projector = None;
-    let mut joint = problem(&o, config, &model);
-    let fit = refine(&mut joint, model)?;
-    Some(misfit(&Solved { joint, fit }))
+    let model = Model { projector: None, ..from.model().clone() };
+    Some(misfit(&Solution::refine(problem(&o, config, &model), model)?))
 }
 
 /// How well each change of the proportion fits.
 struct Search<'a> {
     sheet: &'a Observations,
     config: &'a CalibrateConfig,
-    from: &'a Solved,
+    from: &'a Solution,
 }
 
 /// What came of it: the change of ln(width/height) that fits with its σ, and by how many σ it beats the given one.
@@ -105,10 +101,9 @@ impl Search<'_> {
 pub(crate) fn hint(
     observations: &Observations,
     config: &CalibrateConfig,
-    solved: &Solved,
+    solved: &Solution,
 ) -> Option<Warning> {
-    let held = config.known_camera.is_some()
-        || matches!(config.camera_pp, PrincipalPointRule::Centre | PrincipalPointRule::Exact(..));
+    let held = config.known_camera.is_some() || config.camera_pp.is_exact();
     // In one photograph an uncertain principal point takes up any proportion.
     if !held && observations.views.len() < 2 {
         return None;
@@ -124,7 +119,7 @@ pub(crate) fn hint(
     let fits = given * change.exp();
     // As many digits as σ has something to say about.
     let decimals = (1.0 - (fits * sigma).max(1e-9).log10().floor()).clamp(4.0, 9.0) as usize;
-    Some(warning(
+    Some(Warning::new(
         "aspect-doubtful",
         format!(
             "width to height of the sheet is {fits:.decimals$} ± {:.decimals$} as it is seen, {given:.4} as it was given ({beats:.0} σ apart)",

@@ -1,9 +1,9 @@
 //! Photographs that do not belong together: another sheet, another pattern, a rig that was moved between them.
 
+use super::misfit::misfit;
 use crate::calibrate::config::CalibrateConfig;
-use crate::calibrate::diagnostics::misfit::misfit;
-use crate::calibrate::diagnostics::verdict::warning;
-use crate::calibrate::maximum_likelihood::{Solved, solve};
+use crate::calibrate::maximum_likelihood::solve;
+use crate::estimate::Solution;
 use crate::observations::Observations;
 use crate::rig::Warning;
 
@@ -20,10 +20,10 @@ const CLEARLY: f64 = 2.0;
 pub(crate) fn hint(
     observations: &Observations,
     config: &CalibrateConfig,
-    solved: &Solved,
+    solution: &Solution,
 ) -> Option<Warning> {
     let views = observations.views.len();
-    let together = misfit(solved).per_row();
+    let together = misfit(solution).per_row();
     if views < 2 || together < SUSPICIOUS {
         return None;
     }
@@ -48,7 +48,7 @@ pub(crate) fn hint(
     } else {
         return None;
     };
-    Some(warning(
+    Some(Warning::new(
         "view-contradicts",
         format!("{who}: without {what} the residuals are {times:.1} times smaller"),
         "check that it shows the same sheet and the same pattern, with the size that was given, and that neither camera nor \

@@ -1,10 +1,10 @@
 //! Whether the photographs show that the camera or the projector distorts: the data decide.
 
-use crate::calibrate::config::{CalibrateConfig, DistortionModel, VIEWS_FOR_PROJECTOR_DISTORTION};
-use crate::calibrate::maximum_likelihood::{Solved, add_projector, solve_camera};
+use crate::calibrate::config::{CalibrateConfig, VIEWS_FOR_PROJECTOR_DISTORTION};
+use crate::calibrate::maximum_likelihood::{add_projector, solve_camera};
 use crate::error::{Error, Result};
-use crate::estimate::Kind;
-use crate::estimate::model::prior_squares;
+use crate::estimate::assumptions::DistortionModel;
+use crate::estimate::{Kind, Solution, prior};
 use crate::observations::Observations;
 use crate::solve::median;
 
@@ -39,7 +39,7 @@ fn choices(asked: DistortionModel, open: bool) -> Vec<DistortionModel> {
 pub(crate) fn solve_choosing(
     observations: &Observations,
     config: &CalibrateConfig,
-) -> Result<(Solved, CalibrateConfig)> {
+) -> Result<(Solution, CalibrateConfig)> {
     let enough =
         observations.projector.is_some() && observations.views.len() >= VIEWS_FOR_PROJECTOR_DISTORTION;
     let mut fits = Vec::new();
@@ -66,7 +66,7 @@ fn nothing_fitted() -> Error {
 
 /// The fit of the smallest χ², in units of what remains under the freest model, where every lens that is let distort has
 /// to earn [`LEAST_GAIN`].
-fn choose(fits: Vec<(Solved, CalibrateConfig)>) -> Option<(Solved, CalibrateConfig)> {
+fn choose(fits: Vec<(Solution, CalibrateConfig)>) -> Option<(Solution, CalibrateConfig)> {
     let units = units(&fits.last()?.0);
     let price = |config: &CalibrateConfig| {
         let bent = [config.distortion, config.projector_distortion];
@@ -81,13 +81,12 @@ fn choose(fits: Vec<(Solved, CalibrateConfig)>) -> Option<(Solved, CalibrateConf
 
 const KINDS: [Kind; 3] = [Kind::Edge, Kind::SheetCorner, Kind::Pair];
 
-fn squares(s: &Solved, kind: Kind) -> impl Iterator<Item = f64> {
-    let of_kind = s.joint.measurements.iter().zip(&s.fit.norms_px).filter(move |(m, _)| m.kind() == kind);
-    of_kind.map(|(m, norm)| (norm / m.sigma_px).powi(2))
+fn squares(s: &Solution, kind: Kind) -> impl Iterator<Item = f64> {
+    s.measured().filter(move |(m, ..)| m.kind() == kind).map(|(m, norm, _)| (norm / m.sigma_px).powi(2))
 }
 
 /// The typical square of a measurement of each kind.
-fn units(s: &Solved) -> [f64; 3] {
+fn units(s: &Solution) -> [f64; 3] {
     KINDS.map(|kind| {
         // The medians of χ² with one and with two degrees of freedom, whose squares' scale is one.
         let expected = if kind == Kind::Edge { 0.455 } else { 1.386 };
@@ -97,9 +96,9 @@ fn units(s: &Solved) -> [f64; 3] {
 
 /// χ² in units of the typical square, outliers counted as far as [`CAP`], and that of the priors: a principal point that is
 /// pulled away to stand in for distortion is a misfit as well.
-fn remains(s: &Solved, units: [f64; 3]) -> f64 {
+fn remains(s: &Solution, units: [f64; 3]) -> f64 {
     let of_kinds = KINDS.iter().zip(units);
     let seen: f64 =
         of_kinds.map(|(&kind, unit)| squares(s, kind).map(|x| (x / unit).min(CAP * CAP)).sum::<f64>()).sum();
-    seen + prior_squares(&s.joint.priors, &s.fit.model).sum::<f64>()
+    seen + prior::chi_squared(&s.problem.priors, s.model())
 }

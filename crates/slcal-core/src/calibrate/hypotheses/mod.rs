@@ -1,7 +1,8 @@
-//! Other explanations of what was seen: each is tried, and said where it explains more.
+//! Other explanations of the observations. Each is tried, and reported where it fits better.
 
 pub(crate) mod aspect;
 pub(crate) mod contradiction;
 pub(crate) mod distortion_choice;
+mod misfit;
 pub(crate) mod repeated;
 pub(crate) mod transposed;

@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 
-use crate::calibrate::diagnostics::verdict::warning;
 use crate::observations::{EdgePoint, Observations, SheetObservation, ViewObservation};
 use crate::rig::Warning;
 
@@ -51,10 +50,10 @@ pub(crate) fn counted_once(observations: &Observations) -> (Cow<'_, Observations
         }
         view.pairs.iter_mut().for_each(|p| p.sigma_px *= times);
     }
-    let told = warning(
+    let warning = Warning::new(
         "photograph-repeated",
         format!("photographs {} and {} are the same one: together they count once", firsts[j] + 1, j + 1),
         "give each photograph once, and photograph the sheet with its tilt reversed for more certainty",
     );
-    (Cow::Owned(all), Some(told))
+    (Cow::Owned(all), Some(warning))
 }

@@ -1,9 +1,9 @@
 //! Whether the sheet's width and height were given the wrong way round.
 
 use crate::calibrate::config::CalibrateConfig;
-use crate::calibrate::diagnostics::verdict::warning;
-use crate::calibrate::maximum_likelihood::{Solved, solve};
+use crate::calibrate::maximum_likelihood::solve;
 use crate::error::Error;
+use crate::estimate::Solution;
 use crate::observations::Observations;
 use crate::rig::Warning;
 
@@ -27,7 +27,7 @@ pub(crate) fn hint(observations: &Observations, config: &CalibrateConfig) -> Opt
         view.size = view.size.transposed();
     }
     let other = solve(&sheet_alone, config).ok()?;
-    let outliers = |s: &Solved| s.fit.inliers.iter().filter(|k| !**k).count();
+    let outliers = |s: &Solution| s.measured().filter(|(.., keep)| !keep).count();
     (other.fit.cost < CLEAR_SHARE * cost
         && cost - other.fit.cost > CLEARLY_LESS
         && given.as_ref().is_none_or(|s| outliers(&other) <= outliers(s)))
@@ -41,7 +41,7 @@ pub(crate) fn hint(observations: &Observations, config: &CalibrateConfig) -> Opt
         } else {
             "has a real solution, the one given has none".into()
         };
-        warning(
+        Warning::new(
             "size-transposed",
             format!(
                 "width and height may be swapped: a sheet {}x{} mm {against}",
@@ -59,19 +59,17 @@ pub(crate) fn hint(observations: &Observations, config: &CalibrateConfig) -> Opt
 pub(crate) fn explain(error: Error, observations: &Observations, config: &CalibrateConfig) -> Error {
     let geometric = matches!(error, Error::Degenerate { .. } | Error::ImaginaryFocal { .. });
     let Some(hint) = geometric.then(|| hint(observations, config)).flatten() else { return error };
-    let said = format!("{}: {}", hint.message, hint.advice);
+    let advice = format!("{}: {}", hint.message, hint.advice);
     match error {
-        Error::Degenerate { what, measure, limit, .. } => {
-            Error::Degenerate { what, measure, limit, advice: said }
-        }
+        Error::Degenerate { what, measure, limit, .. } => Error::Degenerate { what, measure, limit, advice },
         Error::ImaginaryFocal { device, f_squared, .. } => {
-            Error::ImaginaryFocal { device, f_squared, advice: said }
+            Error::ImaginaryFocal { device, f_squared, advice }
         }
         other => other,
     }
 }
 
 /// Residuals beyond those that the unknowns take up.
-fn freedom(s: &Solved) -> f64 {
-    s.joint.rows().saturating_sub(s.joint.layout.len) as f64
+fn freedom(s: &Solution) -> f64 {
+    s.problem.rows().saturating_sub(s.problem.unknowns.len()) as f64
 }

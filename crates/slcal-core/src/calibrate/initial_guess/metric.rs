@@ -11,10 +11,9 @@
 //! and Applications 25:489-500 (2014); both are Z. Zhang's, "A flexible new technique for camera calibration", PAMI 22
 //! (2000). Precondition: square pixels, no skew, no distortion, the principal point known.
 
-use nalgebra::{Matrix3, Point2, Vector2};
-
 use crate::error::{Error, ErrorSubject, Result};
-use crate::geometry::{Homography, Intrinsics, Pose, nearest_rotation};
+use crate::geometry::Homography;
+use nalgebra::{Matrix3, Point2, Vector2};
 
 /// The two constraints as (coefficient of 1/f², constant), each row of unit noise to first order.
 ///
@@ -82,23 +81,11 @@ pub(crate) fn imaginary(device: ErrorSubject, f_squared: f64) -> Error {
     Error::ImaginaryFocal { device, f_squared, advice: advice.into() }
 }
 
-/// Pose of the sheet from its homography into a device of known K: r1 ∝ K⁻¹h1, r2 ∝ K⁻¹h2, the nearest rotation, the
-/// sheet in front. `None` when the homography is singular.
-pub(crate) fn pose_from_homography(h: &Homography, k: &Intrinsics, inside: Point2<f64>) -> Option<Pose> {
-    let m = k.matrix().try_inverse()? * h.0;
-    let depth = m[(2, 0)] * inside.x + m[(2, 1)] * inside.y + m[(2, 2)];
-    let m = m * depth.signum();
-    let (n1, n2) = (m.column(0).norm(), m.column(1).norm());
-    let scale = (n1 * n2).sqrt();
-    let (r1, r2) = (m.column(0) / n1, m.column(1) / n2);
-    let rotation = nearest_rotation(&Matrix3::from_columns(&[r1, r2, r1.cross(&r2)]))?;
-    let translation = m.column(2) / scale;
-    translation.iter().all(|x| x.is_finite()).then_some(Pose { rotation, translation })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::planar_pose::pose_from_homography;
+    use crate::geometry::{Intrinsics, Pose};
     use nalgebra::{Rotation3, Vector3};
 
     fn view(tilt_x: f64, tilt_y: f64) -> (Homography, Pose) {

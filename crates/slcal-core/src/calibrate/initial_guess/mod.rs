@@ -6,93 +6,22 @@ pub(crate) mod metric;
 use nalgebra::Point2;
 
 use self::lens_shift::focal_and_shift;
-use self::metric::{centred, focal_from_homographies, pose_from_homography};
-use crate::calibrate::config::{CalibrateConfig, PrincipalPointRule};
+use self::metric::{centred, focal_from_homographies};
+use crate::calibrate::config::CalibrateConfig;
 use crate::error::{Error, ErrorSubject, Result};
-use crate::estimate::model::{FOCAL_RANGE, Model, principal_point};
-use crate::geometry::{Camera, Distortion, Homography, Intrinsics, Line, Plane, Pose, Ray};
-use crate::observations::{EdgePoint, Observations, SheetObservation, ViewObservation};
+use crate::estimate::Model;
+use crate::estimate::assumptions::PrincipalPointRule;
+use crate::estimate::model::FOCAL_RANGE;
+use crate::estimate::planar_pose::{CUTOFF, TRIMMING_ROUNDS, camera_from_sheet, pose_from_homography};
+use crate::geometry::{Camera, Distortion, Homography, Intrinsics, Plane, Pose, Ray};
+use crate::observations::Observations;
 use crate::solve::{homography_from_points, robust_scale};
 
 /// Focal lengths, in units of the longer side, from which the refinement is tried when no closed form has a real
 /// solution: wide, normal and long lenses.
 const GUESSES: [f64; 4] = [0.8, 1.4, 2.5, 6.0];
-/// Points further than this many robust σ from a line or homography are left out of the start.
-const CUTOFF: f64 = 4.0;
-const TRIMMING_ROUNDS: usize = 5;
 /// Samples of four pairs that are tried: with one pair in five wrong, all would be spoilt once in 10^14.
 const SAMPLES: usize = 60;
-
-/// The ideal pixel (as an undistorted camera of the same K would see it).
-pub(crate) fn ideal_pixel(known: Option<&Camera>, p: Point2<f64>) -> Option<Point2<f64>> {
-    match known {
-        Some(c) if !c.distortion.is_none() => c.undistort(p).map(|x| c.intrinsics.pixel(x)),
-        _ => Some(p),
-    }
-}
-
-/// The line through edge points, without those that lie off it.
-fn robust_line(points: &[EdgePoint]) -> Option<Line> {
-    let mut kept: Vec<&EdgePoint> = points.iter().collect();
-    let mut line = Line::fit(kept.iter().map(|p| (p.position, p.sigma_px.powi(-2))))?;
-    for _ in 0..TRIMMING_ROUNDS {
-        let scale = robust_scale(points.iter().map(|p| line.signed_distance_px(p.position).abs()));
-        let next: Vec<&EdgePoint> = points
-            .iter()
-            .filter(|p| line.signed_distance_px(p.position).abs() <= CUTOFF * scale.max(p.sigma_px))
-            .collect();
-        if next.len() == kept.len() {
-            break;
-        }
-        kept = next;
-        match Line::fit(kept.iter().map(|p| (p.position, p.sigma_px.powi(-2)))) {
-            Some(l) => line = l,
-            None => break,
-        }
-    }
-    Some(line)
-}
-
-/// The sheet's corners TL, TR, BR, BL as ideal pixels.
-pub(crate) fn sheet_corners(view: &ViewObservation, known: Option<&Camera>) -> Result<[Point2<f64>; 4]> {
-    let failed = || {
-        Error::invalid(
-            "the sheet's corners",
-            "four lines that meet inside the range of the lens model",
-            "parallel sides, or corners that the distortion cannot have produced",
-        )
-    };
-    let corners = match &view.sheet {
-        SheetObservation::Corners { corners, .. } => {
-            let mut ideal = *corners;
-            for c in &mut ideal {
-                *c = ideal_pixel(known, *c).ok_or_else(failed)?;
-            }
-            ideal
-        }
-        SheetObservation::Edges(sides) => {
-            let mut lines = [Line(nalgebra::Vector3::zeros()); 4];
-            for (line, points) in lines.iter_mut().zip(sides) {
-                let ideal: Vec<EdgePoint> = points
-                    .iter()
-                    .filter_map(|p| Some(EdgePoint { position: ideal_pixel(known, p.position)?, ..*p }))
-                    .collect();
-                *line = robust_line(&ideal).ok_or_else(failed)?;
-            }
-            let [top, right, bottom, left] = lines;
-            let meet = |a: Line, b: Line| a.meet(b).pixel().ok_or_else(failed);
-            [meet(left, top)?, meet(top, right)?, meet(right, bottom)?, meet(bottom, left)?]
-        }
-    };
-    Ok(corners)
-}
-
-/// The homography sheet (mm) → ideal camera pixels.
-pub(crate) fn camera_from_sheet(view: &ViewObservation, known: Option<&Camera>) -> Result<Homography> {
-    let corners = sheet_corners(view, known)?;
-    let pairs: Vec<_> = view.size.corners().into_iter().zip(corners).collect();
-    homography_from_points(&pairs)
-}
 
 /// Distance from where a homography puts a pair's first point to its second.
 fn off(h: &Homography, pair: &(Point2<f64>, Point2<f64>)) -> f64 {
@@ -143,10 +72,6 @@ pub(crate) fn robust_homography(pairs: &[(Point2<f64>, Point2<f64>)]) -> Result<
     Ok(h)
 }
 
-fn sheet_centre(view: &ViewObservation) -> Point2<f64> {
-    Point2::new(view.size.width_mm / 2.0, view.size.height_mm / 2.0)
-}
-
 fn pinhole([width, height]: [u32; 2], intrinsics: Intrinsics) -> Camera {
     Camera { width, height, intrinsics, distortion: Distortion::NONE }
 }
@@ -169,8 +94,7 @@ pub(crate) fn camera_starts(
     let known = config.known_camera.as_ref();
     let homographies: Vec<Homography> =
         observations.views.iter().map(|v| camera_from_sheet(v, known)).collect::<Result<_>>()?;
-    let [w, h] = observations.camera;
-    let pp = principal_point(config.camera_pp, w, h);
+    let pp = config.camera_pp.start(observations.camera);
     let mut complaint = None;
     let mut candidates: Vec<Camera> = known.copied().into_iter().collect();
     if candidates.is_empty() {
@@ -194,7 +118,7 @@ pub(crate) fn camera_starts(
             let poses: Option<Vec<Pose>> = homographies
                 .iter()
                 .zip(&observations.views)
-                .map(|(h, v)| pose_from_homography(h, &camera.intrinsics, sheet_centre(v)))
+                .map(|(h, v)| pose_from_homography(h, &camera.intrinsics, v.size.centre()))
                 .collect();
             Some(Model { camera, projector: None, projector_from_camera: Pose::identity(), views: poses? })
         })
@@ -238,7 +162,7 @@ pub(crate) fn projector_starts(
     model: &Model,
 ) -> Result<(Vec<Model>, Option<Error>)> {
     let homographies = projector_homographies(observations, model)?;
-    let pp = principal_point(config.projector_pp, panel[0], panel[1]);
+    let pp = config.projector_pp.start(panel);
     let at_pp = |pp: Point2<f64>| {
         let moved: Vec<_> = homographies.iter().map(|h| centred(h, pp)).collect();
         focal_from_homographies(&moved, ErrorSubject::Projector).map(|f| Intrinsics::square(f, pp))
@@ -267,7 +191,7 @@ pub(crate) fn projector_starts(
                 .zip(&observations.views)
                 .zip(&model.views)
                 .filter_map(|((h, v), pose)| {
-                    Some(pose_from_homography(h, &k, sheet_centre(v))?.compose(&pose.inverse()))
+                    Some(pose_from_homography(h, &k, v.size.centre())?.compose(&pose.inverse()))
                 })
                 .collect();
             Some(Model {

@@ -5,11 +5,12 @@ use nalgebra::Point2;
 use super::scene::{observe, pose, rig, rng};
 use crate::calibrate::*;
 use crate::error::Error;
-use crate::observations::SheetObservation;
+use crate::observations::{Observations, SheetObservation};
+use crate::rig::Verdict;
 
 const POSES: [(f64, f64); 4] = [(25.0, 28.0), (-25.0, -20.0), (20.0, -25.0), (-15.0, 25.0)];
 
-fn truth(views: usize) -> crate::estimate::model::Model {
+fn truth(views: usize) -> crate::estimate::Model {
     rig(768.0, POSES[..views].iter().map(|&(x, y)| pose(x, y)).collect())
 }
 

@@ -8,7 +8,8 @@ use crate::calibrate::*;
 use crate::error::{Error, ErrorClass};
 use crate::format::write_rig;
 use crate::geometry::RectangleSize;
-use crate::observations::SheetObservation;
+use crate::observations::{Observations, SheetObservation};
+use crate::rig::Verdict;
 
 fn good() -> Observations {
     observe(&rig(768.0, vec![pose(25.0, 28.0)]), 0.2, 0.1, &mut rng(1))

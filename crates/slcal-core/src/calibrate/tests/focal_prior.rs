@@ -3,6 +3,7 @@
 use super::scene::{observe, pose, rig, rng};
 use crate::calibrate::*;
 use crate::observations::Observations;
+use crate::rig::Verdict;
 
 fn expecting(focal_px: f64, sigma_share: f64) -> CalibrateConfig {
     CalibrateConfig { focal_prior: Some(FocalPrior { focal_px, sigma_share }), ..CalibrateConfig::default() }

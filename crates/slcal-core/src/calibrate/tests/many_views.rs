@@ -3,6 +3,8 @@
 use super::scene::{observe, pose, rig, rng, with_edges};
 use crate::calibrate::*;
 use crate::geometry::Distortion;
+use crate::observations::Observations;
+use crate::rig::Rig;
 
 /// Ten poses around the camera's axis, tilted by 15° to 35°.
 fn ten_poses() -> Vec<crate::geometry::Pose> {
@@ -44,7 +46,7 @@ fn the_projectors_distortion_is_found_and_biases_where_it_is_left_out() {
         assert!(percent.abs() < 0.1 && sigmas.abs() < 3.0, "{model:?}: {percent} %, {sigmas} σ");
         let off = p.model.intrinsics.cy - 768.0;
         assert!(off.abs() < 3.0 && off.abs() < 3.0 * p.sigma.unwrap().cy_px, "{model:?}: {off} px");
-        assert!(found.covariance.unwrap().parameters.contains(&"projector.k1".to_owned()));
+        assert!(found.covariance.unwrap().parameters.contains(&"projector.k1".into()));
         assert!(found.camera.model.distortion.is_none());
     }
     // Left out, it moves the principal point, far beyond what σ says.

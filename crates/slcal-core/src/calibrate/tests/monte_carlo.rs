@@ -4,19 +4,20 @@ use nalgebra::Point2;
 use rand_distr::{Distribution, Normal};
 
 use super::scene::{observe, pose, rig, rng, size};
-use crate::advise::predict::focal_sigma;
 use crate::calibrate::initial_guess::metric::{centred, focal_from_homographies};
 use crate::calibrate::two_vp::{focal, vanishing_points_of_quad};
 use crate::calibrate::{CalibrateConfig, PrincipalPointRule, calibrate_observations, maximum_likelihood};
 use crate::error::ErrorSubject;
+use crate::estimate::{Lens, Model};
 use crate::observations::Observations;
+use crate::parameter::LensParameter;
 use crate::rig::{Device, Projector, Rig};
 use crate::solve::{homography_from_points, robust_scale};
 
 const DRAWS: usize = 200;
 const EXACT: PrincipalPointRule = PrincipalPointRule::Centre;
 
-fn camera_alone(tilt_x: f64, tilt_y: f64) -> crate::estimate::model::Model {
+fn camera_alone(tilt_x: f64, tilt_y: f64) -> Model {
     let mut model = rig(768.0, vec![pose(tilt_x, tilt_y)]);
     model.projector = None;
     model
@@ -42,18 +43,17 @@ fn camera_row(tilt_x: f64, tilt_y: f64) -> ([f64; 4], usize) {
         let pairs: Vec<_> = size().corners().into_iter().zip(corners).collect();
         let h = centred(&homography_from_points(&pairs).unwrap(), pp);
         errors[1].extend(focal_from_homographies(&[h], ErrorSubject::Camera).map(off));
-        errors[2]
-            .extend(maximum_likelihood::solve(&o, &config).map(|s| off(s.fit.model.camera.intrinsics.fx)));
+        errors[2].extend(maximum_likelihood::solve(&o, &config).map(|s| off(s.model().camera.intrinsics.fx)));
     }
     let exact = observe(&truth, 0.2, 0.1, &mut super::scene::rng(1));
     let solved = maximum_likelihood::solve(&at_truth(exact, &truth), &config).unwrap();
-    let bound = focal_sigma(&solved.fit.covariance, &solved.joint.layout).camera;
+    let bound = solved.focal_sigma().camera;
     let [paper, both, likelihood] = errors.map(|e| robust_scale(e.into_iter()));
     ([paper, both, likelihood, bound], failures)
 }
 
 /// The same observations without their noise.
-fn at_truth(mut o: Observations, truth: &crate::estimate::model::Model) -> Observations {
+fn at_truth(mut o: Observations, truth: &Model) -> Observations {
     let clean = observe(truth, 1e-12, 1e-12, &mut rng(0));
     for (view, exact) in o.views.iter_mut().zip(clean.views) {
         if let (crate::SheetObservation::Corners { corners, .. }, Some(c)) =
@@ -108,8 +108,8 @@ fn predicted(tilt_x: f64, tilt_y: f64, config: &CalibrateConfig) -> (f64, f64) {
     let config = CalibrateConfig { known_camera: Some(truth.camera), ..config.clone() };
     let o = at_truth(observe(&truth, 0.02, 0.1, &mut rng(1)), &truth);
     let solved = maximum_likelihood::solve(&o, &config).unwrap();
-    let (f, cy) = (solved.joint.layout.projector[0].unwrap(), solved.joint.layout.projector[2].unwrap());
-    (solved.fit.covariance[(f, f)].sqrt(), solved.fit.covariance[(cy, cy)].sqrt())
+    let sigma = |parameter| solved.sigma(Lens::Projector, parameter).unwrap();
+    (sigma(LensParameter::Focal), sigma(LensParameter::Cy))
 }
 
 #[test]

@@ -4,8 +4,8 @@ use super::scene::{observe, pose, rig, rng, with_edges};
 use crate::calibrate::*;
 use crate::error::{Error, ErrorClass};
 use crate::geometry::RectangleSize;
-use crate::observations::{CornerPair, SheetObservation, ViewObservation};
-use crate::rig::Device;
+use crate::observations::{CornerPair, Observations, SheetObservation, ViewObservation};
+use crate::rig::{Device, Rig, Verdict};
 
 /// Exact corners and pairs of a rendered scene; `None` where the scenes are absent.
 fn rendered(scene: &str) -> Option<(Observations, Rig)> {

@@ -6,8 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 use crate::calibrate::{CalibrateConfig, calibrate_observations};
-use crate::estimate::model::Model;
-use crate::estimate::residual::lit_point;
+use crate::estimate::Model;
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
 use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 use crate::rig::Rig;
@@ -64,10 +63,10 @@ pub(crate) fn observe(model: &Model, sheet_px: f64, pair_px: f64, rng: &mut ChaC
                     + jitter(rng, sheet_px)
             });
             let mut pairs = Vec::new();
-            if let Some(projector) = &model.projector {
+            if model.projector.is_some() {
                 for k in 0..54 {
                     let q = Point2::new(271.5 + 60.0 * f64::from(k % 9), 233.5 + 60.0 * f64::from(k / 9));
-                    let p = lit_point(projector, &model.projector_from_camera, pose, q).unwrap();
+                    let p = model.lit(pose, q).unwrap();
                     let seen = model.camera.project(&p).unwrap() + jitter(rng, pair_px);
                     pairs.push(CornerPair { camera: seen, projector: q, sigma_px: pair_px });
                 }

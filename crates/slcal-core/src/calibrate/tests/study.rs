@@ -5,9 +5,9 @@ use rand_distr::{Distribution, Normal};
 
 use super::scene::{observe, pose, rig, rng, with_edges};
 use crate::calibrate::{CalibrateConfig, calibrate_observations};
-use crate::estimate::model::{Layout, Model, priors};
-use crate::estimate::refine::covariance_at;
-use crate::estimate::{Joint, measurements};
+use crate::estimate::covariance::posterior;
+use crate::estimate::prior::priors;
+use crate::estimate::{BundleAdjustment, Model, Unknowns, measurements};
 use crate::observations::Observations;
 use crate::rig::{Device, Rig};
 
@@ -111,13 +111,15 @@ impl Scenario {
                 }
             }
         }
-        let layout = Layout::new(config, self.projector, self.tilts.len());
-        let priors = priors(config, &layout, &truth);
+        let assumptions = config.assumptions();
+        let unknowns = Unknowns::new(&assumptions, self.projector, self.tilts.len());
+        let priors = priors(&assumptions, &unknowns, &truth);
         let sizes = o.views.iter().map(|v| v.size).collect();
-        let joint = Joint::new(sizes, measurements(&o), layout, priors);
-        let kept = vec![true; joint.measurements.len()];
-        let c = covariance_at(&joint, &truth, &kept, [1.0; 2]).unwrap();
-        joint.layout.names().into_iter().enumerate().map(|(i, n)| (n, c[(i, i)].sqrt())).collect()
+        let problem = BundleAdjustment::new(sizes, measurements(&o), unknowns, priors);
+        let kept = vec![true; problem.measurements.len()];
+        let c = posterior(&problem, &truth, &kept, [1.0; 2]).unwrap();
+        let parameters = problem.unknowns.parameters().into_iter().enumerate();
+        parameters.map(|(i, p)| (p.to_string(), c[(i, i)].sqrt())).collect()
     }
 }
 

@@ -5,18 +5,18 @@ use nalgebra::{Point2, Vector2};
 
 use super::closed_form::{Input, Output, Quad, closed_form};
 use super::sigma::{SHIFT, TURN, corner_modes, sigmas};
-use crate::advise::advice::percent;
-use crate::calibrate::build_rig::{cast_onto_panel, projected_corners, rms};
+use crate::calibrate::build_rig::{projected_corners, view as view_of_rig};
 use crate::calibrate::config::CalibrateConfig;
-use crate::calibrate::diagnostics::verdict::warning;
-use crate::calibrate::initial_guess::{robust_homography, sheet_corners};
-use crate::calibrate::{Calibration, CalibrationReport};
+use crate::calibrate::diagnostics::advice::percent;
+use crate::calibrate::initial_guess::robust_homography;
+use crate::calibrate::report::{Calibration, CalibrationReport};
 use crate::error::{Error, ErrorSubject, Result};
-use crate::estimate::model::principal_point;
-use crate::estimate::residual::lit_point;
+use crate::estimate::Model;
+use crate::estimate::planar_pose::sheet_corners;
 use crate::geometry::{Camera, Homography};
-use crate::observations::{Observations, SheetObservation, ViewObservation};
-use crate::rig::{Device, DeviceSigma, Projector, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning};
+use crate::observations::{CornerPair, Observations, SheetObservation, ViewObservation};
+use crate::rig::{Device, DeviceSigma, Projector, Quality, Rig, StereoPose, Verdict, ViewRms, Warning};
+use crate::solve::rms;
 
 /// Residuals this many times the noise say that the assumptions (centred principal points, no distortion) do not hold.
 const MISFIT: f64 = 10.0;
@@ -82,7 +82,6 @@ pub(crate) fn calibrate(observations: &Observations, config: &CalibrateConfig) -
     };
     let known = config.known_camera.as_ref();
     let view = squared(view, known)?;
-    let [w, h] = observations.camera;
     let panel = observations.projector;
     let seen = panel.map(|_| outline(&view)).transpose()?;
     let input = Input {
@@ -90,9 +89,10 @@ pub(crate) fn calibrate(observations: &Observations, config: &CalibrateConfig) -
         outline: seen.map(|(seen, drawn, _)| (seen, drawn)),
         size: view.size,
         camera: observations.camera,
-        camera_pp: known.map_or(principal_point(config.camera_pp, w, h), |c| c.intrinsics.principal_point()),
+        camera_pp: known
+            .map_or(config.camera_pp.start(observations.camera), |c| c.intrinsics.principal_point()),
         known_focal: known.map(|c| c.intrinsics.fx),
-        projector: panel.map(|p| (p, principal_point(config.projector_pp, p[0], p[1]))),
+        projector: panel.map(|p| (p, config.projector_pp.start(p))),
     };
     let output = closed_form(&input)?;
     let sigma = sigmas(&input, &output, &view);
@@ -103,19 +103,21 @@ pub(crate) fn calibrate(observations: &Observations, config: &CalibrateConfig) -
 fn reprojection(output: &Output, input: &Input, view: &ViewObservation) -> ViewRms {
     let corners = projected_corners(&output.camera, &output.sheet, input.size);
     let edges = rms(corners.iter().zip(&input.corners).map(|(a, b)| (a - b).norm())).unwrap_or(0.0);
-    let Some((projector, stereo)) = &output.projector else {
+    let Some((projector, projector_from_camera)) = output.projector else {
         return ViewRms { edges, corners: None, projector: None };
     };
+    let camera = output.camera;
+    let model = Model { camera, projector: Some(projector), projector_from_camera, views: Vec::new() };
     let far = f64::from(input.camera[0].max(input.camera[1]));
-    let of_pair = |p: &crate::observations::CornerPair| {
-        let lit = lit_point(projector, stereo, &output.sheet, p.projector);
+    let of_pair = |p: &CornerPair| {
+        let lit = model.lit(&output.sheet, p.projector);
         // Light that misses the sheet's plane altogether is as wrong as the image is wide.
-        lit.and_then(|x| output.camera.project(&x)).map_or(far, |q| (q - p.camera).norm())
+        lit.and_then(|x| camera.project(&x)).map_or(far, |q| (q - p.camera).norm())
     };
-    let on_panel = view.pairs.iter().filter_map(|p| {
-        cast_onto_panel(&output.camera, projector, stereo, &output.sheet, p.camera)
-            .map(|on_panel| (on_panel - p.projector).norm())
-    });
+    let on_panel = view
+        .pairs
+        .iter()
+        .filter_map(|p| Some((model.on_panel(&output.sheet, p.camera)? - p.projector).norm()));
     ViewRms { edges, corners: rms(view.pairs.iter().map(of_pair)), projector: rms(on_panel) }
 }
 
@@ -148,7 +150,7 @@ fn misfit(found: &ViewRms, view: &ViewObservation, input: &Input) -> Option<Warn
             "use the maximum-likelihood method, or give the projector's principal point",
         )
     };
-    Some(warning(
+    Some(Warning::new(
         "two-vp-misfit",
         format!(
             "this result is wrong: by it the {name} should lie {off:.1} px (rms) from where they were seen, and noise \
@@ -175,7 +177,7 @@ fn judge(
         "σ of the focal length by two vanishing points is {}, with principal points taken as exact",
         percent(worst)
     );
-    let mut warnings = vec![warning(
+    let mut warnings = vec![Warning::new(
         "two-vp-assumptions",
         "σ is the measured points' noise propagated through the method; that principal points are exact and lenses \
          undistorted is assumed, not checked"
@@ -240,23 +242,10 @@ fn assemble(
             sigma_t_mm: Some(std::array::from_fn(|k| sigma[SHIFT + k])),
         },
     });
-    let projector_from_sheet = output.projector.map(|(_, pose)| pose.compose(&output.sheet));
     Rig {
         camera: device(camera, camera_sigma),
         projector,
-        views: vec![View {
-            photo: None,
-            size: input.size,
-            camera_from_sheet: output.sheet,
-            projector_from_sheet,
-            camera_vanishing_points: camera.vanishing_points(&output.sheet),
-            projector_vanishing_points: output
-                .projector
-                .zip(projector_from_sheet)
-                .map(|((p, _), pose)| p.vanishing_points(&pose)),
-            corners_px: projected_corners(&camera, &output.sheet, input.size),
-            rms_px: Some(found),
-        }],
+        views: vec![view_of_rig(&camera, projector.as_ref(), &output.sheet, input.size, found)],
         method: "two-vp".into(),
         quality: Some(quality),
         covariance: None,

@@ -71,7 +71,7 @@ fn a_negative_square_is_imaginary_and_a_point_at_infinity_degenerate() {
 }
 
 /// Noise so small that only rounding remains.
-fn exact(cy: f64) -> (crate::estimate::model::Model, crate::Observations) {
+fn exact(cy: f64) -> (crate::estimate::Model, crate::Observations) {
     let truth = rig(cy, vec![tilted(25.0, 28.0)]);
     let mut o = observe(&truth, 1e-12, 1e-12, &mut rng(1));
     if let crate::SheetObservation::Corners { sigma_px, .. } = &mut o.views[0].sheet {

@@ -7,24 +7,20 @@
 
 pub(crate) mod neighbours;
 
-use crate::calibrate::config::{CalibrateConfig, DistortionModel, Method};
-use crate::calibrate::diagnostics::verdict::warning;
-use crate::calibrate::maximum_likelihood::{Solved, solve};
-use crate::calibrate::{Calibration, ViewResiduals, calibrate_observations, check, residuals};
+use crate::calibrate::config::{CalibrateConfig, Method};
+use crate::calibrate::maximum_likelihood::solve;
+use crate::calibrate::validate::check;
 use crate::error::Result;
-use crate::estimate::refine::covariance_at;
-use crate::estimate::{Joint, Kind};
+use crate::estimate::assumptions::DistortionModel;
+use crate::estimate::covariance::{correlations, posterior};
+use crate::estimate::{BundleAdjustment, Kind, Solution};
 use crate::observations::{ExternalObservations, Observations, SheetObservation, Unstated};
-use crate::rig::{Rig, Warning};
-use crate::solve::median;
 
 /// σ that is assumed where it cannot be measured, as a part of the image's diagonal: 0.5 px at 1280×960. Detectors that
 /// look at pixels come to between a tenth and the whole of it, corners pointed at by hand to several times as much.
 const ASSUMED: f64 = 3e-4;
-/// Beyond this part of the diagonal even hands do better, so that something else is wrong.
-const LARGE: f64 = 2e-3;
 /// Nobody measures better than this part of the diagonal: residuals of made-up numbers are rounding.
-const SMALLEST: f64 = 1e-6;
+pub(crate) const SMALLEST: f64 = 1e-6;
 /// With less redundancy than this, σ would itself be known to no better than a quarter.
 const LEAST_REDUNDANCY: f64 = 8.0;
 /// Alternations between fit and σ; three or four settle it.
@@ -87,67 +83,13 @@ pub struct NoiseFound {
     pub redundancy: Option<f64>,
 }
 
-/// A calibration from observations of one's own.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ExternalCalibration {
-    /// The calibration; its warnings include what was assumed about noise.
-    pub calibration: Calibration,
-    /// The observations with every σ filled in, and at most 4000 points of a side and pairs of a view, spread evenly:
-    /// calibrating from these gives the same rig.
-    pub observations: Observations,
-    /// The σ that were not stated.
-    pub noise: Vec<NoiseFound>,
-}
-
-/// Calibrates from the observations of any detector. A σ that is not stated is measured by the residuals where there are
-/// enough of them, pooled over the views, and assumed otherwise (with the warning `noise-assumed`). Of more than 4000
-/// points of a side or pairs of a view an evenly spread part is used.
-///
-/// # Errors
-/// As [`calibrate_observations`].
-pub fn calibrate_external(
-    external: &ExternalObservations,
-    config: &CalibrateConfig,
-) -> Result<ExternalCalibration> {
-    let (observations, noise) = measure_noise(external, config)?;
-    let mut calibration = calibrate_observations(&observations, config)?;
-    if let Some(quality) = &mut calibration.rig.quality {
-        quality.warnings.extend(noise.iter().filter_map(|n| told(n, diagonal(&observations))));
-    }
-    Ok(ExternalCalibration { calibration, observations, noise })
-}
-
-fn told(found: &NoiseFound, diagonal: f64) -> Option<Warning> {
-    let (name, sigma) = (found.of.name(), found.sigma_px);
-    if found.redundancy.is_none() {
-        let field = if found.of == NoiseOf::Pairs { "pair_sigma_px" } else { "sheet_sigma_px" };
-        return Some(warning(
-            "noise-assumed",
-            format!(
-                "the noise of {name} is not stated and there are too few of them to measure it: {sigma:.2} px (1σ) was assumed, \
-                 and σ of the results rests on that"
-            ),
-            format!("state it ({field}), or give more of them"),
-        ));
-    }
-    (sigma > LARGE * diagonal).then(|| {
-        warning(
-            "noise-large",
-            format!(
-                "{name} scatter by {sigma:.1} px (1σ) about the model, more than corners pointed at by hand"
-            ),
-            "check their order, the sheet's size, and whether the lens distorts more than k1 and k2 can say",
-        )
-    })
-}
-
-fn diagonal(observations: &Observations) -> f64 {
+pub(crate) fn diagonal(observations: &Observations) -> f64 {
     let [w, h] = observations.camera.map(f64::from);
     w.hypot(h)
 }
 
 /// The observations with every σ filled in, and those that were not stated.
-fn measure_noise(
+pub(crate) fn measure_noise(
     external: &ExternalObservations,
     config: &CalibrateConfig,
 ) -> Result<(Observations, Vec<NoiseFound>)> {
@@ -173,7 +115,7 @@ fn measure_noise(
         if noise.iter().zip(&before).all(|(a, b)| (a.sigma_px / b.sigma_px).ln().abs() < SETTLED) {
             for found in noise.iter_mut().filter(|n| n.of == NoiseOf::SheetEdges && n.redundancy.is_some()) {
                 let wanted = |view: usize| external.unstated(view).sheet;
-                found.sigma_px *= neighbours::widening(&all, wanted, &solved.fit.model, found.sigma_px);
+                found.sigma_px *= neighbours::widening(&all, wanted, solved.model(), found.sigma_px);
             }
             break;
         }
@@ -183,7 +125,7 @@ fn measure_noise(
 }
 
 /// What is not stated, before anything is known of it.
-fn assumed(external: &ExternalObservations) -> Vec<NoiseFound> {
+pub(crate) fn assumed(external: &ExternalObservations) -> Vec<NoiseFound> {
     let sigma_px = ASSUMED * diagonal(&external.observations);
     let views = 0..external.observations.views.len();
     let wanted = NoiseOf::ALL.into_iter().filter(|of| views.clone().any(|i| is_wanted(external, i, *of)));
@@ -191,7 +133,7 @@ fn assumed(external: &ExternalObservations) -> Vec<NoiseFound> {
 }
 
 /// Whether view `i` has measurements of this kind whose σ is not stated.
-fn is_wanted(external: &ExternalObservations, i: usize, of: NoiseOf) -> bool {
+pub(crate) fn is_wanted(external: &ExternalObservations, i: usize, of: NoiseOf) -> bool {
     let view = &external.observations.views[i];
     let there = match of {
         NoiseOf::SheetEdges => matches!(view.sheet, SheetObservation::Edges(_)),
@@ -201,53 +143,20 @@ fn is_wanted(external: &ExternalObservations, i: usize, of: NoiseOf) -> bool {
     there && of.is_unstated(external.unstated(i))
 }
 
-/// The residuals of observations of one's own against the rig that was calibrated from them, and these observations with every
-/// σ filled in: one that is not stated is how widely the residuals themselves scatter, pooled over the views (their median).
-///
-/// # Errors
-/// As [`residuals`].
-pub fn external_residuals(
-    rig: &Rig,
-    external: &ExternalObservations,
-) -> Result<(Observations, Vec<ViewResiduals>)> {
-    /// Outliers are told by σ: the first, which is assumed, may be far off.
-    const ROUNDS: usize = 3;
-    let mut observations = external.observations.clone();
-    let mut noise = assumed(external);
-    let smallest = SMALLEST * diagonal(&observations);
-    for _ in 0..if noise.is_empty() { 0 } else { ROUNDS } {
-        fill(&mut observations, external, &noise);
-        let views = residuals(rig, &observations)?;
-        // The pose of a view takes up nearly all that its four corners could tell.
-        for found in noise.iter_mut().filter(|n| n.of != NoiseOf::SheetCorners) {
-            let scatter = |(i, view): (usize, &ViewResiduals)| {
-                let scatter =
-                    if found.of == NoiseOf::Pairs { view.pair_scatter } else { Some(view.sheet_scatter) };
-                scatter.filter(|_| is_wanted(external, i, found.of))
-            };
-            let typical = median(&mut views.iter().enumerate().filter_map(scatter).collect::<Vec<_>>());
-            found.sigma_px = typical.map_or(found.sigma_px, |s| (s * found.sigma_px).max(smallest));
-        }
-    }
-    fill(&mut observations, external, &noise);
-    let views = residuals(rig, &observations)?;
-    Ok((observations, views))
-}
-
-/// The model that leaves least of itself in the residuals: with distortion, unless that is told or known.
+/// The model that leaves least of itself in the residuals: with distortion, unless that is given or known.
 fn flexible(config: &CalibrateConfig) -> CalibrateConfig {
     let distortion = match config.distortion {
         DistortionModel::Auto if config.method == Method::Ml && config.known_camera.is_none() => {
             DistortionModel::K1K2
         }
         DistortionModel::Auto => DistortionModel::None,
-        told => told,
+        given => given,
     };
     CalibrateConfig { distortion, method: Method::Ml, ..config.clone() }
 }
 
 /// Puts the σ found so far where none was stated.
-fn fill(observations: &mut Observations, external: &ExternalObservations, noise: &[NoiseFound]) {
+pub(crate) fn fill(observations: &mut Observations, external: &ExternalObservations, noise: &[NoiseFound]) {
     let sigma = |of: NoiseOf| noise.iter().find(|n| n.of == of).map(|n| n.sigma_px);
     for (i, view) in observations.views.iter_mut().enumerate() {
         let unstated = external.unstated(i);
@@ -289,22 +198,22 @@ fn thin<T: Copy>(points: &mut Vec<T>, most: usize) {
     }
 }
 
-/// σ of one kind by the residuals of a fit.
-fn measured(solved: &mut Solved, external: &ExternalObservations, of: NoiseOf, diagonal: f64) -> NoiseFound {
-    let wanted: Vec<bool> = solved
-        .joint
-        .measurements
-        .iter()
-        .map(|m| m.kind() == of.kind() && of.is_unstated(external.unstated(m.view)))
-        .collect();
-    let per_point = if of == NoiseOf::SheetEdges { 1.0 } else { 2.0 };
-    let (mut squares, mut count) = (0.0, 0.0);
-    let kept = solved.fit.norms_px.iter().zip(&solved.fit.inliers).zip(&wanted);
-    for ((norm, _), _) in kept.filter(|((_, inlier), wanted)| **inlier && **wanted) {
+/// σ of one kind by the residuals of a solution.
+fn measured(
+    solution: &mut Solution,
+    external: &ExternalObservations,
+    of: NoiseOf,
+    diagonal: f64,
+) -> NoiseFound {
+    let is_wanted = |view: usize, kind| kind == of.kind() && of.is_unstated(external.unstated(view));
+    let wanted: Vec<bool> = solution.measured().map(|(m, ..)| is_wanted(m.view, m.kind())).collect();
+    let (mut squares, mut count) = (0.0, 0);
+    for ((m, norm, _), _) in solution.measured().zip(&wanted).filter(|((.., keep), wanted)| *keep && **wanted)
+    {
         squares += norm * norm;
-        count += per_point;
+        count += m.rows();
     }
-    let redundancy = taken(solved, &wanted).map_or(0.0, |taken| count - taken);
+    let redundancy = taken(solution, &wanted).map_or(0.0, |taken| count as f64 - taken);
     if redundancy < LEAST_REDUNDANCY {
         return NoiseFound { of, sigma_px: ASSUMED * diagonal, redundancy: None };
     }
@@ -314,29 +223,27 @@ fn measured(solved: &mut Solved, external: &ExternalObservations, of: NoiseOf, d
 
 /// How many unknowns the wanted measurements determine: the trace of their part of the hat matrix, as
 /// d ln det(covariance) / d ln σ².
-fn taken(solved: &mut Solved, wanted: &[bool]) -> Option<f64> {
-    let Solved { joint, fit } = solved;
+fn taken(solution: &mut Solution, wanted: &[bool]) -> Option<f64> {
+    let Solution { problem, fit, .. } = solution;
     let mut log_det = |step: f64| {
-        scale(joint, wanted, step.exp());
-        let covariance = covariance_at(joint, &fit.model, &fit.inliers, [1.0; 2]);
-        scale(joint, wanted, (-step).exp());
+        scale(problem, wanted, step.exp());
+        let covariance = posterior(problem, &fit.state, &fit.inliers, [1.0; 2]);
+        scale(problem, wanted, (-step).exp());
         log_determinant(&covariance?)
     };
     Some((log_det(STEP)? - log_det(-STEP)?) / (4.0 * STEP))
 }
 
-fn scale(joint: &mut Joint, wanted: &[bool], factor: f64) {
-    for (m, _) in joint.measurements.iter_mut().zip(wanted).filter(|(_, wanted)| **wanted) {
+fn scale(problem: &mut BundleAdjustment, wanted: &[bool], factor: f64) {
+    for (m, _) in problem.measurements.iter_mut().zip(wanted).filter(|(_, wanted)| **wanted) {
         m.sigma_px *= factor;
     }
 }
 
 /// ln det of a positive definite matrix, by the Cholesky factor of its correlations.
 fn log_determinant(c: &nalgebra::DMatrix<f64>) -> Option<f64> {
-    let sigma = c.diagonal().map(f64::sqrt);
-    let correlation =
-        nalgebra::DMatrix::from_fn(c.nrows(), c.ncols(), |i, j| c[(i, j)] / (sigma[i] * sigma[j]));
-    let factor = correlation.cholesky()?;
+    let (sigma, correlations) = correlations(c);
+    let factor = correlations.cholesky()?;
     let of_factor: f64 = factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
     let all = 2.0 * (of_factor + sigma.iter().map(|s| s.ln()).sum::<f64>());
     all.is_finite().then_some(all)

@@ -1,8 +1,6 @@
 //! What neighbouring edge points have in common: whoever counts them as independent takes σ of the result for too small.
 
-use crate::estimate::model::Model;
-use crate::estimate::residual;
-use crate::estimate::{Target, measurements};
+use crate::estimate::{Model, Target, measurements, residual};
 use crate::geometry::Side;
 use crate::observations::Observations;
 
@@ -56,7 +54,7 @@ fn residuals(all: &Observations, wanted: impl Fn(usize) -> bool, model: &Model) 
         let size = all.views[m.view].size;
         let Some(r) = residual::edge(&model.camera, pose, size, side, m.seen) else { continue };
         let along = c[(side as usize + 1) % 4] - c[side as usize];
-        let point = ((m.seen - c[side as usize]).dot(&along), r.value);
+        let point = ((m.seen - c[side as usize]).dot(&along), r.value.x);
         match sides.last_mut() {
             Some(last) if last.view == m.view && last.side == side => last.list.push(point),
             _ => sides.push(SideResiduals { view: m.view, side, list: vec![point] }),

@@ -1,6 +1,6 @@
 use super::*;
-use crate::calibrate::PrincipalPointRule;
 use crate::calibrate::tests::scene::{observe, pose, rig, rng, with_edges};
+use crate::calibrate::{PrincipalPointRule, calibrate_external, calibrate_observations, external_residuals};
 use crate::rig::Device;
 
 fn unstated(observations: Observations) -> ExternalObservations {

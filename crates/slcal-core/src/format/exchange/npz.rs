@@ -89,7 +89,8 @@ pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
     if let Some(c) = rig.covariance.as_ref().filter(|c| !c.parameters.is_empty()) {
         let n = c.parameters.len();
         arrays.push(("covariance", numbers(&[n, n], c.matrix.transpose().as_slice().to_vec())));
-        arrays.push(("covariance_parameters", Array::Words(vec![n], c.parameters.clone())));
+        let names = c.parameters.iter().map(ToString::to_string).collect();
+        arrays.push(("covariance_parameters", Array::Words(vec![n], names)));
     }
     Ok(vec![ExportedFile { name: "rig.npz", bytes: zipped(&arrays)? }])
 }

@@ -128,5 +128,5 @@ fn quality_to_dto(q: &Quality) -> Result<QualityDto> {
 fn covariance_to_dto(c: &Covariance) -> Result<CovarianceDto> {
     finite(c.matrix.iter(), "covariance")?;
     let matrix = c.matrix.row_iter().map(|r| r.iter().copied().collect()).collect();
-    Ok(CovarianceDto { parameters: c.parameters.clone(), matrix })
+    Ok(CovarianceDto { parameters: c.parameters.iter().map(ToString::to_string).collect(), matrix })
 }

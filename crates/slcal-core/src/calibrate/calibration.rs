@@ -1,0 +1,58 @@
+//! Observations → rig, in one call.
+
+use super::config::{CalibrateConfig, Method};
+use super::report::{Calibration, CalibrationReport};
+use super::{build_rig, diagnostics, hypotheses, two_vp, validate};
+use crate::error::Result;
+use crate::estimate::Kind;
+use crate::observations::Observations;
+use crate::rig::Verdict;
+
+/// Calibrates camera and projector (the camera alone when `observations.projector` is `None`) from what was seen in one
+/// photograph or several.
+///
+/// # Errors
+/// [`Error::Invalid`](crate::Error::Invalid) for inconsistent observations (no view, NaN, σ not positive, collinear or
+/// mirrored corners, fewer than four pairs with a projector, projector pixels off the panel);
+/// [`Error::ImaginaryFocal`](crate::Error::ImaginaryFocal) when no real focal length explains the view;
+/// [`Error::Degenerate`](crate::Error::Degenerate) when the predicted σ of a focal length is 25 % or more and
+/// `config.allow_degenerate` is not set.
+pub fn calibrate_observations(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
+    validate::check(observations, config)?;
+    match config.method {
+        Method::Ml => maximum_likelihood(observations, config),
+        Method::TwoVp => two_vp::rig::calibrate(observations, config),
+    }
+}
+
+fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
+    let (observations, repetition) = hypotheses::repeated::counted_once(observations);
+    let (solution, config) = &match hypotheses::distortion_choice::solve_choosing(&observations, config) {
+        Ok(solved) => solved,
+        Err(error) => return Err(hypotheses::transposed::explain(error, &observations, config)),
+    };
+    let mut judgement = diagnostics::verdict::judge(solution, config);
+    judgement.warnings.extend(repetition);
+    let doubt = hypotheses::transposed::hint(&observations, config)
+        .or_else(|| hypotheses::contradiction::hint(&observations, config, solution))
+        .or_else(|| hypotheses::aspect::hint(&observations, config, solution));
+    if let Some(doubt) = doubt {
+        judgement.doubt(doubt);
+    }
+    if judgement.verdict == Verdict::Degenerate && !config.allow_degenerate {
+        return Err(judgement.refusal());
+    }
+    let share = |kind| match solution.outliers(kind) {
+        [_, 0] => 1.0,
+        [out, all] => (all - out) as f64 / all as f64,
+    };
+    let (cause, advice) = judgement.why();
+    let report = CalibrationReport {
+        iterations: solution.fit.iterations,
+        edge_inliers: share(Kind::Edge),
+        corner_inliers: share(Kind::Pair),
+        cause: cause.to_owned(),
+        advice: advice.to_owned(),
+    };
+    Ok(Calibration { rig: build_rig::rig(solution, &judgement), report })
+}

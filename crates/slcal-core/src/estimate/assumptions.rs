@@ -1,0 +1,257 @@
+//! What the estimator takes for known: which parameters it holds fixed, and where and how closely it expects the others.
+
+use std::fmt;
+use std::str::FromStr;
+
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::geometry::{Camera, FILM_DIAGONAL_MM};
+use crate::named::{named, unnamed};
+use crate::parameter::LensParameter;
+
+/// Which of the two devices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Lens {
+    Camera,
+    Projector,
+}
+
+impl Lens {
+    pub(crate) const ALL: [Self; 2] = [Self::Camera, Self::Projector];
+
+    pub(crate) fn name(self) -> &'static str {
+        ["camera", "projector"][self as usize]
+    }
+}
+
+/// 1σ of a principal point that is free, in widths: no information, but never a singular matrix.
+const FREE_WIDTHS: f64 = 10.0;
+/// 1σ of the vertical principal point of a lens-shifted projector, in heights around the centre; published ones lie 0.5
+/// to 1.3 heights off, and a narrower prior would pull them inwards.
+const SHIFT_HEIGHTS: f64 = 4.0;
+/// 1σ of the tangential coefficients and of k3; real lenses stay below.
+const TANGENTIAL_SIGMA: f64 = 0.01;
+
+/// What is known about a principal point.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PrincipalPointRule {
+    /// The image's centre, uncertain by [`CalibrateConfig::principal_point_sigma`](crate::CalibrateConfig::principal_point_sigma) of the width along both axes.
+    Prior,
+    /// Exactly the image's centre.
+    Centre,
+    /// Unknown; only several well-spread views determine it.
+    Free,
+    /// Exactly this pixel.
+    Exact(f64, f64),
+    /// The horizontal centre as in [`Prior`](Self::Prior), the vertical one unknown (1σ of four times the panel's
+    /// height): a projector with lens shift.
+    Shift,
+}
+
+impl PrincipalPointRule {
+    /// The names of the rules; a pixel has none.
+    pub const NAMES: &'static [&'static str] = &["shift", "prior", "centre", "free"];
+
+    /// Whether the principal point is held fixed.
+    pub(crate) fn is_exact(self) -> bool {
+        matches!(self, Self::Centre | Self::Exact(..))
+    }
+
+    /// Where the estimate of the principal point of a device of this width and height starts, px: the stated one, else the
+    /// centre. It is the mean of the prior, too.
+    pub(crate) fn start(self, [width, height]: [u32; 2]) -> Point2<f64> {
+        match self {
+            Self::Exact(x, y) => Point2::new(x, y),
+            _ => Camera::image_centre(width, height),
+        }
+    }
+
+    /// Where the principal point of a device of width and height `size` is expected before anything was photographed, px:
+    /// the stated one, the lower edge's middle where lens shift is expected, else the centre.
+    #[must_use]
+    pub fn expected(self, [width, height]: [u32; 2]) -> Point2<f64> {
+        let centre = Camera::image_centre(width, height);
+        match self {
+            Self::Exact(x, y) => Point2::new(x, y),
+            Self::Shift => Point2::new(centre.x, f64::from(height) - 0.5),
+            Self::Prior | Self::Centre | Self::Free => centre,
+        }
+    }
+}
+
+impl fmt::Display for PrincipalPointRule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Shift => f.pad("shift"),
+            Self::Prior => f.pad("prior"),
+            Self::Centre => f.pad("centre"),
+            Self::Free => f.pad("free"),
+            Self::Exact(x, y) => write!(f, "{x},{y}"),
+        }
+    }
+}
+
+impl FromStr for PrincipalPointRule {
+    type Err = Error;
+
+    /// `shift`, `prior`, `centre`, `free`, or a pixel as `X,Y`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] that lists these.
+    fn from_str(text: &str) -> Result<Self> {
+        let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+        Ok(match text.to_ascii_lowercase().as_str() {
+            "shift" => Self::Shift,
+            "prior" => Self::Prior,
+            "centre" | "center" => Self::Centre,
+            "free" => Self::Free,
+            _ => {
+                let point = text.split_once(',').and_then(|(x, y)| number(x).zip(number(y)));
+                let wrong = || unnamed("principal point", Self::NAMES, " or X,Y in pixels", text);
+                let (x, y) = point.ok_or_else(wrong)?;
+                Self::Exact(x, y)
+            }
+        })
+    }
+}
+
+/// What is known about the camera's focal length beforehand, as from a photograph's EXIF tags.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FocalPrior {
+    /// The expected focal length, px.
+    pub focal_px: f64,
+    /// 1σ of it as a share of the focal length (of ln f).
+    pub sigma_share: f64,
+}
+
+impl FocalPrior {
+    /// From the focal length as its 35 mm equivalent (the EXIF tag `FocalLengthIn35mmFilm`), mm, for an uncropped image of
+    /// this width and height: the angle of view over the diagonal is that of 36×24 mm film.
+    ///
+    /// σ is 5 % and what rounding to whole millimetres adds: some cameras mean the width instead of the diagonal (4 % for an
+    /// image of 4:3), lenses focused at arm's length reach a few per cent further than their name, and makers round.
+    #[must_use]
+    pub fn from_35mm_equivalent(equivalent_mm: f64, [width, height]: [u32; 2]) -> Self {
+        const MEANING: f64 = 0.05;
+        let rounding = 1.0 / (12_f64.sqrt() * equivalent_mm);
+        Self {
+            focal_px: equivalent_mm / FILM_DIAGONAL_MM * f64::from(width).hypot(f64::from(height)),
+            sigma_share: MEANING.hypot(rounding),
+        }
+    }
+}
+
+/// Which distortion coefficients of a device are estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DistortionModel {
+    /// k1 and k2 when they lower the residuals by more than chance would, else none.
+    #[default]
+    Auto,
+    /// None: a pinhole.
+    None,
+    /// k1.
+    K1,
+    /// k1 and k2.
+    K1K2,
+    /// k1, k2, p1, p2, k3.
+    Full,
+}
+
+named!(DistortionModel, "distortion", {
+    Auto => "auto",
+    None => "none",
+    K1 => "k1",
+    K1K2 => "k1k2",
+    Full => "full",
+});
+
+/// What is known of one device before the estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LensAssumptions {
+    /// Every parameter is held fixed.
+    pub(crate) known: bool,
+    pub(crate) principal_point: PrincipalPointRule,
+    pub(crate) distortion: DistortionModel,
+    pub(crate) focal: Option<FocalPrior>,
+}
+
+/// What is known of both devices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Assumptions {
+    /// Of camera and projector.
+    pub(crate) lenses: [LensAssumptions; 2],
+    /// 1σ of a principal point under [`PrincipalPointRule::Prior`], in widths.
+    pub(crate) principal_point_sigma: f64,
+    /// 1σ of k1 and of k2.
+    pub(crate) distortion_sigma: f64,
+}
+
+impl Assumptions {
+    /// Whether a parameter is estimated, or else held fixed.
+    pub(crate) fn estimates(&self, lens: Lens, parameter: LensParameter) -> bool {
+        let of = &self.lenses[lens as usize];
+        let coefficients = match of.distortion {
+            DistortionModel::Auto | DistortionModel::None => 0,
+            DistortionModel::K1 => 1,
+            DistortionModel::K1K2 => 2,
+            DistortionModel::Full => 5,
+        };
+        !of.known
+            && match parameter {
+                LensParameter::Focal => true,
+                LensParameter::Cx | LensParameter::Cy => !of.principal_point.is_exact(),
+                coefficient => (coefficient as usize) < LensParameter::K1 as usize + coefficients,
+            }
+    }
+
+    /// Mean and 1σ of a parameter of a device of this width and height (the focal length as ln f); `None` where nothing
+    /// is known.
+    pub(crate) fn prior(
+        &self,
+        lens: Lens,
+        parameter: LensParameter,
+        [width, height]: [u32; 2],
+    ) -> Option<(f64, f64)> {
+        let of = &self.lenses[lens as usize];
+        let centre = of.principal_point.start([width, height]);
+        let near = self.principal_point_sigma * f64::from(width);
+        let free = FREE_WIDTHS * f64::from(width);
+        Some(match (parameter, of.principal_point) {
+            (LensParameter::Focal, _) => of.focal.map(|f| (f.focal_px.ln(), f.sigma_share))?,
+            (LensParameter::Cx, PrincipalPointRule::Prior | PrincipalPointRule::Shift) => (centre.x, near),
+            (LensParameter::Cx, _) => (centre.x, free),
+            (LensParameter::Cy, PrincipalPointRule::Prior) => (centre.y, near),
+            (LensParameter::Cy, PrincipalPointRule::Shift) => (centre.y, SHIFT_HEIGHTS * f64::from(height)),
+            (LensParameter::Cy, _) => (centre.y, free),
+            (LensParameter::K1 | LensParameter::K2, _) => (0.0, self.distortion_sigma),
+            (LensParameter::P1 | LensParameter::P2 | LensParameter::K3, _) => (0.0, TANGENTIAL_SIGMA),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_35_mm_equivalent_spans_the_diagonal() {
+        // 36x24 at 100 px per mm: 50 mm are 5000 px.
+        let prior = FocalPrior::from_35mm_equivalent(50.0, [3600, 2400]);
+        assert!((prior.focal_px - 5000.0).abs() < 1e-9);
+        assert!((0.05..0.051).contains(&prior.sigma_share));
+        assert!(FocalPrior::from_35mm_equivalent(4.0, [3600, 2400]).sigma_share > 0.08);
+    }
+
+    #[test]
+    fn principal_points_are_expected_where_the_rule_says() {
+        let expected = |rule: PrincipalPointRule| rule.expected([1024, 768]);
+        assert_eq!(expected(PrincipalPointRule::Prior), Point2::new(511.5, 383.5));
+        assert_eq!(expected(PrincipalPointRule::Shift), Point2::new(511.5, 767.5));
+        assert_eq!(expected(PrincipalPointRule::Exact(7.0, -9.0)), Point2::new(7.0, -9.0));
+    }
+}

@@ -1,0 +1,72 @@
+//! The measurements of photographs.
+
+use nalgebra::Point2;
+
+use crate::geometry::Side;
+use crate::observations::{Observations, SheetObservation};
+
+/// What a measurement is of. Edge points are measured across the side alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Edge,
+    Pair,
+    SheetCorner,
+}
+
+/// One measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Measurement {
+    pub(crate) view: usize,
+    pub(crate) seen: Point2<f64>,
+    pub(crate) sigma_px: f64,
+    pub(crate) of: Target,
+}
+
+/// What was measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Target {
+    Edge(Side),
+    /// A corner of the sheet, mm.
+    SheetCorner(Point2<f64>),
+    /// A projector pixel.
+    Pair(Point2<f64>),
+}
+
+impl Measurement {
+    pub(crate) fn kind(&self) -> Kind {
+        match self.of {
+            Target::Edge(_) => Kind::Edge,
+            Target::SheetCorner(_) => Kind::SheetCorner,
+            Target::Pair(_) => Kind::Pair,
+        }
+    }
+
+    /// Number of its residuals.
+    pub(crate) fn rows(&self) -> usize {
+        if self.kind() == Kind::Edge { 1 } else { 2 }
+    }
+}
+
+/// The measurements of all views in a fixed order.
+pub(crate) fn measurements(observations: &Observations) -> Vec<Measurement> {
+    let mut all = Vec::new();
+    for (view, o) in observations.views.iter().enumerate() {
+        let mut add = |seen, sigma_px, of| all.push(Measurement { view, seen, sigma_px, of });
+        match &o.sheet {
+            SheetObservation::Edges(sides) => {
+                for (side, points) in Side::ALL.into_iter().zip(sides) {
+                    points.iter().for_each(|p| add(p.position, p.sigma_px, Target::Edge(side)));
+                }
+            }
+            SheetObservation::Corners { corners, sigma_px } => {
+                for (&seen, corner) in corners.iter().zip(o.size.corners()) {
+                    add(seen, *sigma_px, Target::SheetCorner(corner));
+                }
+            }
+        }
+        if observations.projector.is_some() {
+            o.pairs.iter().for_each(|p| add(p.camera, p.sigma_px, Target::Pair(p.projector)));
+        }
+    }
+    all
+}

@@ -1,0 +1,155 @@
+//! Bundle adjustment: residuals and Jacobian of all views, stacked and divided by their σ. A row depends on the devices and
+//! on the pose of its own view alone, so that the cost grows linearly with the number of views.
+
+use nalgebra::{DVector, Point2, Vector2};
+
+use super::assumptions::Lens;
+use super::measurement::{Measurement, Target};
+use super::model::Model;
+use super::prior::Prior;
+use super::residual::{self, POSE, Residual};
+use super::robust::RobustProblem;
+use super::unknowns::Unknowns;
+use crate::geometry::RectangleSize;
+use crate::parameter::LensParameter;
+use crate::solve::{Block, Linearised, Loss, Problem, Structure};
+
+/// Measurements of some views and what is known beforehand.
+#[derive(Debug, Clone)]
+pub(crate) struct BundleAdjustment {
+    /// Of the sheet in each view.
+    pub(crate) sizes: Vec<RectangleSize>,
+    /// Ordered by view.
+    pub(crate) measurements: Vec<Measurement>,
+    pub(crate) unknowns: Unknowns,
+    pub(crate) priors: Vec<Prior>,
+    /// Of the measurements, then of the priors.
+    pub(crate) blocks: Vec<Block>,
+    rows_of_views: Vec<usize>,
+}
+
+impl BundleAdjustment {
+    pub(crate) fn new(
+        sizes: Vec<RectangleSize>,
+        mut measurements: Vec<Measurement>,
+        unknowns: Unknowns,
+        priors: Vec<Prior>,
+    ) -> Self {
+        measurements.sort_by_key(|m| m.view);
+        let mut rows_of_views = vec![0; sizes.len()];
+        for m in &measurements {
+            rows_of_views[m.view] += m.rows();
+        }
+        let rows = measurements.iter().map(Measurement::rows).chain(priors.iter().map(|_| 1));
+        let blocks = rows.map(|len| Block { len, loss: Loss::Square }).collect();
+        Self { sizes, measurements, unknowns, priors, blocks, rows_of_views }
+    }
+
+    /// Number of residuals, those of the priors included.
+    pub(crate) fn rows(&self) -> usize {
+        self.blocks.iter().map(|b| b.len).sum()
+    }
+
+    fn residual(&self, model: &Model, m: &Measurement) -> Option<Residual> {
+        let (camera, pose) = (&model.camera, model.views.get(m.view)?);
+        match m.of {
+            Target::Edge(side) => residual::edge(camera, pose, self.sizes[m.view], side, m.seen),
+            Target::SheetCorner(corner) => residual::sheet_corner(camera, pose, corner, m.seen),
+            Target::Pair(q) => {
+                let projector = model.projector.as_ref()?;
+                let between = &model.projector_from_camera;
+                residual::projected_corner(camera, projector, between, pose, q, m.seen)
+            }
+        }
+    }
+
+    /// Lines do not tell in front from behind: the sheet's corners do.
+    fn in_front(&self, model: &Model) -> bool {
+        model.views.iter().zip(&self.sizes).all(|(pose, size)| {
+            let depth = |c: Point2<f64>| pose.lift(c).z;
+            size.corners().into_iter().all(|c| depth(c) > 0.0)
+        })
+    }
+
+    /// How far every measurement is from the model, as camera px from where it was seen to where it is expected.
+    pub(crate) fn misses_px(&self, model: &Model) -> Option<Vec<Vector2<f64>>> {
+        self.measurements.iter().map(|m| Some(self.residual(model, m)?.miss)).collect()
+    }
+
+    /// Residuals and derivatives at a model; `None` where it is not defined.
+    pub(crate) fn at(&self, model: &Model) -> Option<Linearised> {
+        let mut at = Linearised::zeros(self);
+        self.linearise(model, &mut at)?;
+        Some(at)
+    }
+
+    fn put(&self, to: &mut Linearised, at: usize, rows: usize, r: &Residual, weight: f64) {
+        for k in 0..rows {
+            to.residuals[at + k] = r.value[k] * weight;
+            let mut row = to.jacobian.row_mut(at + k);
+            for (lens, by_lens) in Lens::ALL.into_iter().zip(&r.lenses) {
+                for parameter in LensParameter::ALL {
+                    if let Some(c) = self.unknowns.lens(lens, parameter) {
+                        row[POSE + c] = by_lens[(k, parameter as usize)] * weight;
+                    }
+                }
+            }
+            for i in 0..POSE {
+                row[i] = r.view[(k, i)] * weight;
+                if let Some(c) = self.unknowns.projector_from_camera() {
+                    row[POSE + c + i] = r.projector_from_camera[(k, i)] * weight;
+                }
+            }
+        }
+    }
+}
+
+impl Problem for BundleAdjustment {
+    type State = Model;
+
+    fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    fn structure(&self) -> Structure<'_> {
+        Structure { shared: self.unknowns.shared, width: POSE, groups: &self.rows_of_views }
+    }
+
+    fn linearise(&self, model: &Model, to: &mut Linearised) -> Option<()> {
+        if !self.in_front(model) {
+            return None;
+        }
+        to.jacobian.fill(0.0);
+        let mut at = 0;
+        for m in &self.measurements {
+            self.put(to, at, m.rows(), &self.residual(model, m)?, 1.0 / m.sigma_px);
+            at += m.rows();
+        }
+        for p in &self.priors {
+            to.residuals[at] = p.residual(model)?;
+            if let Some(c) = self.unknowns.lens(p.lens, p.parameter) {
+                to.jacobian[(at, POSE + c)] = 1.0 / p.sigma;
+            }
+            at += 1;
+        }
+        Some(())
+    }
+
+    fn step(&self, model: &Model, delta: &DVector<f64>) -> Option<Model> {
+        model.moved(&self.unknowns, delta)
+    }
+}
+
+impl RobustProblem for BundleAdjustment {
+    fn measured(&mut self) -> (&[Measurement], &mut [Block]) {
+        (&self.measurements, &mut self.blocks)
+    }
+
+    fn norms_px(&self, model: &Model) -> Option<Vec<f64>> {
+        self.measurements.iter().map(|m| Some(self.residual(model, m)?.value.norm())).collect()
+    }
+
+    fn renormalise(model: &mut Model) {
+        model.renormalise();
+    }
+}
