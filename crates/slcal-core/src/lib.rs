@@ -33,6 +33,8 @@ mod matches;
 mod named;
 mod observations;
 mod parameter;
+#[cfg(test)]
+mod rendered_scenes;
 mod rig;
 
 pub use calibrate::{

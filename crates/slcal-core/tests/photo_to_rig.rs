@@ -1,7 +1,11 @@
 //! Rendered photograph → rig, against the truth of the scene; skipped where the scenes are not at hand.
 
-use std::path::{Path, PathBuf};
+#[path = "../src/rendered_scenes.rs"]
+mod rendered_scenes;
 
+use std::path::Path;
+
+use rendered_scenes::rendered_scenes;
 use slcal_core::detect::{DetectConfig, observe};
 use slcal_core::format::{read_pattern, read_rig};
 use slcal_core::geometry::RectangleSize;
@@ -11,15 +15,6 @@ use slcal_core::{
     CalibrateConfig, ErrorClass, Method, Observations, PrincipalPointRule, Rig, Verdict,
     calibrate_observations,
 };
-
-fn scene(name: &str) -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/rendered").join(name);
-    if !folder.is_dir() {
-        eprintln!("skipped: the rendered scenes are not at hand");
-        return None;
-    }
-    Some(folder)
-}
 
 fn seen(folder: &Path) -> Observations {
     let file = std::fs::File::open(folder.join("patterns/checker.json")).unwrap();
@@ -58,7 +53,7 @@ fn one_photograph_gives_the_focal_lengths() {
         ("paper_lensshift", [0.1, 0.5, 4.0]),
         ("dark_clutter", [0.3, 0.6, 8.0]),
     ] {
-        let Some(folder) = scene(name) else { return };
+        let Some(folder) = rendered_scenes(name) else { return };
         let c = calibrate_observations(&seen(&folder), &CalibrateConfig::default()).unwrap();
         let found = errors(&c.rig, &truth(&folder));
         assert!(c.rig.camera.model.distortion.is_none(), "{name}: {:?}", c.rig.camera);
@@ -71,10 +66,10 @@ fn one_photograph_gives_the_focal_lengths() {
 #[test]
 fn two_vanishing_points_say_when_the_projector_is_shifted() {
     let two_vp = CalibrateConfig { method: Method::TwoVp, ..CalibrateConfig::default() };
-    let Some(folder) = scene("paper_tilted") else { return };
+    let Some(folder) = rendered_scenes("paper_tilted") else { return };
     let found = errors(&calibrate_observations(&seen(&folder), &two_vp).unwrap().rig, &truth(&folder));
     assert!(found[0].abs() < 0.5 && found[1].abs() < 1.0, "{found:?}");
-    let Some(folder) = scene("paper_lensshift") else { return };
+    let Some(folder) = rendered_scenes("paper_lensshift") else { return };
     match calibrate_observations(&seen(&folder), &two_vp) {
         Err(e) => assert_eq!(e.class(), ErrorClass::Degenerate, "{e}"),
         Ok(c) => {
@@ -88,7 +83,7 @@ fn two_vanishing_points_say_when_the_projector_is_shifted() {
 
 #[test]
 fn a_face_on_photograph_needs_the_principal_points() {
-    let Some(folder) = scene("near_frontal") else { return };
+    let Some(folder) = rendered_scenes("near_frontal") else { return };
     let view = seen(&folder);
     let error = calibrate_observations(&view, &CalibrateConfig::default()).unwrap_err();
     assert_eq!(error.class(), ErrorClass::Degenerate);
@@ -105,7 +100,7 @@ fn a_face_on_photograph_needs_the_principal_points() {
 
 #[test]
 fn two_views_with_the_tilt_reversed_are_taken_together() {
-    let (Some(a), Some(b)) = (scene("pair_a"), scene("pair_b")) else { return };
+    let (Some(a), Some(b)) = (rendered_scenes("pair_a"), rendered_scenes("pair_b")) else { return };
     let mut both = seen(&a);
     both.views.extend(seen(&b).views);
     let c = calibrate_observations(&both, &CalibrateConfig::default()).unwrap();

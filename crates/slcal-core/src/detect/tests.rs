@@ -1,7 +1,5 @@
 //! The whole stage on drawn photographs with known truth, and on the rendered scenes where they are at hand.
 
-use std::path::PathBuf;
-
 use image::{DynamicImage, GrayImage, Luma};
 use nalgebra::{Matrix3, Point2};
 
@@ -9,6 +7,7 @@ use super::*;
 use crate::error::ErrorSubject;
 use crate::geometry::{Homography, Line};
 use crate::pattern::SquareColor;
+use crate::rendered_scenes::rendered_scenes;
 use crate::solve::homography_from_points;
 
 fn pattern() -> CheckerPattern {
@@ -335,19 +334,9 @@ fn a_pattern_that_falls_partly_beside_the_sheet_is_used_where_it_lies_on_it() {
     drawn.assert_found(&detection, 1.0);
 }
 
-/// The rendered scenes beside the repository, or `None` where there are none.
-fn rendered() -> Option<PathBuf> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/rendered");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: the rendered scenes are not at hand");
-    None
-}
-
 #[test]
 fn rendered_corners_are_within_hundredths_of_a_pixel_of_the_truth() {
-    let Some(folder) = rendered() else { return };
+    let Some(folder) = rendered_scenes("") else { return };
     // (scene, rms per coordinate of the corners allowed, px): the last has 3 % of noise at a tenth of the contrast.
     for (scene, limit) in [
         ("paper_tilted", 0.01),

@@ -174,6 +174,7 @@ pub fn write_pattern(pattern: &Pattern, mut output: impl Write) -> Result<()> {
 mod tests {
     use super::*;
     use crate::pattern::{CheckerConfig, StripeConfig};
+    use crate::rendered_scenes::rendered_scenes;
     use serde_json::json;
 
     fn text(pattern: &Pattern) -> Value {
@@ -203,14 +204,9 @@ mod tests {
 
     #[test]
     fn the_files_of_the_rendered_scenes_are_the_defaults() {
-        let folder = "../../../shared/data/rendered/paper_tilted/patterns";
         for (name, pattern) in [("checker.json", default_checker()), ("stripes.json", default_stripes())] {
-            let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join(name);
-            let Ok(file) = std::fs::File::open(path) else {
-                println!("skipped: {name} of the rendered scenes is not there");
-                continue;
-            };
-            assert_eq!(read_pattern(file).unwrap(), pattern);
+            let Some(path) = rendered_scenes(&format!("paper_tilted/patterns/{name}")) else { return };
+            assert_eq!(read_pattern(std::fs::File::open(path).unwrap()).unwrap(), pattern);
         }
     }
 

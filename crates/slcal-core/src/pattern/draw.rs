@@ -301,14 +301,10 @@ fn cubic_weights(t: f64) -> [f64; 4] {
 mod tests {
     use super::*;
     use crate::pattern::{CheckerConfig, StripeConfig};
+    use crate::rendered_scenes::rendered_scenes;
 
     fn shared(name: &str) -> Option<RgbImage> {
-        let folder = "../../../shared/data/rendered/paper_tilted/patterns";
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join(name);
-        if !path.exists() {
-            println!("skipped: {name} of the rendered scenes is not there");
-            return None;
-        }
+        let path = rendered_scenes(&format!("paper_tilted/patterns/{name}"))?;
         Some(image::open(path).unwrap().to_rgb8())
     }
 

@@ -287,28 +287,29 @@ pub fn covariance(s: &Structure, jacobian: &DMatrix<f64>, diagonal: &[f64]) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
     use rand::{Rng, SeedableRng};
 
     const ROWS: [usize; 3] = [9, 14, 5];
     const S: Structure = Structure { shared: 4, width: 3, groups: &ROWS };
 
-    /// A Jacobian as the structure has it, the same in full, and residuals; columns of very different lengths.
-    fn problem() -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
-        let rows = ROWS.iter().sum::<usize>() + 2;
-        let mut thin = DMatrix::from_fn(rows, S.columns(), |_, c| {
+    /// A Jacobian with the block-arrow structure, the same as a dense matrix, and residuals; columns of very different lengths.
+    fn problem(s: &Structure, seed: u64) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        let rows = s.groups.iter().sum::<usize>() + 2;
+        let mut thin = DMatrix::from_fn(rows, s.columns(), |_, c| {
             rng.random_range(-1.0..1.0) * 10f64.powi(2 * (c as i32 % 4) - 3)
         });
-        let mut full = DMatrix::zeros(rows, S.unknowns());
-        for (group, first, count) in S.parts(rows) {
+        let mut full = DMatrix::zeros(rows, s.unknowns());
+        for (group, first, count) in s.parts(rows) {
             for i in first..first + count {
-                full.view_mut((i, 0), (1, S.shared)).copy_from(&thin.view((i, S.width), (1, S.shared)));
+                full.view_mut((i, 0), (1, s.shared)).copy_from(&thin.view((i, s.width), (1, s.shared)));
                 match group {
                     Some(g) => full
-                        .view_mut((i, S.start(g)), (1, S.width))
-                        .copy_from(&thin.view((i, 0), (1, S.width))),
+                        .view_mut((i, s.start(g)), (1, s.width))
+                        .copy_from(&thin.view((i, 0), (1, s.width))),
                     // What stands in the group's columns there must not matter.
-                    None => thin.view_mut((i, 0), (1, S.width)).fill(7.0),
+                    None => thin.view_mut((i, 0), (1, s.width)).fill(7.0),
                 }
             }
         }
@@ -318,7 +319,7 @@ mod tests {
 
     #[test]
     fn step_and_covariance_are_those_of_the_full_problem() {
-        let (thin, full, residuals) = problem();
+        let (thin, full, residuals) = problem(&S, 5);
         let rows = full.nrows();
         let weights: Vec<f64> = (0..rows).map(|i| 0.5 + (i % 3) as f64).collect();
         let w = DMatrix::from_diagonal(&DVector::from_vec(weights.clone()));
@@ -358,6 +359,31 @@ mod tests {
                     assert!((found[(i, k)] - expected[(i, k)]).abs() < 1e-9 * size, "{i} {k}");
                 }
             }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        #[test]
+        fn any_structure_gives_the_dense_solution(
+            shared in 1_usize..6, width in 1_usize..5, more in prop::collection::vec(7_usize..12, 1..6), seed: u64,
+        ) {
+            let groups: Vec<usize> = more.iter().map(|n| width + n).collect();
+            let s = Structure { shared, width, groups: &groups };
+            let (thin, full, residuals) = problem(&s, seed);
+            let mut reduced = Reduced::new(&s);
+            prop_assert!(reduced.reduce(&s, &thin, residuals.as_slice(), &vec![1.0; full.nrows()]));
+            let (step, _) = reduced.step(&s, 0.0).unwrap();
+            // In columns of unit length.
+            let lengths = DVector::from_fn(s.unknowns(), |c, _| full.column(c).norm());
+            let unit = &full * DMatrix::from_diagonal(&lengths.map(f64::recip));
+            let expected = unit.clone().svd(true, true).solve(&-residuals, 0.0).unwrap();
+            prop_assert!((step.component_mul(&lengths) - &expected).norm() < 1e-9 * (1.0 + expected.norm()));
+            let expected = (unit.transpose() * &unit).try_inverse().unwrap();
+            let scale = DMatrix::from_diagonal(&lengths);
+            let found = &scale * covariance(&s, &thin, &[]).unwrap() * &scale;
+            prop_assert!((&found - &expected).norm() < 1e-8 * expected.norm(), "{found} {expected}");
         }
     }
 

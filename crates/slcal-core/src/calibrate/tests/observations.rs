@@ -5,17 +5,15 @@ use crate::calibrate::*;
 use crate::error::{Error, ErrorClass};
 use crate::geometry::RectangleSize;
 use crate::observations::{CornerPair, Observations, SheetObservation, ViewObservation};
+use crate::rendered_scenes::rendered_scenes;
 use crate::rig::{Device, Rig, Verdict};
 
 /// Exact corners and pairs of a rendered scene; `None` where the scenes are absent.
 fn rendered(scene: &str) -> Option<(Observations, Rig)> {
-    let folder = format!("{}/../../../shared/data/rendered/{scene}", env!("CARGO_MANIFEST_DIR"));
-    let Ok(truth) = std::fs::File::open(format!("{folder}/truth_rig.json")) else {
-        eprintln!("skipped: no rendered scenes");
-        return None;
-    };
+    let folder = rendered_scenes(scene)?;
+    let truth = std::fs::File::open(folder.join("truth_rig.json")).unwrap();
     let truth = crate::format::read_rig(truth).unwrap();
-    let text = std::fs::read_to_string(format!("{folder}/checker_corners.json")).unwrap();
+    let text = std::fs::read_to_string(folder.join("checker_corners.json")).unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let points = |key: &str| -> Vec<Point2<f64>> {
         let list: Vec<[f64; 2]> = serde_json::from_value(json[key].clone()).unwrap();

@@ -3,6 +3,7 @@ use nalgebra::{DMatrix, Rotation3, Vector3};
 use super::read::project_corners;
 use super::*;
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
+use crate::rendered_scenes::rendered_scenes;
 use crate::rig::{Covariance, Device, DeviceSigma, Projector, Quality, StereoPose, View, ViewRms};
 
 fn rig() -> Rig {
@@ -139,12 +140,8 @@ fn numbers_that_json_cannot_hold_are_refused() {
 
 #[test]
 fn the_rendered_truth_reads() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/rendered");
-    let Ok(scenes) = std::fs::read_dir(folder) else {
-        eprintln!("skipped: no rendered scenes");
-        return;
-    };
-    for scene in scenes {
+    let Some(folder) = rendered_scenes("") else { return };
+    for scene in std::fs::read_dir(folder).unwrap() {
         let path = scene.unwrap().path().join("truth_rig.json");
         if let Ok(file) = std::fs::File::open(&path) {
             let rig = read_rig(file).unwrap();
