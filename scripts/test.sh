@@ -3,6 +3,9 @@
 # where those are at hand. Needs cargo and python3 (3.10 or newer); makes .venv for the rest.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# Tests run in several folders; without the rendered scenes some of them say that they were skipped.
+SLCAL_SHARED=$(realpath -m "${SLCAL_SHARED:-../shared}")
+export SLCAL_SHARED
 
 [ -x .venv/bin/python ] || "${PYTHON:-python3}" -m venv .venv
 .venv/bin/python -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt
@@ -23,12 +26,12 @@ rm -rf target/wheels
     cd crates/slcal-py
     ../../.venv/bin/python -m mypy --strict python/slcal
     ../../.venv/bin/python -m mypy.stubtest slcal._slcal
-    ../../.venv/bin/python -m pytest -q
+    ../../.venv/bin/python -m pytest -q -rs
 )
 
 echo "== Figures on rendered photographs"
 cargo build --locked --release --quiet -p slcal-cli
-.venv/bin/python tests/rendered/check_figures.py --slcal target/release/slcal --shared "${SLCAL_SHARED:-../shared}"
+.venv/bin/python tests/rendered/check_figures.py --slcal target/release/slcal --shared "$SLCAL_SHARED"
 
 echo "== Reports in a browser"
 .venv/bin/python tests/browser/check_reports.py --slcal target/release/slcal

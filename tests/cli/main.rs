@@ -14,6 +14,7 @@ mod reconstruct;
 mod rendered;
 mod report;
 mod simulate;
+mod snapshots;
 mod terminal;
 mod verify;
 
