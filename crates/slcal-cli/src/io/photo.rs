@@ -5,6 +5,7 @@ use std::path::Path;
 
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use slcal_core::format::recognise;
 
 use super::read::read_bytes;
 use crate::exit::{Exit, Failure, Outcome};
@@ -77,7 +78,7 @@ pub(crate) fn decode_photo(bytes: &[u8], name: &str) -> Outcome<(DynamicImage, O
     let format = image::guess_format(bytes).map_err(|_| {
         refused(
             name,
-            what_it_is(bytes),
+            &recognise(bytes).unwrap_or_else(|| what_it_is(bytes).to_owned()),
             "the name's ending does not matter, the content does; give the photograph itself",
         )
     })?;
@@ -137,9 +138,7 @@ fn is_heic(bytes: &[u8]) -> bool {
 
 fn what_it_is(bytes: &[u8]) -> &'static str {
     let start = &bytes[..bytes.len().min(512)];
-    if start.starts_with(b"%PDF") {
-        "a PDF document"
-    } else if std::str::from_utf8(start).is_ok_and(|t| !t.contains('\0')) {
+    if std::str::from_utf8(start).is_ok_and(|t| !t.contains('\0')) {
         "a text file"
     } else {
         "bytes of an unknown kind"

@@ -135,10 +135,10 @@ fn file_name(path: &Path) -> String {
 /// The option that gives what an error finds missing.
 fn option_for(error: &Error) -> &'static str {
     match error {
-        Error::Invalid { what: ErrorSubject::Part { of: "camera", .. }, found, .. } if found == "none" => {
+        Error::Invalid { what: ErrorSubject::CameraImageSize, found, .. } if found == "none" => {
             " (--camera-size WxH)"
         }
-        Error::Invalid { what: ErrorSubject::Part { of: "projector", .. }, found, .. } if found == "none" => {
+        Error::Invalid { what: ErrorSubject::ProjectorImageSize, found, .. } if found == "none" => {
             " (--projector-size WxH)"
         }
         Error::Malformed { what: ErrorSubject::ImportFile, .. } => " (--from)",

@@ -13,7 +13,7 @@ use rand_distr::{Distribution, Normal};
 use super::{DecodeConfig, DecodeInput, Decoding, ScanDirection, decode, decode_frames};
 use crate::geometry::Homography;
 use crate::pattern::{Axis, StripeConfig, StripePattern, warp_image};
-use crate::photo::PhotoView;
+use crate::photo::{PhotoView, Samples};
 use crate::{Error, ErrorClass, Result};
 
 fn pattern(axis: Axis) -> StripePattern {
@@ -185,6 +185,22 @@ fn photographs_without_such_stripes_are_refused_with_the_reason() {
     let n = other.sequence.len();
     other.sequence = (0..n).map(|i| columns.sequence[(i * 37 + 11) % n]).collect();
     assert!(not_found(photograph(&columns, [1000, 120], &h), &other).contains("code"));
+}
+
+#[test]
+fn every_layout_of_a_photograph_gives_the_same_matches() {
+    let stripes = pattern(Axis::Columns);
+    let rgb = photograph(&stripes, [1000, 60], &slanted());
+    let mut first: Option<Decoding> = None;
+    for (bytes, layout, stride) in crate::photo::layouts(&rgb, 1000) {
+        let wide: Vec<u16> = bytes.iter().map(|&c| u16::from(c) * 257).collect();
+        for samples in [Samples::U8(&bytes), Samples::U16(&wide)] {
+            let view = PhotoView::new(samples, 1000, 60, stride, layout).unwrap();
+            let found = decode(view, &stripes, &DecodeConfig::default()).unwrap();
+            assert!(found.matches.items.len() > 1000);
+            assert_eq!(found.matches, first.get_or_insert_with(|| found.clone()).matches, "{layout:?}");
+        }
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ use super::*;
 use crate::error::ErrorSubject;
 use crate::geometry::{Homography, Line};
 use crate::pattern::SquareColor;
+use crate::photo::Samples;
 use crate::rendered_scenes::rendered_scenes;
 use crate::solve::homography_from_points;
 
@@ -186,6 +187,30 @@ fn corners_and_sheet_are_found_each_by_itself() {
     }
     let error = find_corners(view, &pattern(), &DetectConfig::default()).unwrap_err();
     assert!(matches!(error, Error::NotFound { what: ErrorSubject::Checkerboard, .. }), "{error}");
+}
+
+#[test]
+fn every_layout_of_a_photograph_gives_the_same_detection() {
+    let rgb = Drawn::tilted(640).draw().into_rgb8();
+    let (width, height) = (rgb.width() as usize, rgb.height() as usize);
+    let size = RectangleSize::new(594.0, 420.0).unwrap();
+    let observed = |samples: Samples<'_>, stride, layout| {
+        let view = PhotoView::new(samples, width, height, stride, layout).unwrap();
+        observe(view, None, size, Some(&pattern()), &DetectConfig::default()).unwrap().observation
+    };
+    let points = |view: &ViewObservation| -> Vec<Point2<f64>> {
+        view.pairs.iter().map(|p| p.camera).chain(view.sheet.corners().unwrap()).collect()
+    };
+    let mut first: Option<Vec<Point2<f64>>> = None;
+    for (bytes, layout, stride) in crate::photo::layouts(&rgb, width) {
+        let wide: Vec<u16> = bytes.iter().map(|&c| u16::from(c) * 257).collect();
+        for samples in [Samples::U8(&bytes), Samples::U16(&wide)] {
+            let found = points(&observed(samples, stride, layout));
+            let first = first.get_or_insert_with(|| found.clone());
+            assert_eq!(found.len(), first.len());
+            assert!(found.iter().zip(&*first).all(|(a, b)| (a - b).norm() < 1e-4), "{layout:?}");
+        }
+    }
 }
 
 #[test]

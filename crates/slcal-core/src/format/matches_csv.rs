@@ -1,9 +1,10 @@
 //! Matches as CSV: one row per stripe and line of the image.
 
-use std::io::{Read, Write};
+use std::io::{BufRead as _, BufReader, Read, Write};
 
 use nalgebra::Point2;
 
+use super::recognise::refuse_others;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::matches::{Match, Matches};
 
@@ -53,6 +54,9 @@ fn short(x: f64) -> String {
 /// # Errors
 /// [`Error::Malformed`] naming the line and the column.
 pub fn read_matches(input: impl Read) -> Result<Matches> {
+    let mut input = BufReader::new(input);
+    let start = input.fill_buf().map_err(|e| Error::reading(ErrorSubject::MatchesFile, e))?;
+    refuse_others(start, ErrorSubject::MatchesFile, &["a file of matches"])?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(input);
     let headers = reader.headers().map_err(|e| broken(&e))?.clone();
     let bare = |h: &str| h.trim_start_matches('\u{feff}').to_owned();

@@ -12,6 +12,7 @@ mod pattern_json;
 mod pcd;
 mod pfm;
 mod ply;
+mod recognise;
 mod rig_json;
 mod tree;
 mod xyz;
@@ -31,6 +32,7 @@ pub use pattern_json::{read_pattern, write_pattern};
 pub use pcd::write_pcd;
 pub use pfm::write_pfm;
 pub use ply::{read_ply, write_ply};
+pub use recognise::recognise;
 pub use rig_json::{read_rig, write_rig};
 pub use xyz::write_xyz;
 

@@ -4,6 +4,7 @@ use std::io::{BufRead, BufReader, Read};
 
 use nalgebra::{Point2, Point3};
 
+use super::recognise::refuse_others;
 use crate::cloud::{CloudPoint, PointCloud};
 use crate::error::{Error, ErrorSubject, Result};
 
@@ -21,6 +22,8 @@ fn malformed(line: usize, detail: impl std::fmt::Display) -> Error {
 /// [`Error::Malformed`] naming the line; [`Error::Io`] when the stream fails.
 pub fn read_obj(input: impl Read) -> Result<PointCloud> {
     let mut input = BufReader::new(input);
+    let start = input.fill_buf().map_err(|e| Error::reading(ErrorSubject::Obj, e))?;
+    refuse_others(start, ErrorSubject::Obj, &["an OBJ"])?;
     let mut cloud = PointCloud::default();
     let mut bytes = Vec::new();
     for line in 1.. {

@@ -6,6 +6,7 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::recognise::read_json;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::pattern::{Axis, CheckerPattern, Pattern, SquareColor, StripePattern, unique_window};
 
@@ -61,11 +62,8 @@ fn malformed(detail: impl Into<String>) -> Error {
 /// # Errors
 /// [`Error::Malformed`] naming the field that is missing, of the wrong type, or inconsistent; [`Error::Io`] when the
 /// stream fails.
-pub fn read_pattern(mut input: impl Read) -> Result<Pattern> {
-    let mut text = Vec::new();
-    input.read_to_end(&mut text).map_err(|e| Error::reading(ErrorSubject::PatternFile, e))?;
-    let value: Value =
-        serde_json::from_slice(&text).map_err(|e| Error::unparsable(ErrorSubject::PatternFile, "JSON", e))?;
+pub fn read_pattern(input: impl Read) -> Result<Pattern> {
+    let value = read_json(input, ErrorSubject::PatternFile, "a pattern")?;
     let tag = |name: &str| value.get(name).and_then(Value::as_str);
     if tag("schema") != Some(SCHEMA) {
         let found = value.get("schema").map_or("none".into(), Value::to_string);
@@ -276,7 +274,7 @@ mod tests {
         let mut swapped = stripes.clone();
         swapped["centres_px"][5] = json!(7.5);
         assert!(read(&swapped).unwrap_err().contains("centres_px[5]"));
-        assert!(read_pattern(&b"\x89PNG"[..]).unwrap_err().to_string().contains("not JSON"));
+        assert!(read_pattern(&b"\x89PNG"[..]).unwrap_err().to_string().contains("a PNG picture"));
         assert!(read_pattern(&b"[1, NaN]"[..]).is_err());
         assert!(read_pattern(&b"7"[..]).unwrap_err().to_string().contains("schema"));
     }

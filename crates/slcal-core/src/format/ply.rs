@@ -4,6 +4,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 
 use nalgebra::{Point2, Point3};
 
+use super::recognise::refuse_others;
 use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::error::{Error, ErrorSubject, Result};
 
@@ -150,6 +151,7 @@ struct Header {
 /// [`Error::Malformed`] saying where the file departs from the format; [`Error::Io`] when the stream fails.
 pub fn read_ply(input: impl Read) -> Result<PointCloud> {
     let mut input = BufReader::new(input);
+    refuse_others(input.fill_buf().map_err(io)?, ErrorSubject::Ply, &["a PLY"])?;
     let header = read_header(&mut input)?;
     let mut values = Values { input, encoding: header.encoding, line: Vec::new() };
     let mut cloud = PointCloud { frame: header.frame, camera_centre: header.camera, ..PointCloud::default() };

@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
-use super::draw::check_panel;
+use super::panel::check_panel;
 use crate::error::{Error, ErrorSubject, Result};
 
 /// Colour of a square or of the background.

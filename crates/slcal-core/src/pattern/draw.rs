@@ -3,6 +3,7 @@
 use image::{Rgb, RgbImage};
 use nalgebra::{Matrix2, Matrix3, Point2, Vector2, Vector3};
 
+use super::panel::check_panel;
 use super::{Axis, CheckerPattern, SquareColor, StripePattern};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Homography, Warp};
@@ -15,20 +16,6 @@ const COARSE_SAMPLES: u32 = 4;
 const FINE_SAMPLES: u32 = 16;
 /// Largest supersampling per side when a picture is reduced; beyond, the picture has become a blur.
 const MAX_REDUCTION: u32 = 16;
-/// Largest panel side, px: beyond any projector, and keeps a mistyped size from allocating the machine away.
-pub(super) const MAX_PANEL_PX: u32 = 16384;
-
-/// Refuses panels without pixels or of absurd size.
-pub(super) fn check_panel([w, h]: [u32; 2]) -> Result<()> {
-    if (1..=MAX_PANEL_PX).contains(&w) && (1..=MAX_PANEL_PX).contains(&h) {
-        return Ok(());
-    }
-    Err(Error::invalid(
-        ErrorSubject::Panel,
-        format!("a width and a height from 1 to {MAX_PANEL_PX} px"),
-        format!("{w}x{h}"),
-    ))
-}
 
 impl CheckerPattern {
     /// What to project, pixel by pixel.

@@ -3,6 +3,7 @@
 mod checker;
 mod de_bruijn;
 mod draw;
+mod panel;
 mod stripes;
 
 pub use checker::{CheckerConfig, CheckerPattern, SquareColor};

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::de_bruijn::de_bruijn;
-use super::draw::check_panel;
+use super::panel::check_panel;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::named::named;
 

@@ -5,7 +5,6 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::Samples;
 use crate::error::{Error, Result};
 use crate::named::unnamed;
 
@@ -89,13 +88,8 @@ impl Encoding {
         }
     }
 
-    /// The curve tabulated for all code values of a photograph's samples.
-    #[must_use]
-    pub fn table(self, samples: Samples<'_>) -> LinearTable {
-        let count = match samples {
-            Samples::U8(_) => 1 << 8,
-            Samples::U16(_) => 1 << 16,
-        };
+    /// The curve tabulated for `count` code values.
+    pub(super) fn table(self, count: u32) -> LinearTable {
         let top = f64::from(count - 1);
         LinearTable((0..count).map(|i| self.to_linear(f64::from(i) / top) as f32).collect())
     }

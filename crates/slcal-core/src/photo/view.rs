@@ -27,6 +27,8 @@ pub enum Layout {
     Bgr,
     /// Red first, alpha ignored.
     Rgba,
+    /// Blue first, alpha ignored.
+    Bgra,
 }
 
 impl Layout {
@@ -35,7 +37,7 @@ impl Layout {
             Self::Grey => 1,
             Self::GreyAlpha => 2,
             Self::Rgb | Self::Bgr => 3,
-            Self::Rgba => 4,
+            Self::Rgba | Self::Bgra => 4,
         }
     }
 
@@ -50,12 +52,25 @@ impl Layout {
         match self {
             Self::Grey | Self::GreyAlpha => [0, 0, 0],
             Self::Rgb | Self::Rgba => [0, 1, 2],
-            Self::Bgr => [2, 1, 0],
+            Self::Bgr | Self::Bgra => [2, 1, 0],
         }
     }
 }
 
-/// A borrowed photograph.
+/// A borrowed photograph. Nothing is copied: the samples may lie in an `image` buffer or in the memory of a camera's driver.
+///
+/// ```
+/// use slcal_core::photo::{Layout, PhotoView, Samples};
+///
+/// // Two rows of two BGRA pixels, as a driver hands them out, with four bytes of padding behind each row.
+/// let frame = [10_u8, 20, 30, 255, 40, 50, 60, 255, 0, 0, 0, 0, 11, 21, 31, 255, 41, 51, 61, 255, 0, 0, 0, 0];
+/// let view = PhotoView::new(Samples::U8(&frame), 2, 2, 12, Layout::Bgra)?;
+/// assert_eq!(view.rgb_bytes(1, 0), [60, 50, 40]);
+///
+/// let image = image::DynamicImage::new_rgb16(640, 480);
+/// assert_eq!(PhotoView::try_from(&image)?.width(), 640);
+/// # Ok::<(), slcal_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct PhotoView<'a> {
     samples: Samples<'a>,
@@ -120,7 +135,10 @@ impl<'a> PhotoView<'a> {
     /// The table from this photograph's code values to linear light.
     #[must_use]
     pub fn linear_table(&self, encoding: Encoding) -> LinearTable {
-        encoding.table(self.samples)
+        encoding.table(match self.samples {
+            Samples::U8(_) => 1 << 8,
+            Samples::U16(_) => 1 << 16,
+        })
     }
 
     /// The code values of a pixel as 0–1, red, green, blue.
@@ -286,11 +304,16 @@ impl<'a> PhotoView<'a> {
                 *sum += (part[first] + part[second] + part[third] + rest) / channels as f32;
             }
         } else {
-            let used = if channels == 4 { 3 } else { 1 };
+            // Alpha has no part in the mean.
+            let [r, g, b] = self.layout.rgb_offsets();
+            let colors = self.layout.has_color();
             for (sum, block) in sums.iter_mut().zip(blocks) {
-                let pixels =
-                    block.chunks_exact(channels).map(|p| p[..used].iter().map(|c| light(*c)).sum::<f32>());
-                *sum += pixels.sum::<f32>() / used as f32;
+                let pixels = block.chunks_exact(channels);
+                *sum += if colors {
+                    pixels.map(|p| light(p[r]) + light(p[g]) + light(p[b])).sum::<f32>() / 3.0
+                } else {
+                    pixels.map(|p| light(p[0])).sum()
+                };
             }
         }
     }
@@ -323,27 +346,50 @@ impl<'a> TryFrom<&'a DynamicImage> for PhotoView<'a> {
     }
 }
 
+/// One picture in every layout of colour: samples, layout, samples per row.
+#[cfg(test)]
+pub(crate) fn layouts(rgb: &[u8], width: usize) -> Vec<(Vec<u8>, Layout, usize)> {
+    let pixels = || rgb.as_chunks::<3>().0.iter();
+    // A BGR frame with padding behind each row; the other layouts have none.
+    let padded = pixels().map(|[r, g, b]| [*b, *g, *r]).collect::<Vec<_>>();
+    let padded = padded.chunks(width).flat_map(|row| [row.as_flattened(), &[99, 99]].concat()).collect();
+    vec![
+        (rgb.to_vec(), Layout::Rgb, 3 * width),
+        (padded, Layout::Bgr, 3 * width + 2),
+        (pixels().flat_map(|[r, g, b]| [*r, *g, *b, 7]).collect(), Layout::Rgba, 4 * width),
+        (pixels().flat_map(|[r, g, b]| [*b, *g, *r, 7]).collect(), Layout::Bgra, 4 * width),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn layouts_and_strides_give_the_same_light() {
-        let rgb = [10_u8, 20, 30, 40, 50, 60];
-        let bgr = [30_u8, 20, 10, 60, 50, 40, 99, 99];
-        let wide: Vec<u16> = rgb.iter().map(|&c| u16::from(c) * 257).collect();
-        let views = [
-            PhotoView::new(Samples::U8(&rgb), 1, 2, 3, Layout::Rgb).unwrap(),
-            PhotoView::new(Samples::U8(&bgr), 1, 2, 3, Layout::Bgr).unwrap(),
-            PhotoView::new(Samples::U16(&wide), 1, 2, 3, Layout::Rgb).unwrap(),
-        ];
-        let mut rows = [[[0.0; 3]; 1]; 3];
-        for (view, row) in views.iter().zip(&mut rows) {
-            view.linear_rgb_row(1, &view.linear_table(Encoding::Linear), row);
-        }
-        for row in rows {
-            for (light, code) in row[0].iter().zip([40.0, 50.0, 60.0]) {
-                assert!((light - code / 255.0).abs() < 1e-6);
+    fn layouts_depths_and_strides_give_the_same_light() {
+        let (width, height) = (5, 4);
+        let rgb: Vec<u8> = (0..3 * width * height).map(|i| (i * 37 % 251) as u8).collect();
+        let mut first: Option<(Vec<[f32; 3]>, Vec<f32>)> = None;
+        for (bytes, layout, stride) in layouts(&rgb, width) {
+            let wide: Vec<u16> = bytes.iter().map(|&c| u16::from(c) * 257).collect();
+            for samples in [Samples::U8(&bytes), Samples::U16(&wide)] {
+                let view = PhotoView::new(samples, width, height, stride, layout).unwrap();
+                let table = view.linear_table(Encoding::Srgb);
+                let mut light = vec![[0.0; 3]; width * height];
+                let mut total = vec![0.0; width];
+                for (y, row) in light.chunks_exact_mut(width).enumerate() {
+                    view.linear_rgb_row(y, &table, row);
+                    view.linear_total_row(y, &table, &mut total);
+                    assert!(row.iter().zip(&total).all(|(p, t)| p[0] + p[1] + p[2] == *t));
+                    assert!((0..width).all(|x| view.linear_rgb(x, y, &table) == row[x]));
+                    assert!((0..width).all(|x| view.rgb_bytes(x, y) == rgb[3 * (y * width + x)..][..3]));
+                }
+                let mut blocks = vec![0.0; 2];
+                view.add_block_sums(1, 2, &table, &mut blocks);
+                let first = first.get_or_insert_with(|| (light.clone(), blocks.clone()));
+                assert_eq!(light, first.0, "{layout:?}");
+                let near = blocks.iter().zip(&first.1).all(|(a, b)| (a - b).abs() < 1e-6);
+                assert!(near, "{layout:?}: {blocks:?} {:?}", first.1);
             }
         }
     }

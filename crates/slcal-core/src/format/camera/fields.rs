@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 
-use super::KnownCamera;
+use super::known_camera::KnownCamera;
 use crate::error::Result;
 use crate::format::tree::{Expecting, Node};
 use crate::geometry::{Distortion, Intrinsics};

@@ -1,4 +1,5 @@
 use super::*;
+use crate::geometry::Intrinsics;
 
 /// As `cv2.FileStorage` of OpenCV 4 writes it (5 begins with `%YAML 1.2`).
 const OPENCV: &str = "%YAML:1.0
@@ -147,9 +148,12 @@ fn files_that_are_no_camera_are_told_what_is_missing() {
     refused(&OPENCV.replace("image_width: 960", "image_width: -3"), &["image_width", "-3"]);
     refused(&OPENCV.replace("image_width: 960", "image_width: [1, 2]"), &["image_width"]);
     refused(&ROS.replace("0, 479.5", "479.5"), &["camera_matrix", "found 8"]);
-    refused("<html></html>", &["opencv_storage", "html"]);
+    refused("<html></html>", &["an HTML page, where a camera is expected"]);
     refused("<opencv_storage><a></opencv_storage>", &["XML"]);
-    refused("{\"schema\": \"slcal-pattern/1\"}", &["missing field"]);
+    refused(
+        "{\"schema\": \"slcal-pattern/1\"}",
+        &["a pattern (slcal-pattern/1), where a camera is expected"],
+    );
     refused("{]", &["JSON"]);
     refused("a: [1, 2", &["YAML"]);
     assert!(read_camera(&[0xFF_u8, 0xD8, 0xFF, 0xE0][..]).unwrap_err().to_string().contains("other bytes"));

@@ -13,9 +13,11 @@
 use nalgebra::{Matrix3, Matrix4, Point2, Point3, Vector3};
 use std::fmt::Write as _;
 
+use super::devices::expecting;
+use super::extras;
+use super::files::ExportedFile;
 use super::losses::Losses;
 use super::text::{joined, number};
-use super::{ExportedFile, expecting, extras};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::format::tree::Expecting;
 use crate::format::{read_rig, write_rig};
@@ -135,12 +137,7 @@ fn ratio_in_single(ratio: f64, least: f64) -> (f64, f64) {
 }
 
 /// A device as a dict of Python.
-fn device(
-    name: &'static str,
-    model: &Camera,
-    camera_from_device: &Pose,
-    losses: &mut Losses,
-) -> Result<String> {
+fn device(name: &str, model: &Camera, camera_from_device: &Pose, losses: &mut Losses) -> Result<String> {
     let intrinsics = Intrinsics { skew: 0.0, ..model.intrinsics };
     losses.lens(name, model, &Camera { intrinsics, distortion: Distortion::NONE, ..*model })?;
     let Intrinsics { fx, fy, cx, cy, .. } = intrinsics;
@@ -163,7 +160,7 @@ fn device(
             && SIDES.contains(&model.height);
     if !fits {
         return Err(Error::invalid(
-            ErrorSubject::Named(name),
+            if name == "camera" { ErrorSubject::Camera } else { ErrorSubject::Projector },
             "4 to 65536 px per side, fx/fy between 1/200 and 200 and moderate lengths, as Blender needs",
             format!("{}x{} px, fx {fx}, fy {fy}, cx {cx}, cy {cy}, {far} mm away", model.width, model.height),
         ));

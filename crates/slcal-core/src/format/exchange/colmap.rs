@@ -12,9 +12,10 @@ use std::fmt::Write as _;
 
 use nalgebra::{Matrix3, Point2, Point3, Quaternion, UnitQuaternion, Vector3};
 
+use super::devices::{expecting, plain_rig};
+use super::files::{ExchangeFormat, ExportedFile, NamedBytes};
 use super::losses::{Holds, Losses};
 use super::text::{joined, number};
-use super::{ExchangeFormat, ExportedFile, NamedBytes, expecting, plain_rig};
 use crate::error::{ErrorSubject, Result};
 use crate::format::tree::Expecting;
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
@@ -48,13 +49,7 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
     Ok(vec![file("cameras.txt", cameras), file("images.txt", images), file("points3D.txt", points(rig))])
 }
 
-fn camera_line(
-    text: &mut String,
-    id: u32,
-    name: &'static str,
-    model: &Camera,
-    losses: &mut Losses,
-) -> Result<()> {
+fn camera_line(text: &mut String, id: u32, name: &str, model: &Camera, losses: &mut Losses) -> Result<()> {
     let intrinsics = Intrinsics { skew: 0.0, ..model.intrinsics };
     losses.lens(name, model, &Camera { intrinsics, ..*model })?;
     let Intrinsics { fx, fy, cx, cy, .. } = intrinsics;

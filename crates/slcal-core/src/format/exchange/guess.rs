@@ -1,8 +1,10 @@
 //! Which format a file is of, by its content.
 
-use super::{ExchangeFormat, NamedBytes, expecting};
+use super::devices::expecting;
+use super::files::{ExchangeFormat, NamedBytes};
 use crate::error::{ErrorSubject, Result};
-use crate::format::tree::{Expecting, Node};
+use crate::format::recognise::refuse_others;
+use crate::format::tree::{Expecting, Node, parse};
 
 const FILE: Expecting = expecting(ErrorSubject::ImportFile);
 
@@ -16,6 +18,8 @@ pub(super) fn format_of(files: &[NamedBytes<'_>]) -> Result<ExchangeFormat> {
         return Ok(ExchangeFormat::Colmap);
     }
     let Some(first) = files.first() else { return Err(unknown()) };
+    let wanted = ["a rig of another program", "a rig (slcal-", "a zip archive", "YAML", "XML"];
+    refuse_others(first.bytes, ErrorSubject::ImportFile, &wanted)?;
     if first.bytes.starts_with(b"PK\x03\x04") {
         return Ok(ExchangeFormat::Npz);
     }
@@ -26,7 +30,7 @@ pub(super) fn format_of(files: &[NamedBytes<'_>]) -> Result<ExchangeFormat> {
     if text.starts_with("%YAML") || text.starts_with(['<', '{']) {
         return Ok(ExchangeFormat::OpenCv);
     }
-    let root = FILE.parse(text).map_err(|_| unknown())?;
+    let root = parse(text, FILE).map_err(|_| unknown())?;
     if root.get("cam0").is_some() {
         return Ok(ExchangeFormat::Kalibr);
     }

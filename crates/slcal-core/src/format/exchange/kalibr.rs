@@ -7,12 +7,13 @@ use std::fmt::Write as _;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::devices::{expecting, plain_rig, pose_of};
+use super::files::{ExchangeFormat, ExportedFile};
 use super::losses::{Holds, Losses};
 use super::text::joined;
-use super::{ExchangeFormat, ExportedFile, expecting, plain_rig, pose_of};
 use crate::error::{ErrorSubject, Result};
 use crate::format::camera::{distortion, numbers};
-use crate::format::tree::{Expecting, Node};
+use crate::format::tree::{Expecting, Node, parse};
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose};
 use crate::rig::{Device, Rig};
 
@@ -37,13 +38,7 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
     Ok(vec![ExportedFile { name: "camchain.yaml", bytes: text.into_bytes() }])
 }
 
-fn chained(
-    text: &mut String,
-    i: usize,
-    name: &'static str,
-    model: &Camera,
-    losses: &mut Losses,
-) -> Result<()> {
+fn chained(text: &mut String, i: usize, name: &str, model: &Camera, losses: &mut Losses) -> Result<()> {
     let intrinsics = Intrinsics { skew: 0.0, ..model.intrinsics };
     let held = Camera { intrinsics, distortion: Distortion { k3: 0.0, ..model.distortion }, ..*model };
     losses.lens(name, model, &held)?;
@@ -62,7 +57,7 @@ fn chained(
 }
 
 pub(super) fn import(bytes: &[u8], notes: &mut Vec<String>) -> Result<Rig> {
-    let root = FILE.parse(FILE.text(bytes)?)?;
+    let root = parse(FILE.text(bytes)?, FILE)?;
     let Some(first) = root.get("cam0") else {
         return Err(FILE.malformed("expected cam0, found none"));
     };

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::ExchangeFormat;
+use super::files::ExchangeFormat;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Camera;
 use crate::rig::Rig;
@@ -53,7 +53,7 @@ impl Losses {
     }
 
     /// Refuses to write `held` for the device `full`, unless the difference is asked for or nothing.
-    pub(super) fn lens(&mut self, name: &'static str, full: &Camera, held: &Camera) -> Result<()> {
+    pub(super) fn lens(&mut self, name: &str, full: &Camera, held: &Camera) -> Result<()> {
         if full == held {
             return Ok(());
         }
@@ -69,7 +69,7 @@ impl Losses {
         };
         if !self.lossy {
             return Err(Error::invalid(
-                ErrorSubject::Part { part: "lens", of: name },
+                if name == "camera" { ErrorSubject::CameraLens } else { ErrorSubject::ProjectorLens },
                 format!("one that {} can hold", self.format.name()),
                 format!(
                     "{terms}, which it has no place for: without, {size}; choose another format (opencv and npz hold every lens), \

@@ -1,6 +1,6 @@
 //! One array of NumPy as the bytes of a .npy file: a line that describes it, then its values.
 
-use super::expecting;
+use super::devices::expecting;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::format::tree::Expecting;
 

@@ -28,9 +28,10 @@ use serde_json::{Map, Value, json};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
+use super::files::{ExchangeFormat, ExportedFile, ImportConfig};
 use super::npy::{Array, FILE};
 use super::text::rows;
-use super::{ExchangeFormat, ExportedFile, ImportConfig, extras, opencv};
+use super::{extras, opencv};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::format::tree::Node;
 use crate::geometry::{Pose, VanishingPoints};

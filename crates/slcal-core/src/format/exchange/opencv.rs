@@ -9,13 +9,15 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use serde_json::Value;
 
+use super::devices::{expecting, plain_rig};
+use super::extras;
+use super::files::{ExchangeFormat, ExportedFile, ImportConfig, StorageText};
 use super::losses::Losses;
 use super::storage::{Item, named, written};
 use super::text::rows;
-use super::{ExchangeFormat, ExportedFile, ImportConfig, StorageText, expecting, extras, plain_rig};
 use crate::error::{ErrorSubject, Result};
 use crate::format::camera::{FIRST, SECOND, device, numbers};
-use crate::format::tree::{Expecting, Node};
+use crate::format::tree::{Expecting, Node, parse};
 use crate::geometry::Pose;
 use crate::rig::{Device, Projector, Rig, StereoPose};
 
@@ -75,7 +77,7 @@ pub(super) fn import(bytes: &[u8], config: &ImportConfig, notes: &mut Vec<String
         super::super::read_rig(text.as_bytes())?;
         return Err(FILE.malformed("this is a rig file already; use it as it is"));
     }
-    let root = FILE.parse(text)?;
+    let root = parse(text, FILE)?;
     let rig = devices(&root, config, ExchangeFormat::OpenCv, FILE, notes)?;
     let Some(node) = root.get(EXTRAS) else {
         if rig.projector.is_some() {
@@ -102,10 +104,10 @@ pub(super) fn devices(
             "expected a camera matrix (camera_matrix, cameraMatrix, cam_K, camera_K, K or M1), found none";
         return Err(expecting.malformed(expected));
     };
-    let camera = super::device(camera, config.camera_size, "camera", notes)?;
+    let camera = super::devices::device(camera, config.camera_size, "camera", notes)?;
     let projector = device(root, &SECOND, expecting)?
         .map(|known| {
-            let device = super::device(known, config.projector_size, "projector", notes)?;
+            let device = super::devices::device(known, config.projector_size, "projector", notes)?;
             Ok((device, pose(root, expecting)?))
         })
         .transpose()?;
@@ -137,5 +139,5 @@ fn pose(root: &Node, expecting: Expecting) -> Result<Pose> {
     if t.len() != 3 {
         return Err(expecting.malformed(format!("{name}: expected 3 numbers, found {}", t.len())));
     }
-    super::pose_of(&rotation, Vector3::from_row_slice(&t), expecting, name)
+    super::devices::pose_of(&rotation, Vector3::from_row_slice(&t), expecting, name)
 }

@@ -7,12 +7,13 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use super::devices::{expecting, plain_rig, pose_of};
+use super::files::{ExchangeFormat, ExportedFile, ImportConfig, NamedBytes};
 use super::losses::{Holds, Losses};
 use super::text::{joined, number, rows};
-use super::{ExchangeFormat, ExportedFile, ImportConfig, NamedBytes, expecting, plain_rig, pose_of};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::format::camera::{FIRST, device, numbers};
-use crate::format::tree::{Expecting, Node};
+use crate::format::tree::{Expecting, Node, parse};
 use crate::geometry::{Camera, Intrinsics, Pose};
 use crate::rig::{Projector, Rig};
 
@@ -36,7 +37,7 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
     Ok(files)
 }
 
-fn camera_info(name: &'static str, model: &Camera, losses: &mut Losses) -> Result<String> {
+fn camera_info(name: &str, model: &Camera, losses: &mut Losses) -> Result<String> {
     let intrinsics = Intrinsics { skew: 0.0, ..model.intrinsics };
     losses.lens(name, model, &Camera { intrinsics, ..*model })?;
     let k = intrinsics.matrix();
@@ -86,17 +87,17 @@ pub(super) fn import(
         let found = format!("{} files", files.len());
         return Err(Error::invalid(ErrorSubject::Import, "the camera's file and the projector's", found));
     }
-    let mut roots = files.iter().map(|f| FILE.parse(FILE.text(f.bytes)?)).collect::<Result<Vec<Node>>>()?;
+    let mut roots = files.iter().map(|f| parse(FILE.text(f.bytes)?, FILE)).collect::<Result<Vec<Node>>>()?;
     if roots.len() == 2 && of_projector(&roots[0]) && !of_projector(&roots[1]) {
         roots.swap(0, 1);
     }
     let known = |root: &Node| {
         device(root, &FIRST, FILE)?.ok_or_else(|| FILE.malformed("expected camera_matrix, found none"))
     };
-    let camera = super::device(known(&roots[0])?, config.camera_size, "camera", notes)?;
+    let camera = super::devices::device(known(&roots[0])?, config.camera_size, "camera", notes)?;
     let projector = match roots.get(1) {
         Some(root) => {
-            let device = super::device(known(root)?, config.projector_size, "projector", notes)?;
+            let device = super::devices::device(known(root)?, config.projector_size, "projector", notes)?;
             Some((device, pose(root)?))
         }
         None => None,

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Map, Value};
 
-use super::StorageText;
+use super::files::StorageText;
 use super::text::{number, wrapped};
 
 /// Words longer than this, bytes, are more than `OpenCV` reads.

@@ -3,8 +3,10 @@
 use nalgebra::{DMatrix, Matrix3, Point2, Point3, Rotation3, Vector3};
 
 use super::*;
-use crate::geometry::{Distortion, RectangleSize};
-use crate::rig::{Covariance, DeviceSigma, Quality, StereoPose, Verdict, View, ViewRms, Warning};
+use crate::geometry::{Camera, Distortion, Pose, RectangleSize};
+use crate::rig::{
+    Covariance, Device, DeviceSigma, Projector, Quality, StereoPose, Verdict, View, ViewRms, Warning,
+};
 
 const PHOTO: &str = "it's a \"photo\"\n<né> & 日本 😀 \\ '''.jpg";
 
@@ -371,7 +373,7 @@ fn blender_has_shift_and_pixel_aspect() {
         let mut rig = rig(NO_LENS, 0.0);
         rig.camera = device(size, [fx, 800.0, 0.0, 1.0, 1.0], NO_LENS);
         let error = export_rig(&rig, ExchangeFormat::Blender, &ExportConfig::default()).unwrap_err();
-        has(&error.to_string(), &["the camera", "Blender"]);
+        has(&error.to_string(), &["camera:", "Blender"]);
     }
 }
 
@@ -496,7 +498,7 @@ fn what_is_no_import_is_told() {
     has(&import(newer.as_bytes()), &["newer version"]);
     has(&import(b"just words"), &["none of the formats", "kalibr"]);
     has(&import(b""), &["none of the formats"]);
-    has(&import(b"\xff\xd8\xff"), &["other bytes"]);
+    has(&import(b"\xff\xd8\xff"), &["a JPEG picture, where a rig of another program is expected"]);
     has(&import(b"PK\x03\x04 no zip"), &["zip"]);
     has(&import(b"import bpy\nprint()"), &["slcal wrote for Blender"]);
     assert!(import_rig(None, &[], &ImportConfig::default()).is_err());

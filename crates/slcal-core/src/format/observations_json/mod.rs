@@ -7,22 +7,14 @@
 //! `f64`.
 
 mod read;
+mod schema;
 mod write;
 
 use std::io::{Read, Write};
 
-use serde_json::Value;
-
+use super::recognise::read_json;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::observations::ExternalObservations;
-
-const SCHEMA: &str = "slcal-observations/1";
-/// Names of the sheet's sides, in the order of [`Side::ALL`](crate::geometry::Side::ALL).
-const SIDES: [&str; 4] = ["top", "right", "bottom", "left"];
-
-fn malformed(detail: impl Into<String>) -> Error {
-    Error::malformed(ErrorSubject::ObservationsFile, detail)
-}
 
 /// Reads observations.
 ///
@@ -31,13 +23,8 @@ fn malformed(detail: impl Into<String>) -> Error {
 /// required field is missing, or a value is not what the schema says (null in the place of a number, coordinates beyond
 /// 10⁹ px, σ that are not positive, σ for a part of the points only); [`Error::Io`] when the stream fails. Whether a
 /// calibration can be computed from them is not asked here.
-pub fn read_observations(mut input: impl Read) -> Result<ExternalObservations> {
-    let mut text = Vec::new();
-    input.read_to_end(&mut text).map_err(|e| Error::reading(ErrorSubject::ObservationsFile, e))?;
-    let value: Value = serde_json::from_slice(&text)
-        .map_err(|e| Error::unparsable(ErrorSubject::ObservationsFile, "JSON", e))?;
-    drop(text);
-    read::observations(&value)
+pub fn read_observations(input: impl Read) -> Result<ExternalObservations> {
+    read::observations(&read_json(input, ErrorSubject::ObservationsFile, "a file of observations")?)
 }
 
 /// Writes observations as JSON with a final newline, one line per point. σ that are unstated stay so.

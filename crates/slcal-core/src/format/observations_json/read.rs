@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 use serde_json::{Map, Value};
 
-use super::{SCHEMA, SIDES, malformed};
+use super::schema::{SCHEMA, SIDES, malformed};
 use crate::error::Result;
 use crate::geometry::RectangleSize;
 use crate::observations::{

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
-use super::{SCHEMA, SIDES};
+use super::schema::{SCHEMA, SIDES};
 use crate::error::{Error, Result};
 use crate::observations::{ExternalObservations, SheetObservation};
 

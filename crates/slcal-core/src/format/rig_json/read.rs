@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, Matrix3, Point2, Rotation3, Vector3};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::{
+use super::schema::{
     CovarianceDto, DeviceDto, QualityDto, RigDto, Rows3, StereoDto, VanishingDto, ViewDto, malformed,
 };
 use crate::error::Result;

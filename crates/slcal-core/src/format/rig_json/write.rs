@@ -3,7 +3,7 @@
 use nalgebra::Matrix3;
 use serde::Serialize;
 
-use super::{
+use super::schema::{
     CovarianceDto, DeviceDto, FocalSigmaDto, PIXEL_CENTRE, PoseDto, QualityDto, RmsDto, Rows3, SCHEMA,
     SigmaDto, StereoDto, UNITS, VanishingDto, ViewDto,
 };

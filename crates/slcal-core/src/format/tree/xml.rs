@@ -2,7 +2,8 @@
 
 use roxmltree::{Document, ParsingOptions};
 
-use super::{DEEPEST, Expecting, Node};
+use super::expecting::{DEEPEST, Expecting};
+use super::node::Node;
 use crate::error::Result;
 
 /// The name of a value in a list.

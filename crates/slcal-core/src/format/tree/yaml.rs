@@ -2,7 +2,8 @@
 
 use saphyr_parser::{Event, Parser};
 
-use super::{DEEPEST, Expecting, Node};
+use super::expecting::{DEEPEST, Expecting};
+use super::node::Node;
 use crate::error::Result;
 
 /// A list or a map that is not complete yet; a map with the name that waits for its value.

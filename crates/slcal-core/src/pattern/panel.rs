@@ -1,0 +1,18 @@
+//! The size of a projector panel.
+
+use crate::error::{Error, ErrorSubject, Result};
+
+/// Largest panel side, px: beyond any projector, and keeps a mistyped size from allocating the machine away.
+const MAX_PANEL_PX: u32 = 16384;
+
+/// Refuses panels without pixels or of absurd size.
+pub(super) fn check_panel([w, h]: [u32; 2]) -> Result<()> {
+    if (1..=MAX_PANEL_PX).contains(&w) && (1..=MAX_PANEL_PX).contains(&h) {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        ErrorSubject::Panel,
+        format!("a width and a height from 1 to {MAX_PANEL_PX} px"),
+        format!("{w}x{h}"),
+    ))
+}
