@@ -1,4 +1,4 @@
-//! The projected checkerboard with every corner placed in the pattern and refined.
+//! The projected checkerboard, with every corner identified in the pattern and refined.
 
 use nalgebra::{Point2, Vector2};
 
@@ -15,36 +15,36 @@ use crate::photo::LinearPhoto;
 
 use crate::solve::homography_from_points;
 
-/// The checkerboard as found in a photograph.
+/// The checkerboard detected in a photograph.
 #[derive(Debug, Clone)]
 pub(super) struct Board {
     /// Refined corners, row-major.
     pub(super) pairs: Vec<CornerPair>,
-    /// The lens that they show.
+    /// The lens estimated from them.
     pub(super) lens: RoughLens,
     /// Fitted to the undistorted corners.
     pub(super) undistorted_from_projector: Homography,
     projector_from_undistorted: Homography,
-    /// Corners of the whole pattern.
+    /// Number of corners of the whole pattern.
     pub(super) expected: usize,
 }
 
-/// Fewer corners than this do not fix a homography well enough to tell the sheet from the light field.
+/// Fewest corners from which a homography separates the sheet from the projector footprint reliably.
 const MIN_CORNERS: usize = 12;
-/// Squares of more corners than this would be too small to be seen in any photograph.
+/// With more corners than this the squares would be too small for any photograph.
 const MAX_CORNERS: usize = 10_000;
-/// A refined corner may lie this part of a square from where it was first seen; further off, the fit took hold of
-/// something else.
+/// Largest distance of a refined corner from its first position, in squares. Beyond it the fit has converged to another
+/// feature.
 const MAX_SHIFT_SQUARES: f64 = 0.15;
 
 /// An edge pixel belongs to an edge between squares when it lies within this part of a square from it.
 const GRID_TOLERANCE: f64 = 0.15;
 
 impl Board {
-    /// Finds the pattern.
+    /// Detects the pattern.
     ///
     /// # Errors
-    /// [`Error::NotFound`] with what was seen instead.
+    /// [`Error::NotFound`] with what was detected instead.
     pub(super) fn find(
         photo: &LinearPhoto<'_>,
         downsampled: &Downsampled,
@@ -116,19 +116,19 @@ impl Board {
         if !(inside(square.x, columns) && inside(square.y, rows)) {
             return false;
         }
-        // Normals map by the transposed Jacobian; the larger component tells which family of edges it is.
+        // Normals map by the transposed Jacobian. The larger component gives the direction of the edge.
         let n = self.undistorted_from_projector.jacobian(at).transpose() * normal;
         let along = if n.x.abs() > n.y.abs() { square.x } else { square.y };
         (along - along.round()).abs() <= GRID_TOLERANCE
     }
 
-    /// Distance of a undistorted point from the nearest edge between squares, px; infinite beside the pattern.
+    /// Distance of an undistorted point from the nearest edge between squares, px; infinite beside the pattern.
     pub(super) fn edge_distance_px(&self, pattern: &CheckerPattern, p: Point2<f64>) -> f64 {
         let Some(at) = self.projector_from_undistorted.map(p) else { return f64::INFINITY };
         let square = (at - pattern.origin_px) / pattern.square_px;
         let [columns, rows] = pattern.squares.map(f64::from);
         let scale = self.undistorted_from_projector.jacobian(at) * pattern.square_px;
-        // Beside the pattern the distance is that from its outline.
+        // Outside the pattern this is the distance from its outline.
         let nearest = |v: f64, n: f64| (v - v.round().clamp(0.0, n)).abs();
         let (dx, dy) = (nearest(square.x, columns), nearest(square.y, rows));
         let beside = |v: f64, n: f64| (-v).max(v - n).max(0.0);
@@ -151,7 +151,7 @@ impl Board {
 fn fit(pairs: &[CornerPair], lens: &RoughLens) -> Option<(Homography, Homography)> {
     let points: Vec<_> = pairs.iter().map(|p| (p.projector, lens.undistort(p.camera))).collect();
     let h = homography_from_points(&points).ok()?;
-    // The sign for which points of the board have positive weight: then what has a negative one is beyond the horizon.
+    // The sign that gives points of the board positive weight. A negative weight is then beyond the horizon.
     let w = (h.0 * points[0].0.to_homogeneous()).z;
     let h = Homography(h.0 * w.signum());
     Some((h, h.inverse()?))

@@ -1,7 +1,7 @@
-//! Which corner of the pattern is which corner of the grid in the photograph.
+//! Registration of the detected grid to the pattern: which corner of the pattern each corner of the grid is.
 //!
-//! A grid comes labelled up to a quarter turn and a shift. The colours of the squares, and of the background around
-//! them, decide: columns + rows of squares is odd, so a half-turn inverts every square, and a shift shows at the border.
+//! A grid is labelled up to a quarter turn and a shift. The colours of the squares and of the background resolve both.
+//! The number of columns plus rows is odd, so that a half-turn inverts every square. A shift changes the border.
 
 use std::collections::HashMap;
 
@@ -20,10 +20,10 @@ pub(super) struct RegisteredCorner {
     pub(super) position: Point2<f64>,
 }
 
-/// Why a grid could not be anchored.
+/// Why a grid could not be registered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Unregistered {
-    /// The grid is larger than the pattern, or too small or too bent for a homography.
+    /// The grid is larger than the pattern, or too small or too curved for a homography.
     Misfit,
     /// Two placements explain the squares equally well.
     Ambiguous,
@@ -56,14 +56,15 @@ impl Placement {
 const TURNS: [([i32; 2], [i32; 2]); 4] =
     [([1, 0], [0, 1]), ([0, 1], [-1, 0]), ([-1, 0], [0, -1]), ([0, -1], [1, 0])];
 
-/// A quarter of the pairs of squares that tell two placements apart may be hidden, shaded or glaring.
+/// Share of the discriminating pairs of squares that must support a placement. A quarter of them may be hidden, shaded
+/// or glaring.
 const MIN_VOTE: f64 = 0.75;
-/// Fewer deciding pairs than this are no evidence.
+/// Fewest discriminating pairs.
 const MIN_DECIDING_PAIRS: usize = 3;
 /// Mean disagreement (0: every pair as predicted, 1: no relation, 2: inverted) above which the colours do not fit.
 const MAX_DISAGREEMENT: f64 = 0.5;
 
-/// Places a grid in the pattern.
+/// Registers a grid to the pattern.
 pub(super) fn register(
     photo: &LinearPhoto<'_>,
     grid: &[LabelledCorner],
@@ -74,7 +75,7 @@ pub(super) fn register(
         .map(|c| (Point2::new(f64::from(c.label[0]), f64::from(c.label[1])), c.position))
         .collect();
     let image_from_label = homography_from_points(&labels).map_err(|_| Unregistered::Misfit)?;
-    // The projected pattern is seen from its front: a mirrored numbering is the detector's, and is undone.
+    // The projected pattern is never mirrored: a mirrored numbering comes from the detector and is reversed.
     let mirrored = image_from_label.jacobian(labels[0].0).determinant() < 0.0;
     let flip = if mirrored { -1 } else { 1 };
     let grid: Vec<LabelledCorner> =
@@ -169,7 +170,7 @@ impl Cells {
             .collect();
         differences.sort_by(f64::total_cmp);
         let contrast = differences.get(differences.len() / 2).copied().unwrap_or(0.0);
-        // What is far darker than the black squares or brighter than the white ones is not the sheet.
+        // Cells far darker than the black squares or brighter than the white ones are not on the sheet.
         let mut levels: Vec<f64> = inner().filter_map(|label| light.get(&label).copied()).collect();
         levels.sort_by(f64::total_cmp);
         if let (Some(black), Some(white)) = (levels.first(), levels.last()) {
@@ -217,7 +218,7 @@ impl Cells {
         sum / f64::from(n)
     }
 
-    /// Whether the pairs of squares that tell two placements apart speak for the first.
+    /// Whether the pairs of squares in which two placements differ support the first one.
     fn prefer(&self, pattern: &CheckerPattern, first: &Placement, second: &Placement) -> bool {
         let mut votes = (0, 0);
         let mut count = |of: &Placement, against: &Placement, for_first: bool| {

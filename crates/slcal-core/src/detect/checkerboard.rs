@@ -1,4 +1,4 @@
-//! The projected checkerboard in a photograph: labels by `calib-targets`, tried over a range of scales.
+//! Detection and labelling of the projected checkerboard by `calib-targets`, over a range of scales.
 //!
 //! The labelled positions are 0.2–0.3 px from the truth; [`super::corner`] refines them.
 
@@ -10,7 +10,7 @@ use nalgebra::Point2;
 use super::downsampled::Downsampled;
 use crate::photo::{Encoding, GreyImage, LinearPhoto};
 
-/// A corner of a grid whose place in the pattern is not known yet.
+/// A corner of a grid that is not registered to the pattern yet.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LabelledCorner {
     /// Column and row in the detector's own numbering.
@@ -19,16 +19,16 @@ pub(super) struct LabelledCorner {
     pub(super) position: Point2<f64>,
 }
 
-/// The corner detector samples a ring of 5 px radius, so squares of 20 to 60 px suit it best. A board takes a fair part of
-/// the photograph, so that the working image brings common boards into that range; these parts of its reduction follow
-/// when the board is not found there: finer ones for small squares, a coarser one for blurred ones.
+/// The corner detector samples a ring of 5 px radius, so squares of 20 to 60 px suit it best. Most boards have such squares
+/// in the downsampled image. These multiples of its reduction are tried when the board is not detected there: finer ones
+/// for small squares, a coarser one for blurred ones.
 const OTHER_SCALES: [(usize, usize); 3] = [(1, 2), (1, 4), (2, 1)];
 
-/// Corner strengths (in grey levels of the stretched image) below which corners are dropped, in the order in which they
-/// are tried: the detector's own default for sharp boards first, then weaker ones for blurred or faint boards.
+/// Corner strengths (in grey levels of the stretched image) below which corners are rejected, in the order of
+/// the attempts: the detector's default for sharp boards first, then lower ones for blurred or faint boards.
 const STRENGTH_FLOORS: [f32; 3] = [33.0, 12.0, 4.0];
 
-/// All grids that can be seen in the photograph, best first, at most a few. Stops at the first scale at which a grid
+/// All grids in the photograph, best first, at most a few. Stops at the first scale at which a grid
 /// has `enough` corners.
 pub(super) fn labelled_grids(
     photo: &LinearPhoto<'_>,

@@ -1,8 +1,8 @@
 //! Sub-pixel positions of checkerboard corners: a model of two crossing blurred edges, integrated over the pixels.
 //!
 //! Around a corner c the light is m + g·q + (a + h·q)·E₁·E₂ with q = p − c and E_k = erf(n_k·q / (√2·s)), the two edges with
-//! normals n₁, n₂ and blur s; m, g, a, h take up the illumination and its slope. Fitted by damped Gauss–Newton steps to
-//! linear light. The centre of the erf pair is the corner whatever the blur, so that defocus does not bias it.
+//! normals n₁, n₂ and blur s; m, g, a, h model the illumination and its gradient. The model is fitted to
+//! linear light by damped Gauss–Newton steps. Its centre is the corner for every blur, so that defocus does not bias it.
 
 use nalgebra::{Matrix2, Point2, SMatrix, SVector, Vector2};
 
@@ -16,46 +16,45 @@ type Normal = SMatrix<f64, N, N>;
 
 /// The window reaches this part of the way to the nearest neighbouring corner, so that it stays inside the squares.
 const WINDOW_FRACTION: f64 = 0.4;
-/// Windows larger than this many samples are measured on the mean over blocks of pixels: what lies far from both
-/// edges says nothing about the corner, and the model stays cheap at any resolution.
+/// Windows larger than this many samples are measured on means over blocks of pixels. Samples far from both edges hold no
+/// information on the corner, and the cost stays the same at any resolution.
 const MAX_RADIUS_SAMPLES: f64 = 12.0;
 /// Windows below this radius hold too few samples for eleven parameters.
 const MIN_RADIUS_SAMPLES: f64 = 2.5;
-/// The pixel is integrated over this many points per side, each standing for its part of the pixel, where edges are sharp.
+/// Where edges are sharp, the pixel is integrated over this many evenly spaced points per side.
 const SUBSAMPLES: usize = 4;
-/// Gauss's two points per side lie this far from the centre: they integrate cubics exactly, and an edge of the least blur
-/// given to 5e-4 of its step, with either sign along it.
+/// Offset from the centre of the two Gauss points per side. They integrate cubics exactly, and an edge of the least blur
+/// below to 5e-4 of its step, with either sign along it.
 const GAUSS_OFFSET: f64 = 0.288_675_134_594_812_9;
 const GAUSS_POINTS: usize = 4;
-/// Blur in samples from which they do.
+/// Least blur for the Gauss points, in samples.
 const GAUSS_BLUR: f64 = 0.7;
-/// With them the blur's variance stays above that of half their distance.
+/// Least variance of the blur with the Gauss points: that of half their distance.
 const GAUSS_LEAST_VARIANCE: f64 = 0.07;
 const POINTS: usize = SUBSAMPLES * SUBSAMPLES;
-/// A blur of half their distance joins the subsamples: without it a sharp edge between two of them has no slope.
+/// Additional variance of half the distance of subsamples: without it a sharp edge between two of them has no slope.
 const SUBSAMPLE_VARIANCE: f64 = 0.25 / POINTS as f64;
-/// The blur's variance may take back nearly all of that, so that a perfectly sharp edge is an inner point of the fit.
+/// The blur's variance may compensate nearly all of that, so that a perfectly sharp edge is an inner point of the fit.
 const LEAST_VARIANCE: f64 = -0.9 * SUBSAMPLE_VARIANCE;
-/// A sample whose centre lies this many s, and half a pixel's diagonal, from an edge sees nothing of it: erf is then
-/// within 1e-5 of one.
+/// Beyond this many s plus half a pixel's diagonal an edge does not affect a sample: erf is then within 1e-5 of one.
 const EDGE_REACH_SIGMAS: f64 = 4.5;
 const HALF_DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Weakest contrast of a corner, linear light.
 const MIN_AMPLITUDE: f64 = 1e-4;
-/// What remains of perspective, shading and the pixel grid after the fit, in samples: measured on rendered boards with
-/// exact truth, where positions scatter by this much with no noise.
+/// Model error by perspective, shading and the pixel grid, in samples: the scatter of positions on rendered boards without
+/// noise, against exact ground truth.
 const MODEL_SIGMA_SAMPLES: f64 = 0.003;
 
-/// Steps tried: five are usual. Sharp edges along the pixel grid have a cost that is rough below a thousandth of a
-/// pixel: more steps would only follow that.
+/// Maximum number of steps; five are usual. The cost of sharp edges along the pixel grid is not smooth below a thousandth
+/// of a pixel, so that more steps gain nothing.
 const MAX_STEPS: usize = 30;
-/// A step that moves the corner by less than this many samples ends the fit: a tenth of what the model leaves.
+/// A step that moves the corner by less than this many samples ends the fit: a tenth of the model error.
 const LAST_STEP: f64 = 3e-4;
-/// The same for the approach to where the final fit starts: one step from there it has converged.
+/// The same for the first fit, from which the final fit converges in one step.
 const LAST_STEP_OF_APPROACH: f64 = 1e-2;
 const INITIAL_DAMPING: f64 = 1e-4;
-/// A step takes the blur's variance no further down than this part of itself: at next to no blur the cost is rough, and a
-/// step that lands there stays.
+/// A step reduces the blur's variance to this part at most. With almost no blur the cost is not smooth, and the fit would
+/// not leave that region.
 const MAX_SHARPENING: f64 = 0.25;
 
 /// A refined corner.
@@ -94,7 +93,7 @@ impl<'a> Refiner<'a> {
     }
 
     /// Refines the corner near `start`; `steps` are the offsets to the neighbouring corners along the two grid
-    /// directions, px. `None` when the window leaves the frame, the fit does not converge, or what is there is no corner.
+    /// directions, px. `None` when the window leaves the frame, the fit does not converge, or there is no corner.
     pub(super) fn refine(&mut self, start: Point2<f64>, steps: [Vector2<f64>; 2]) -> Option<Refined> {
         let reach_px = WINDOW_FRACTION * steps[0].norm().min(steps[1].norm());
         let block = ((reach_px / MAX_RADIUS_SAMPLES).ceil() as usize).max(1);
@@ -112,7 +111,7 @@ impl<'a> Refiner<'a> {
         let rule = if near[4] >= GAUSS_BLUR * GAUSS_BLUR { Rule::Gauss } else { Rule::Even };
         let fit = self.window.fit(&self.erf, near, rule, LAST_STEP)?;
         let c = Vector2::new(fit.params[0], fit.params[1]);
-        // A fit that ran away from its start, or whose edges collapsed into one, has fitted something else.
+        // A fit far from its start, or with coinciding edges, has converged to another feature.
         let crossing = (fit.params[2] - fit.params[3]).sin().abs();
         if c.norm() > 0.6 * radius || crossing < 0.2 || fit.params[8].abs() <= 3.0 * fit.rms + MIN_AMPLITUDE {
             return None;
@@ -127,7 +126,7 @@ impl Window {
     fn cut(&mut self, photo: &LinearPhoto<'_>, start: Point2<f64>, block: usize, radius: f64) -> Option<()> {
         let half = radius.floor() as isize;
         let k = block as isize;
-        // The block grid is laid so that the middle block is centred as near to `start` as whole pixels allow.
+        // The middle block is centred as near to `start` as whole pixels allow.
         let centre_offset = (block as f64 - 1.0) / 2.0;
         let x0 = (start.x - centre_offset).round() as isize;
         let y0 = (start.y - centre_offset).round() as isize;
@@ -153,7 +152,7 @@ impl Window {
         Some(())
     }
 
-    /// Mean and amplitude by linear least squares for the given edges: the sign of the corner comes out of it.
+    /// Mean and amplitude by linear least squares for the given edges: this gives the sign of the corner.
     fn solve_light(&self, erf: &ErfTable, p: &mut Params) {
         let model = Model::new(erf, p, Rule::Gauss);
         let (mut n, mut e, mut ee, mut l, mut le) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -181,7 +180,7 @@ impl Window {
             let residual = value - light;
             e.cost += residual * residual;
             e.gradient.axpy(residual, &derivative, 1.0);
-            // The lower triangle is all that the factorisation reads.
+            // The factorisation reads the lower triangle only.
             for j in 0..N {
                 let d = derivative[j];
                 for i in j..N {
@@ -205,7 +204,7 @@ impl Window {
             let mut next = params + step;
             let sharpest = MAX_SHARPENING * (params[4] + SUBSAMPLE_VARIANCE) - SUBSAMPLE_VARIANCE;
             next[4] = next[4].max(sharpest).max(rule.least_variance());
-            // A corner that leaves its window, or is blurred beyond it, is none.
+            // Rejected: a corner outside its window, or blurred beyond it.
             let inside = next.fixed_rows::<2>(0).norm() < self.radius && next[4] < self.radius.powi(2);
             let small = step.fixed_rows::<2>(0).norm() < last_step;
             let tried = inside.then(|| self.equations(erf, &next, rule)).filter(|e| e.cost < at.cost);
@@ -224,8 +223,8 @@ impl Window {
     }
 }
 
-/// JᵀJ (lower triangle), Jᵀr and rᵀr. The unknowns are of one order of magnitude in units of samples, so that the normal
-/// equations lose nothing that matters.
+/// JᵀJ (lower triangle), Jᵀr and rᵀr. In units of samples the unknowns are of one order of magnitude, so that the normal
+/// equations are well conditioned.
 struct Equations {
     normal: Normal,
     gradient: Params,
@@ -251,7 +250,7 @@ impl Equations {
     }
 }
 
-/// The points that a pixel is integrated over, all of one weight.
+/// The quadrature points of a pixel, all of equal weight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Rule {
     Gauss,
@@ -474,7 +473,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_corner_is_refused() {
+    fn flat_areas_edges_and_windows_outside_the_frame_are_rejected() {
         let steps = [Vector2::new(20.0, 0.0), Vector2::new(0.0, 20.0)];
         let flat = Image::new(60, |_, _| 0.5);
         assert!(flat.refine(Point2::new(30.0, 30.0), steps).is_none());

@@ -1,16 +1,16 @@
-//! The photograph at the scale at which it is searched.
+//! The downsampled photograph, in which the board and the sheet are searched for.
 
 use crate::photo::{GreyImage, LinearPhoto};
 
-/// The longer side of the working image lies between this and twice this: enough to see every side of a sheet and every
-/// square of a common board, few enough pixels to look at all combinations.
+/// The longer side of the downsampled image lies between this and twice this. That resolves every side of a sheet and
+/// every square of a common board, and keeps the search over all combinations fast.
 const SIDE_PX: usize = 700;
 
-/// A photograph reduced by a whole factor, in linear light.
+/// A photograph reduced by an integer factor, in linear light.
 #[derive(Debug, Clone)]
 pub(super) struct Downsampled {
     pub(super) image: GreyImage,
-    /// One working pixel is this many pixels of the photograph.
+    /// Side of a downsampled pixel in pixels of the photograph.
     pub(super) factor: usize,
 }
 

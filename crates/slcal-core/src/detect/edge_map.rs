@@ -1,4 +1,4 @@
-//! Edge pixels of a photograph at working scale, with their directions.
+//! Edge pixels of a downsampled photograph, with their directions.
 
 use nalgebra::{Point2, Vector2};
 
@@ -6,12 +6,12 @@ use super::downsampled::Downsampled;
 use super::rough_undistort::RoughLens;
 use crate::photo::GreyImage;
 
-/// Edges weaker than this many times the median gradient are not looked at: three standard deviations of noise.
+/// Edges weaker than this many times the median gradient are ignored: three standard deviations of noise.
 const NOISE_MULTIPLE: f32 = 2.5;
 /// At most this share of all pixels are edge pixels; in a textured photograph the threshold rises until this holds.
 const MAX_EDGE_SHARE: f64 = 0.12;
 
-/// A pixel on an edge, undistorted; coordinates are those of the working image.
+/// An undistorted pixel on an edge, in pixels of the downsampled image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edgel {
     pub(super) position: Point2<f64>,
@@ -20,7 +20,7 @@ pub(super) struct Edgel {
     pub(super) strength: f32,
 }
 
-/// The edges of a photograph as they are seen.
+/// The edges of a photograph, with lens distortion.
 #[derive(Debug, Clone)]
 pub(super) struct DistortedEdges {
     edgels: Vec<Edgel>,
@@ -28,15 +28,15 @@ pub(super) struct DistortedEdges {
     tone: GreyImage,
 }
 
-/// The edges of a photograph as they would be seen through a straight lens.
+/// The edges of a photograph after undistortion.
 #[derive(Debug, Clone)]
 pub(super) struct EdgeMap<'a> {
     pub(super) width: usize,
     pub(super) height: usize,
-    /// One working pixel is this many pixels of the photograph.
+    /// Side of a downsampled pixel in pixels of the photograph.
     pub(super) factor: usize,
     pub(super) edgels: Vec<Edgel>,
-    /// The working image: square roots of light, so that noise is even and dark edges count.
+    /// The downsampled image as square roots of light: noise is then even, and dark edges count.
     pub(super) tone: &'a GreyImage,
 }
 
@@ -66,25 +66,25 @@ impl EdgeMap<'_> {
         Edgel { position, normal, ..*e }
     }
 
-    /// A working position in pixels of the photograph.
+    /// From downsampled pixels to pixels of the photograph.
     pub(super) fn to_photo(&self, p: Point2<f64>) -> Point2<f64> {
         let f = self.factor as f64;
         p * f + Vector2::repeat((f - 1.0) / 2.0)
     }
 
-    /// A position in the photograph in working pixels.
+    /// From pixels of the photograph to downsampled pixels.
     pub(super) fn to_working(&self, p: Point2<f64>) -> Point2<f64> {
         let f = self.factor as f64;
         (p - Vector2::repeat((f - 1.0) / 2.0)) / f
     }
 
-    /// The diagonal, in working pixels: the unit of lengths in a photograph.
+    /// The diagonal, in downsampled pixels: the unit of lengths in a photograph.
     pub(super) fn diagonal(&self) -> f64 {
         (self.width as f64).hypot(self.height as f64)
     }
 }
 
-/// Binomial 3×3, then 3×3 again: σ = 1 px, which takes the pixel noise off and leaves neighbouring edges apart.
+/// Two binomial 3×3 filters: σ = 1 px, which removes pixel noise and keeps neighbouring edges separate.
 fn smoothed(image: &GreyImage) -> GreyImage {
     let pass = |image: &GreyImage| {
         let (w, h) = (image.width(), image.height());
@@ -141,10 +141,10 @@ fn find_edgels(tone: &GreyImage) -> Vec<Edgel> {
     edgels
 }
 
-/// The gradient above which a pixel counts as an edge: a multiple of the noise, higher where texture abounds.
+/// The gradient above which a pixel counts as an edge: a multiple of the noise, higher in textured photographs.
 fn threshold(magnitude: &GreyImage) -> f32 {
     let noise = super::checkerboard::quantile(magnitude.data(), 0.5);
     let busy = super::checkerboard::quantile(magnitude.data(), 1.0 - MAX_EDGE_SHARE);
-    // Rendered or denoised pictures have no noise at all: a step of a thousandth of the tone range is then the least.
+    // Rendered or denoised pictures have no noise. The minimum is then a step of a thousandth of the tone range.
     (NOISE_MULTIPLE * noise).max(busy).max(1e-3)
 }

@@ -1,4 +1,4 @@
-//! erf and its slope by cubic interpolation in a table: the corner model needs them by the million.
+//! erf and its slope by cubic interpolation in a table: the corner model evaluates them millions of times.
 
 use std::f64::consts::FRAC_2_SQRT_PI;
 
@@ -25,7 +25,7 @@ impl ErfTable {
     pub(super) fn at(&self, x: f64) -> (f64, f64) {
         let s = x.abs() * STEPS as f64;
         let i = s as usize;
-        // A NaN has index 0 and stays one.
+        // A NaN has index 0 and remains NaN.
         let Some(&[[f0, d0], [f1, d1]]) = self.0.get(i..).and_then(<[_]>::first_chunk::<2>) else {
             return (x.signum(), 0.0);
         };

@@ -5,28 +5,28 @@ use nalgebra::{Point2, Vector3};
 use super::edge_map::{EdgeMap, Edgel};
 use crate::geometry::Line;
 
-/// Bins of the direction of the normal over the full circle: dark-to-bright distinguishes the two sides of a sheet.
+/// Bins of the normal's direction over the full circle: dark-to-bright distinguishes opposite sides of a sheet.
 const ANGLE_BINS: usize = 360;
-/// An edge pixel votes for the bins within this many of its own direction; gradients of weak edges scatter by about that.
+/// An edge pixel votes for the bins within this many of its direction: the scatter of the gradients of weak edges.
 const ANGLE_SPREAD: isize = 3;
-/// Width of a bin of the distance, in working pixels.
+/// Width of a bin of the distance, in downsampled pixels.
 const DISTANCE_BIN: f64 = 1.5;
-/// Pixels within this distance of a line support it, in working pixels: sides of a sheet seen through an ordinary
-/// lens bend by less.
+/// Pixels within this distance of a line support it, in downsampled pixels: sides of a sheet seen through an ordinary
+/// lens are curved by less.
 const SUPPORT_DISTANCE: f64 = 2.5;
 /// cos 12°.
 const SUPPORT_COSINE: f64 = 0.978;
-/// A line must be supported along this part of the diagonal.
+/// Shortest supported length of a line, as a part of the diagonal.
 const MIN_LENGTH: f64 = 0.06;
-/// As many lines are kept. Sheets have four sides; clutter, print and texture bring the rest.
+/// Largest number of lines kept. Sheets have four sides; clutter, print and texture add others.
 const MAX_LINES: usize = 48;
 
 /// A straight edge; its normal points to the bright side.
 #[derive(Debug, Clone)]
 pub(super) struct EdgeLine {
-    /// Normalized, in working pixels.
+    /// Normalized, in downsampled pixels.
     pub(super) line: Line,
-    /// Number of supported unit steps before each position along the line, from `first`.
+    /// Number of supported unit steps before each position along the line, counted from `first`.
     cumulative: Vec<u32>,
     first: f64,
 }
@@ -41,7 +41,7 @@ impl EdgeLine {
         self.direction().dot(&p.coords)
     }
 
-    /// The share of the interval between two positions along the line that edge pixels support.
+    /// The share of an interval along the line that edge pixels support.
     pub(super) fn support(&self, from: f64, to: f64) -> f64 {
         let (from, to) = (from.min(to), from.max(to));
         let index = |s: f64| ((s - self.first).round().max(0.0) as usize).min(self.cumulative.len() - 1);
@@ -49,7 +49,7 @@ impl EdgeLine {
         f64::from(count) / (to - from).max(1.0)
     }
 
-    /// The length that edge pixels support, in working pixels.
+    /// The length that edge pixels support, in downsampled pixels.
     pub(super) fn length(&self) -> f64 {
         f64::from(*self.cumulative.last().unwrap_or(&0))
     }
@@ -64,7 +64,7 @@ pub(super) fn find_lines(map: &EdgeMap<'_>, keep: impl Fn(&Edgel) -> bool) -> Ve
     }
     let least = MIN_LENGTH * map.diagonal();
     let mut lines: Vec<EdgeLine> = Vec::new();
-    // A peak whose line turns out too short is passed over; a bound on the tries keeps textures from taking for ever.
+    // Peaks with too short a line are skipped. The number of attempts is bounded for textured photographs.
     for _ in 0..4 * MAX_LINES {
         let Some(peak) = votes.peak(least) else { break };
         let (supporting, line) = refine(&edgels, peak);

@@ -38,18 +38,18 @@ use rough_undistort::RoughLens;
 
 pub use sheet::SheetDetection;
 
-/// What is known of a photograph before it is looked at.
+/// What is known of a photograph before detection.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DetectConfig {
     /// The transfer curve of the photographs.
     pub encoding: Encoding,
-    /// The sheet's corners TL, TR, BR, BL by hand, px; they may lie outside the frame. The sides are still measured in the
-    /// photograph where they are seen.
+    /// The sheet's corners TL, TR, BR, BL given by hand, px. They may lie outside the frame. The sides are still measured
+    /// in the photograph where they are visible.
     pub corners: Option<[Point2<f64>; 4]>,
-    /// Where the pattern was drawn on the panel, when that is not where its description says: what
-    /// [`rectify_checker`](crate::rectify_checker) gives for a rectified one. The projector pixels of
-    /// [`ViewObservation::pairs`] are then those on the panel.
+    /// Map from pattern pixels to panel pixels, when the pattern was not projected where its description says. For a
+    /// rectified pattern [`rectify_checker`](crate::rectify_checker) gives it. The projector pixels of
+    /// [`ViewObservation::pairs`] are then panel pixels.
     pub panel_from_pattern: Option<Warp>,
 }
 
@@ -70,34 +70,34 @@ impl DetectConfig {
     }
 }
 
-/// What was found in one photograph.
+/// The result of detection in one photograph.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Detection {
-    /// For calibration.
+    /// The measurements for calibration.
     pub observation: ViewObservation,
-    /// Corners of the whole pattern, of which `observation.pairs` were seen on the sheet.
+    /// Number of corners of the whole pattern. `observation.pairs` are those detected on the sheet.
     pub pattern_corners: usize,
-    /// Things worth telling: parts that were not seen, corners taken from the user.
+    /// Remarks for the user: parts that are not visible, corners taken from the user.
     pub notes: Vec<String>,
 }
 
-/// The projected corners as found by themselves, wherever they fall.
+/// The projected corners, on the sheet or beside it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CornerDetection {
-    /// Those that were seen, row by row of the pattern.
+    /// The detected corners, row by row of the pattern.
     pub pairs: Vec<CornerPair>,
-    /// Corners of the whole pattern.
+    /// Number of corners of the whole pattern.
     pub expected: usize,
 }
 
-/// Finds the sheet, and the pattern when there is one, in a photograph.
+/// Detects the sheet, and the pattern when there is one, in a photograph.
 ///
-/// `photo` shows the sheet with the pattern projected on it; `plain`, if given, the same pose with a dark or plain
-/// projector, and then the sheet's sides are measured there. Without a pattern the sheet is the brightest large
+/// `photo` shows the sheet with the pattern projected on it. `plain`, if given, shows the same pose with a dark or plain
+/// projector; the sheet's sides are then measured there. Without a pattern the sheet is the brightest large
 /// quadrilateral with straight sides.
 ///
 /// # Errors
-/// [`Error::NotFound`] when the checkerboard or the sheet is not seen, with what was seen instead; [`Error::Invalid`] when
+/// [`Error::NotFound`] when the checkerboard or the sheet is not detected, with what was detected instead; [`Error::Invalid`] when
 /// the two photographs differ in size or the configuration is wrong.
 pub fn observe(
     photo: PhotoView<'_>,
@@ -124,7 +124,7 @@ pub fn observe(
     let photo = LinearPhoto::new(photo, config.encoding);
     let downsampled = Downsampled::new(&photo);
     let board = Board::find(&photo, &downsampled, pattern)?;
-    // The board was fitted in the pattern's own pixels; the light ends where the panel does.
+    // The board was fitted in pattern pixels, whereas the footprint ends at the border of the panel.
     let pattern_from_panel = config.panel_from_pattern.and_then(|w| w.homography.inverse());
     let straight = board.undistorted_from_projector;
     let footprint = ProjectorFootprint::new(
@@ -148,11 +148,11 @@ pub fn observe(
     Ok(Detection { observation: ViewObservation { size, sheet, pairs }, pattern_corners, notes })
 }
 
-/// Finds the sheet alone, of whatever size: the brightest large quadrilateral with straight sides, or the sides near the
-/// corners given by hand. What is projected is not known here: take a photograph with a dark or plain projector.
+/// Detects the sheet alone, of any size: the brightest large quadrilateral with straight sides, or the sides near the
+/// corners given by hand. The projected picture is unknown here, so take the photograph with a dark or plain projector.
 ///
 /// # Errors
-/// [`Error::NotFound`] when no sheet is seen, with what was seen instead; [`Error::Invalid`] when the configuration is wrong.
+/// [`Error::NotFound`] when no sheet is detected, with what was detected instead; [`Error::Invalid`] when the configuration is wrong.
 pub fn find_sheet(photo: PhotoView<'_>, config: &DetectConfig) -> Result<SheetDetection> {
     config.validate()?;
     let photo = LinearPhoto::new(photo, config.encoding);
@@ -161,11 +161,11 @@ pub fn find_sheet(photo: PhotoView<'_>, config: &DetectConfig) -> Result<SheetDe
     sheet::find(&photo, &Downsampled::new(&photo), &projected, config.corners)
 }
 
-/// Finds the corners of the projected checkerboard alone, on the sheet or beside it; [`DetectConfig::corners`] says nothing
-/// here.
+/// Detects the corners of the projected checkerboard alone, on the sheet or beside it. [`DetectConfig::corners`] is not
+/// used.
 ///
 /// # Errors
-/// [`Error::NotFound`] when the checkerboard is not seen, with what was seen instead; [`Error::Invalid`] when the
+/// [`Error::NotFound`] when the checkerboard is not detected, with what was detected instead; [`Error::Invalid`] when the
 /// configuration is wrong.
 pub fn find_corners(
     photo: PhotoView<'_>,
@@ -178,7 +178,7 @@ pub fn find_corners(
     Ok(CornerDetection { expected: board.expected, pairs: on_panel(board.pairs, config) })
 }
 
-/// The pairs with their pixels where the pattern was drawn.
+/// The pairs with their projector pixels on the panel.
 fn on_panel(mut pairs: Vec<CornerPair>, config: &DetectConfig) -> Vec<CornerPair> {
     if let Some(warp) = &config.panel_from_pattern {
         pairs.retain_mut(|pair| warp.map(pair.projector).map(|q| pair.projector = q).is_some());
@@ -186,7 +186,7 @@ fn on_panel(mut pairs: Vec<CornerPair>, config: &DetectConfig) -> Vec<CornerPair
     pairs
 }
 
-/// Leaves out the corners that fall beside the sheet: they lie on another surface.
+/// Removes the corners beside the sheet: they lie on another surface.
 fn on_sheet(board: Board, sheet: &SheetObservation, notes: &mut Vec<String>) -> Result<Board> {
     let Some(corners) = sheet.corners() else { return Ok(board) };
     let seen = board.pairs.len();

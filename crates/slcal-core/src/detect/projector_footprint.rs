@@ -1,6 +1,6 @@
-//! The border of the projector's light on the sheet, known in the photograph once the pattern has been found.
+//! The projector footprint on the sheet. Its border in the photograph follows from the detected pattern.
 //!
-//! All points are undistorted ones (see [`super::rough_undistort`]).
+//! All points are undistorted (see [`super::rough_undistort`]).
 
 use nalgebra::{Point2, Vector2};
 
@@ -9,20 +9,20 @@ use super::rough_undistort::RoughLens;
 use crate::geometry::{Homography, Line};
 use crate::pattern::CheckerPattern;
 
-/// The images of the four borders of the panel, for what lies on the plane of the sheet.
+/// The images of the four borders of the panel on the plane of the sheet.
 #[derive(Debug, Clone)]
 pub(super) struct ProjectorFootprint {
     borders: Vec<Line>,
 }
 
 impl ProjectorFootprint {
-    /// No projector.
+    /// Without a projector.
     pub(super) fn none() -> Self {
         Self { borders: Vec::new() }
     }
 
     pub(super) fn new(undistorted_from_projector: &Homography, panel: [u32; 2]) -> Self {
-        // The light of a pixel reaches half a pixel beyond its centre.
+        // A pixel extends half a pixel beyond its centre.
         let (w, h) = (f64::from(panel[0]) - 0.5, f64::from(panel[1]) - 0.5);
         let c = [Point2::new(-0.5, -0.5), Point2::new(w, -0.5), Point2::new(w, h), Point2::new(-0.5, h)];
         let borders = (0..4)
@@ -48,7 +48,7 @@ impl ProjectorFootprint {
     }
 }
 
-/// The edges of the projected light, its border and the pattern's squares, in the photograph as it is.
+/// The edges of the projected picture in the photograph: the border of the footprint and the pattern's squares.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ProjectedEdges<'a> {
     pub(super) footprint: &'a ProjectorFootprint,
@@ -62,10 +62,10 @@ impl ProjectedEdges<'_> {
         self.footprint.distance_px(self.lens.undistort(p)).min(self.square_distance_px(p))
     }
 
-    /// Whether a side of the sheet at `p` can be measured over `reach_px` to both sides without meeting one of these edges.
+    /// Whether a side of the sheet at `p` is further than `reach_px` from all of these edges.
     ///
-    /// The border of the light counts on the sheet only, towards `inward`: beyond the side there is nothing at the sheet's
-    /// distance for it to fall on.
+    /// The border of the footprint counts on the sheet only, towards `inward`: beyond the side no surface lies in the
+    /// sheet's plane.
     pub(super) fn leaves_clear(&self, p: Point2<f64>, inward: Vector2<f64>, reach_px: f64) -> bool {
         /// The border itself is as wide as the blur of projector and camera, px.
         const BORDER_BLUR_PX: f64 = 2.0;

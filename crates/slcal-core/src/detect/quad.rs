@@ -1,4 +1,4 @@
-//! The sheet among the quadrilaterals that the straight edges of a photograph make.
+//! Search for the sheet among the quadrilaterals formed by straight edges.
 
 use nalgebra::Point2;
 
@@ -6,7 +6,7 @@ use super::edge_map::{EdgeMap, Edgel};
 use super::lines::EdgeLine;
 use crate::geometry::Line;
 
-/// Four corners, clockwise as seen, in working pixels, and how well they are supported.
+/// Four corners, clockwise in the image, in downsampled pixels, and how well edges support them.
 #[derive(Debug, Clone)]
 pub(super) struct Quad {
     pub(super) corners: [Point2<f64>; 4],
@@ -14,23 +14,23 @@ pub(super) struct Quad {
     pub(super) score: f64,
 }
 
-/// What the quadrilateral has to hold.
+/// What the quadrilateral must contain.
 #[derive(Debug, Clone)]
 pub(super) enum Content {
-    /// The corners of the projected board, in working pixels: the sheet is the quadrilateral that holds them. Some may
-    /// have fallen beside it.
+    /// The corners of the projected board, in downsampled pixels: the sheet is the quadrilateral that contains them. Some
+    /// may lie beside it.
     Board(Vec<Point2<f64>>),
     /// Nothing is projected: the sheet is the brightest large quadrilateral.
     Anything,
 }
 
-/// The search's outcome, with what was seen for the message when there is none.
+/// The result of the search, with counts for the message when there is none.
 #[derive(Debug, Clone)]
 pub(super) struct Search {
     pub(super) best: Option<Quad>,
     /// Straight edges that were combined.
     pub(super) lines: usize,
-    /// Quadrilaterals whose four sides were all seen in part.
+    /// Quadrilaterals with edges along all four sides.
     pub(super) quads: usize,
 }
 
@@ -47,14 +47,14 @@ const MIN_AREA: [f64; 2] = [0.01, 0.04];
 const MIN_CORNER_SINE: f64 = 0.26;
 /// The sheet holds at least this share of the board's corners.
 const MIN_HELD: f64 = 0.6;
-/// Candidates whose inside is looked at.
+/// Number of candidates whose interior is evaluated.
 const SHORTLIST: usize = 40;
-/// An edge is looked for beyond a corner over this part of the side: the sides of a sheet end at its corners.
+/// Edges are searched for beyond a corner over this part of the side: the sides of a sheet end at its corners.
 const OVERSHOOT: f64 = 0.12;
-/// Distance from the sides within which edges belong to them, in working pixels.
+/// Distance from the sides within which edges belong to them, in downsampled pixels.
 const SIDE_MARGIN: f64 = 4.0;
 
-/// Finds the sheet. `foreign` tells the edge pixels that are known not to be the sheet's (the light's border, the board's own).
+/// Finds the sheet. `foreign` is true for edge pixels of the footprint's border and of the board.
 pub(super) fn find_sheet(
     map: &EdgeMap<'_>,
     lines: &[EdgeLine],
@@ -93,7 +93,7 @@ fn normal_angle(line: &Line) -> f64 {
     line.0.y.atan2(line.0.x)
 }
 
-/// Whether what has to be inside lies on the bright side of a line.
+/// Whether the content lies on the bright side of a line.
 fn holds(line: &Line, content: &Content) -> bool {
     match content {
         Content::Board(corners) => share_inside(&[*line], corners) >= MIN_HELD,
@@ -107,12 +107,12 @@ fn share_inside(lines: &[Line], points: &[Point2<f64>]) -> f64 {
     inside as f64 / points.len().max(1) as f64
 }
 
-/// The quadrilateral of four lines sorted by the angle of their inward normals, if they make one and are seen.
+/// The quadrilateral of four lines sorted by the angle of their inward normals, if it is convex, visible and supported.
 fn combine(map: &EdgeMap<'_>, sides: [&EdgeLine; 4], content: &Content) -> Option<Quad> {
     let mut corners = [Point2::origin(); 4];
     for i in 0..4 {
         let (a, b) = (sides[i].line, sides[(i + 1) % 4].line);
-        // Turning from one normal to the next by less than half a circle, and by enough for a corner.
+        // The angle between consecutive normals is below 180°, and large enough for a corner.
         if a.normal().perp(&b.normal()) < MIN_CORNER_SINE {
             return None;
         }
@@ -149,7 +149,7 @@ fn combine(map: &EdgeMap<'_>, sides: [&EdgeLine; 4], content: &Content) -> Optio
         }
         mean += support / 4.0;
         score *= support;
-        // Going on beyond a corner speaks against it.
+        // An edge that continues beyond a corner lowers the score.
         let (a, b) = (side.along(from), side.along(to));
         let length = OVERSHOOT * (b - a);
         for (end, beyond) in [(b, b + length), (a, a - length)] {
@@ -192,8 +192,8 @@ fn clip(a: Point2<f64>, b: Point2<f64>, w: f64, h: f64) -> Option<(Point2<f64>, 
     (t0 < t1).then(|| (a + d * t0, a + d * t1))
 }
 
-/// How free of other edges the inside is: the sheet is plain but for the board, while a quadrilateral around it has the
-/// sheet's own sides inside.
+/// How free of other edges the interior is. The sheet is plain apart from the board, while a larger quadrilateral contains
+/// the sides of the sheet.
 fn tidiness(map: &EdgeMap<'_>, quad: &Quad, foreign: &impl Fn(&Edgel) -> bool) -> f64 {
     let inside = |p: Point2<f64>| quad.lines.iter().all(|l| l.signed_distance_px(p) > SIDE_MARGIN);
     let stray = map.edgels.iter().filter(|e| inside(e.position) && !foreign(e)).count();

@@ -1,6 +1,6 @@
-//! A rough lens: enough of its radial distortion, seen in the board's corners, to make straight edges straight.
+//! Rough undistortion: one radial coefficient, estimated from the board's corners, that makes straight edges straight.
 //!
-//! This only serves the search. Calibration estimates distortion from the measurements themselves.
+//! It serves the search only. Calibration estimates distortion from the measurements.
 
 use nalgebra::Point2;
 
@@ -8,7 +8,7 @@ use crate::geometry::Homography;
 use crate::observations::CornerPair;
 use crate::solve::homography_from_points;
 
-/// Straightened = centre + (seen − centre)·(1 + k·r²), with r = 1 at half the diagonal of the frame.
+/// Undistorted = centre + (distorted − centre)·(1 + k·r²), with r = 1 at half the diagonal of the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RoughLens {
     centre: Point2<f64>,
@@ -18,7 +18,7 @@ pub(super) struct RoughLens {
 
 /// Ordinary lenses stay within this; it also keeps the map invertible in and around the frame.
 const MAX_K: f64 = 0.3;
-/// The lens is used when it lowers the rms of the corners to this part of what a homography alone leaves.
+/// The lens is used when it lowers the rms of the corners to this part of the rms of a homography alone.
 const WORTHWHILE: f64 = 0.7;
 
 impl RoughLens {
@@ -63,13 +63,13 @@ impl RoughLens {
         (error(&h) / points.len() as f64).sqrt()
     }
 
-    /// Where a seen point would be without distortion, px.
+    /// The undistorted position of a point, px.
     pub(super) fn undistort(&self, p: Point2<f64>) -> Point2<f64> {
         let d = p - self.centre;
         self.centre + d * (1.0 + self.k * d.norm_squared() / self.half_diagonal.powi(2))
     }
 
-    /// Where a undistorted point is seen, px.
+    /// The distorted position of an undistorted point, px.
     pub(super) fn distort(&self, p: Point2<f64>) -> Point2<f64> {
         let target = (p - self.centre) / self.half_diagonal;
         let length = target.norm();
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bent_board_tells_its_lens_and_a_straight_one_has_none() {
+    fn the_coefficient_is_estimated_from_a_distorted_board_and_is_zero_for_an_undistorted_one() {
         let truth = RoughLens { k: 0.05, ..RoughLens::none(1280, 960) };
         let h = Homography(Matrix3::new(0.9, 0.1, 200.0, -0.05, 1.0, 100.0, 1e-4, 5e-5, 1.0));
         let board = |lens: &RoughLens| -> Vec<CornerPair> {

@@ -1,4 +1,4 @@
-//! The sheet's outline: the quadrilateral, named from its top-left corner, with its sides measured.
+//! The sheet's outline: the quadrilateral with its corners in order from the top left and its sides measured.
 
 use nalgebra::{Point2, Vector2};
 
@@ -13,22 +13,22 @@ use crate::error::{Error, ErrorSubject, Result};
 use crate::observations::SheetObservation;
 use crate::photo::LinearPhoto;
 
-/// Corners pointed at by hand are off by about this part of the frame's diagonal.
+/// Standard deviation of corners given by hand, as a part of the frame's diagonal.
 const HAND_SIGMA: f64 = 0.002;
-/// Sides are searched this far around corners pointed at by hand, as a part of the diagonal.
+/// Search radius for sides around corners given by hand, as a part of the diagonal.
 const HAND_REACH: f64 = 0.008;
-/// The light's border on the sheet is predicted to within this many working pixels.
+/// Accuracy of the predicted border of the footprint on the sheet, in downsampled pixels.
 const BORDER_DISTANCE: f64 = 2.0;
 
-/// A side found at working scale is known to within this many working pixels.
+/// Accuracy of a side found in the downsampled image, in its pixels.
 const UNCERTAINTY: f64 = 3.0;
 
-/// The sheet as found by itself.
+/// The detected sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SheetDetection {
     /// Its outline.
     pub observation: SheetObservation,
-    /// Things worth telling: corners taken from the user.
+    /// Remarks for the user: corners taken from the user.
     pub notes: Vec<String>,
 }
 
@@ -49,7 +49,7 @@ pub(super) fn check_corners(corners: &[Point2<f64>; 4]) -> Result<()> {
     ))
 }
 
-/// Whether a point lies inside a convex quadrilateral given clockwise as seen.
+/// Whether a point lies inside a convex quadrilateral given clockwise in the image.
 pub(super) fn contains(corners: &[Point2<f64>; 4], p: Point2<f64>) -> bool {
     (0..4).all(|i| (corners[(i + 1) % 4] - corners[i]).perp(&(p - corners[i])) > 0.0)
 }
@@ -86,7 +86,7 @@ pub(super) fn find(
     let edges = DistortedEdges::new(downsampled);
     let outcome = match projected.board {
         Some(_) => search(&edges, projected, projected.lens),
-        // Nothing tells the lens but the sheet's own sides: they are straight under the right one.
+        // Only the sheet's sides show the lens: under the right coefficient they are straight.
         None => TRIED_LENSES
             .iter()
             .map(|&k| search(&edges, projected, &RoughLens::radial(width, height, k)))
@@ -94,7 +94,7 @@ pub(super) fn find(
             .unwrap_or_else(|| search(&edges, projected, projected.lens)),
     };
     let Some(corners) = outcome.corners else {
-        // A side along the light's border is cut short where its edges are taken for the border's.
+        // A side along the footprint's border is truncated where its edges are attributed to the border.
         let unlit = ProjectedEdges { footprint: &ProjectorFootprint::none(), ..*projected };
         let again = projected.board.map(|_| search(&edges, &unlit, projected.lens));
         let along = again.and_then(|again| {
@@ -113,13 +113,13 @@ pub(super) fn find(
     Ok(SheetDetection { observation, notes: Vec::new() })
 }
 
-/// Straightening coefficients tried when no board shows the lens (r = 1 at half the diagonal): barrel lenses of common
-/// cameras first of all.
+/// Coefficients tried when there is no board to estimate the lens from (r = 1 at half the diagonal). The values for barrel
+/// distortion of common cameras come first.
 const TRIED_LENSES: [f64; 7] = [0.0, 0.03, 0.06, 0.1, 0.14, -0.03, -0.06];
-/// A lens is preferred over a weaker one when the sheet is seen this much better through it.
+/// A coefficient is preferred over a smaller one when the score is better by this factor.
 const WORTHWHILE: f64 = 1.1;
 
-/// What a search of the whole photograph came to.
+/// The result of a search of the whole photograph.
 struct Outcome {
     lens: RoughLens,
     /// TL, TR, BR, BL, undistorted, px.
@@ -167,7 +167,7 @@ fn not_found(seen: String) -> Error {
     Error::NotFound { what: ErrorSubject::Sheet, seen, advice: advice.into() }
 }
 
-/// Whether most of side `i` lies too near to the border of the light to be told from it.
+/// Whether most of side `i` lies too near to the border of the footprint to be distinguished from it.
 fn along_border(
     i: usize,
     corners: &[Point2<f64>; 4],
@@ -186,15 +186,15 @@ fn border(i: usize) -> Error {
     Error::NotFound {
         what: ErrorSubject::Sheet,
         seen: format!(
-            "four sides were seen, but the {side} one runs along the border of the projector's light and cannot be told from it"
+            "four sides were seen, but the {side} one runs along the border of the projector footprint and cannot be distinguished from it"
         ),
-        advice: "move the sheet, or the projector, so that the light ends well inside of the sheet or well beyond it; or \
+        advice: "move the sheet or the projector so that the footprint ends well inside the sheet or well beyond it; or \
                  give the sheet's corners by hand"
             .into(),
     }
 }
 
-/// Starts the clockwise corners at TL: the corner from which the next one lies most nearly along +x.
+/// The clockwise corners from TL on: the corner whose direction to the next one is nearest to +x.
 fn named(corners: [Point2<f64>; 4]) -> [Point2<f64>; 4] {
     let along = |i: usize| (corners[(i + 1) % 4] - corners[i]).normalize().x;
     let first = (0..4).max_by(|&a, &b| along(a).total_cmp(&along(b))).unwrap_or(0);
@@ -204,14 +204,14 @@ fn named(corners: [Point2<f64>; 4]) -> [Point2<f64>; 4] {
 /// The sides in the order of the corners.
 const SIDES: [&str; 4] = ["top", "right", "bottom", "left"];
 
-/// Measures the four sides between undistorted corners; the first that is not seen otherwise.
+/// Measures the four sides between undistorted corners. The error is the first side that is not visible.
 fn measure(
     photo: &LinearPhoto<'_>,
     corners: [Point2<f64>; 4],
     uncertainty_px: f64,
     projected: &ProjectedEdges<'_>,
 ) -> std::result::Result<SheetObservation, usize> {
-    /// Enough to follow the bend of a lens.
+    /// Enough to follow the curvature by a lens.
     const PATH_POINTS: u32 = 17;
     let mut sides: [Vec<_>; 4] = Default::default();
     for i in 0..4 {

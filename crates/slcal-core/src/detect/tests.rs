@@ -329,7 +329,7 @@ fn a_side_along_the_border_of_the_light_is_named() {
     };
     // The sheet's right side runs from 554.0 to 556.6.
     let said = crossing(554.0, 558.0).observe(Some(&pattern())).unwrap_err().to_string();
-    assert!(said.contains("the right one runs along the border of the projector's light"), "{said}");
+    assert!(said.contains("the right one runs along the border of the projector footprint"), "{said}");
     // Where it is clear of the border in part, it is measured there or not at all, and never between the two.
     let mut found = 0;
     for (top, along) in

@@ -1,4 +1,4 @@
-//! The formats of clouds, told by the extension of a file's name.
+//! The file formats of clouds, chosen by the extension of the file name.
 
 use std::io::Write;
 
@@ -10,12 +10,12 @@ use crate::named::named;
 /// A file format of clouds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CloudFormat {
-    /// Binary, with all that is known of a point.
+    /// Binary, with all values of a point.
     #[default]
     Ply,
-    /// Of the Point Cloud Library, binary; no triangles.
+    /// The format of the Point Cloud Library, binary; no triangles.
     Pcd,
-    /// Plain text, a point a line; no triangles.
+    /// Plain text, one point per line; no triangles.
     Xyz,
     /// Wavefront, text.
     Obj,
@@ -23,7 +23,7 @@ pub enum CloudFormat {
     Glb,
 }
 
-// The names are the endings of the files.
+// The names are the file extensions.
 named!(CloudFormat, "format", { Ply => "ply", Pcd => "pcd", Xyz => "xyz", Obj => "obj", Glb => "glb" });
 
 impl CloudFormat {

@@ -8,8 +8,8 @@ use crate::cloud::{Frame, PointCloud};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::photo::Encoding;
 
-/// What each vertex carries, one after the other in the buffer, and how many numbers each of it is. Everything is a float
-/// in a view of its own: interleaved and 16-bit data are allowed, but not every reader copes with them.
+/// The attributes of a vertex in the order of the buffer, and their number of components. All are floats, each in its own
+/// buffer view: interleaved and 16-bit data are allowed, but not every reader supports them.
 const ATTRIBUTES: [(&str, usize); 6] =
     [("POSITION", 3), ("COLOR_0", 3), ("_SIGMA_MM", 1), ("_NOISE_MM", 1), ("_CONFIDENCE", 1), ("_SLIT", 1)];
 /// Bytes of all attributes of one vertex.
@@ -24,9 +24,9 @@ const TRIANGLES: u32 = 4;
 
 /// Writes a cloud as binary glTF 2.0: the triangles when there are any, else the points.
 ///
-/// glTF wants metres and y upwards, so that a point (x, y, z) of the cloud in mm is written as (x, −y, −z) / 1000; the
-/// asset's `extras` say so, and name the frame. Colours are linear light, as glTF wants them. Each vertex carries
-/// `_SIGMA_MM`, `_NOISE_MM`, `_CONFIDENCE` and `_SLIT` as well.
+/// glTF uses metres with y upwards: a point (x, y, z) of the cloud in mm is written as (x, −y, −z) / 1000. The asset's
+/// `extras` state this and the frame. Colours are linear light, as glTF requires. Each vertex also has the attributes
+/// `_SIGMA_MM`, `_NOISE_MM`, `_CONFIDENCE` and `_SLIT`.
 ///
 /// # Errors
 /// [`Error::Invalid`] for coordinates that are not finite and for more than 4 GiB, which the format cannot hold;
@@ -143,7 +143,7 @@ fn document(cloud: &PointCloud, buffer: &Buffer) -> Value {
     }
     accessors[0]["min"] = json!(buffer.min.map(f64::from));
     accessors[0]["max"] = json!(buffer.max.map(f64::from));
-    // Both sides of a surface may be looked at. Points have no normals to be lit by.
+    // Surfaces are visible from both sides. Points have no normals for shading.
     let mut material =
         json!({"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 1}, "doubleSided": true});
     if cloud.triangles.is_empty() {

@@ -1,4 +1,4 @@
-//! Matches as CSV: one row per stripe and line of the image.
+//! Matches as CSV: one row per stripe and image line.
 
 use std::io::{BufRead as _, BufReader, Read, Write};
 
@@ -8,14 +8,14 @@ use super::recognise::refuse_others;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::matches::{Match, Matches};
 
-/// What is read.
+/// The columns that are read.
 const COLUMNS: [&str; 7] = ["u", "v", "projector_column", "projector_row", "slit", "confidence", "sigma_px"];
 
 fn malformed(detail: impl Into<String>) -> Error {
     Error::malformed(ErrorSubject::MatchesFile, detail)
 }
 
-/// Writes `u,v,projector_column,slit,confidence,sigma_px` (`projector_row` for matches that have rows; both, when some
+/// Writes `u,v,projector_column,slit,confidence,sigma_px` (`projector_row` for matches with rows; both, when a
 /// match has both).
 ///
 /// # Errors

@@ -6,7 +6,7 @@ use crate::cloud::{Frame, PointCloud};
 use crate::error::{Error, ErrorSubject, Result};
 
 /// Writes `v x y z r g b` per point (mm to a tenth of a micrometre; colours 0–1 behind the coordinates, as most viewers
-/// read them) and `f a b c` per triangle, counted from one.
+/// read them) and `f a b c` per triangle, with indices from one.
 ///
 /// # Errors
 /// [`Error::Io`] when the stream fails.

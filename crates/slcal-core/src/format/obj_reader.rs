@@ -8,15 +8,15 @@ use super::recognise::refuse_others;
 use crate::cloud::{CloudPoint, PointCloud};
 use crate::error::{Error, ErrorSubject, Result};
 
-/// A line longer than this is no OBJ.
+/// A longer line means that the file is not an OBJ.
 const LONGEST_LINE: u64 = 1 << 20;
 
 fn malformed(line: usize, detail: impl std::fmt::Display) -> Error {
     Error::malformed(ErrorSubject::Obj, format!("line {line}: {detail}"))
 }
 
-/// Reads vertices (with colours, where they stand behind the coordinates) and faces; polygons are cut into fans of triangles.
-/// Normals, textures, materials, groups and lines are passed over.
+/// Reads vertices (with colours, where they stand behind the coordinates) and faces; polygons are split into triangle fans.
+/// Normals, textures, materials, groups and lines are ignored.
 ///
 /// # Errors
 /// [`Error::Malformed`] naming the line; [`Error::Io`] when the stream fails.
@@ -71,7 +71,7 @@ fn vertex<'a>(words: impl Iterator<Item = &'a str>, line: usize) -> Result<Cloud
     })
 }
 
-/// A polygon of vertex numbers, counted from one, or from the last vertex when negative; texture and normal follow a slash.
+/// A polygon of vertex indices from one, or relative to the last vertex when negative; texture and normal follow a slash.
 fn face<'a>(words: impl Iterator<Item = &'a str>, line: usize, cloud: &mut PointCloud) -> Result<()> {
     let count = cloud.points.len();
     let mut corners = Vec::new();

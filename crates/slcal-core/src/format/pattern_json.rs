@@ -57,7 +57,7 @@ fn malformed(detail: impl Into<String>) -> Error {
 }
 
 /// Reads a pattern of either kind. `axis`, `width_px` and `order` of stripes may be left out by other programs
-/// (columns, half the period, the shortest window that is unique); fields that are not known are ignored.
+/// (columns, half the period, the shortest window that is unique); unknown fields are ignored.
 ///
 /// # Errors
 /// [`Error::Malformed`] naming the field that is missing, of the wrong type, or inconsistent; [`Error::Io`] when the
@@ -69,7 +69,7 @@ pub fn read_pattern(input: impl Read) -> Result<Pattern> {
         let found = value.get("schema").map_or("none".into(), Value::to_string);
         return Err(malformed(format!("expected \"schema\": \"{SCHEMA}\", found {found}")));
     }
-    // Both branches name the field that a value broke, whether serde or the pattern itself noticed.
+    // Both branches name the field of an invalid value, whether serde or the pattern detects it.
     let broken = |e: Error| match e {
         Error::Invalid { what, expected, found } => {
             malformed(format!("{what}: expected {expected}, found {found}"))

@@ -6,8 +6,8 @@ use crate::cloud::{Frame, PointCloud};
 use crate::error::{Error, ErrorSubject, Result};
 
 /// Writes a cloud as PCD version 0.7 with binary data: `x y z` (mm), `rgb` (packed as the Point Cloud Library does: the
-/// bits of 0x00RRGGBB in a float), `sigma` (mm), `slit`, `confidence` and `noise` (mm). `VIEWPOINT` is the camera's centre; triangles
-/// have no place in this format.
+/// bits of 0x00RRGGBB in a float), `sigma` (mm), `slit`, `confidence` and `noise` (mm). `VIEWPOINT` is the camera's centre; the
+/// format has no triangles.
 ///
 /// # Errors
 /// [`Error::Io`] when the stream fails.
@@ -45,7 +45,7 @@ mod tests {
     use super::*;
     use crate::format::test_cloud;
 
-    /// Reads the file as the format's description says: fields by name, sizes and types from the header.
+    /// Reads the file according to the format's specification: fields by name, sizes and types from the header.
     fn parse(bytes: &[u8]) -> (Vec<String>, Vec<Vec<[u8; 4]>>) {
         let end = b"DATA binary\n";
         let at = bytes.windows(end.len()).position(|w| w == end).unwrap() + end.len();

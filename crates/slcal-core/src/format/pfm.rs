@@ -4,8 +4,8 @@ use std::io::Write;
 
 use crate::error::{Error, ErrorSubject, Result};
 
-/// Writes one 32-bit number per pixel, given row by row from the top; NaN where there is none. The format stores the last row
-/// first, as its readers know.
+/// Writes one 32-bit number per pixel, given row by row from the top; NaN where there is none. The format stores the last
+/// row first.
 ///
 /// # Errors
 /// [`Error::Invalid`] when the values are not whole rows; [`Error::Io`] when the stream fails.
@@ -19,7 +19,7 @@ pub fn write_pfm(width: usize, values: &[f32], output: impl Write) -> Result<()>
 
 fn write(width: usize, values: &[f32], output: impl Write) -> std::io::Result<()> {
     let mut out = std::io::BufWriter::new(output);
-    // A negative scale says that the numbers are little-endian.
+    // A negative scale means little-endian numbers.
     writeln!(out, "Pf\n{width} {}\n-1.0", values.len() / width)?;
     for row in values.chunks_exact(width).rev() {
         for v in row {

@@ -8,7 +8,7 @@ use super::recognise::refuse_others;
 use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::error::{Error, ErrorSubject, Result};
 
-/// More than this many vertices or faces is a broken header rather than a cloud.
+/// Largest number of vertices or faces; more means a broken header.
 const MAX_COUNT: usize = 1 << 31;
 
 fn malformed(detail: impl Into<String>) -> Error {
@@ -16,8 +16,7 @@ fn malformed(detail: impl Into<String>) -> Error {
 }
 
 /// Writes a cloud as `binary_little_endian` 1.0: vertices with position, colour, σ, slit, confidence and the
-/// noise that is part of σ; faces when the
-/// cloud has triangles. Positions are 32-bit floats.
+/// noise part of σ, and faces when the cloud has triangles. Positions are 32-bit floats.
 ///
 /// # Errors
 /// [`Error::Io`] when the stream fails.
@@ -144,8 +143,8 @@ struct Header {
     camera: Point3<f64>,
 }
 
-/// Reads a cloud: positions are needed; colour, σ, slit, confidence and triangles are taken when they are there.
-/// Points whose coordinates are not finite are left out when the file has no faces.
+/// Reads a cloud. Positions are required; colour, σ, slit, confidence and triangles are optional. Points with coordinates
+/// that are not finite are left out when the file has no faces.
 ///
 /// # Errors
 /// [`Error::Malformed`] saying where the file departs from the format; [`Error::Io`] when the stream fails.
@@ -159,7 +158,7 @@ pub fn read_ply(input: impl Read) -> Result<PointCloud> {
         match element.name.as_str() {
             "vertex" => read_vertices(&mut values, element, &mut cloud)?,
             "face" => read_faces(&mut values, element, &mut cloud)?,
-            // A record without properties takes no bytes: their number would bound nothing.
+            // A record without properties takes no bytes: the size of the file would not bound their number.
             _ if element.properties.is_empty() => {}
             _ => {
                 for _ in 0..element.count {
@@ -349,7 +348,7 @@ fn read_vertices<R: BufRead>(
     Ok(())
 }
 
-/// Polygons are cut into fans of triangles.
+/// Splits polygons into triangle fans.
 fn read_faces<R: BufRead>(values: &mut Values<R>, element: &Element, cloud: &mut PointCloud) -> Result<()> {
     let is_index = |p: &Property| matches!(p.name.as_str(), "vertex_indices" | "vertex_index");
     let Some(indices) = element.properties.iter().position(is_index) else {

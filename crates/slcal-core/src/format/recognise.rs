@@ -1,10 +1,10 @@
-//! What kind of file bytes are, for messages about the wrong file.
+//! Recognition of file kinds by their first bytes, for messages about the wrong file.
 
 use std::io::Read;
 
 use crate::error::{Error, ErrorSubject, Result};
 
-/// How files of a kind begin.
+/// First bytes of files, and their kind.
 const BEGINNINGS: [(&[u8], &str); 17] = [
     (b"\x89PNG", "a PNG picture"),
     (b"\xff\xd8\xff", "a JPEG picture"),
@@ -24,17 +24,17 @@ const BEGINNINGS: [(&[u8], &str); 17] = [
     (b"%yaml", "YAML text"),
     (b"u,v,", "a file of matches (CSV)"),
 ];
-/// Names of the schemas of this library's JSON files, and what such a file holds.
+/// Names of the schemas of this library's JSON files, and their content.
 const SCHEMAS: [(&str, &str); 3] = [
     ("slcal-rig/", "a rig"),
     ("slcal-pattern/", "a pattern"),
     ("slcal-observations/", "a file of observations"),
 ];
-/// The schema stands among the first fields: this many bytes are searched for it.
+/// The number of bytes that are searched for the schema, which is one of the first fields.
 const SEARCHED_BYTES: usize = 1 << 14;
 
-/// What kind of file it is that begins with these bytes: "a pattern (slcal-pattern/1)", "a PNG picture", "YAML text".
-/// `None` for what could be of several kinds.
+/// The kind of a file by its first bytes: "a pattern (slcal-pattern/1)", "a PNG picture", "YAML text".
+/// `None` where the kind is not certain.
 ///
 /// ```
 /// use slcal_core::format::recognise;
@@ -54,8 +54,8 @@ pub fn recognise(bytes: &[u8]) -> Option<String> {
     let text = String::from_utf8_lossy(bytes);
     if text.starts_with('{') {
         let (_, after) = text.split_once("\"schema\"")?;
-        let schema =
-            after.trim_start().strip_prefix(':')?.trim_start().strip_prefix('"')?.split('"').next()?;
+        let value = after.trim_start().strip_prefix(':')?.trim_start().strip_prefix('"')?;
+        let schema = value.split('"').next().filter(|name| name.len() < 40)?;
         let kind = SCHEMAS.iter().find(|(name, _)| schema.starts_with(name)).map(|(_, kind)| *kind);
         return kind
             .or(schema.starts_with("slcal-").then_some("a record"))
@@ -66,7 +66,7 @@ pub fn recognise(bytes: &[u8]) -> Option<String> {
     (word && (value.is_empty() || value.starts_with(' '))).then(|| "YAML text".to_owned())
 }
 
-/// Refuses bytes that are a file of another kind than those that are `wanted`, the first of which names what is expected.
+/// Refuses a file of another kind than those `wanted`. The first of these names the expected kind.
 pub(super) fn refuse_others(bytes: &[u8], what: ErrorSubject, wanted: &[&str]) -> Result<()> {
     match (recognise(bytes), wanted) {
         (Some(found), [first, ..]) if !wanted.iter().any(|kind| found.starts_with(kind)) => {

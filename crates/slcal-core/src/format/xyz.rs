@@ -1,4 +1,4 @@
-//! Clouds as plain text, one point a line.
+//! Clouds as plain text, one point per line.
 
 use std::io::Write;
 
@@ -6,7 +6,7 @@ use crate::cloud::PointCloud;
 use crate::error::{Error, ErrorSubject, Result};
 
 /// Writes `x y z red green blue` per point (mm to a tenth of a micrometre, colours 0–255), separated by spaces, without
-/// a header; triangles have no place in this format.
+/// a header. The format has no triangles.
 ///
 /// # Errors
 /// [`Error::Io`] when the stream fails.

@@ -10,7 +10,7 @@ use super::{Line, ProjectivePoint, VanishingPoints};
 pub struct Homography(pub Matrix3<f64>);
 
 impl Homography {
-    /// The map that changes nothing.
+    /// The identity.
     #[must_use]
     pub fn identity() -> Self {
         Self(Matrix3::identity())

@@ -1,4 +1,4 @@
-//! Devices as their makers describe them: by angle of view, 35 mm equivalent or throw ratio.
+//! Devices from data sheets: by angle of view, 35 mm equivalent focal length or throw ratio.
 
 use std::f64::consts::PI;
 
@@ -83,7 +83,7 @@ mod tests {
     use nalgebra::Point3;
 
     #[test]
-    fn what_makers_say_is_what_is_seen() {
+    fn nominal_values_give_the_field_of_view() {
         // 90° of view: at 1 m the frame is 2 m wide.
         let camera = Camera::from_fov([1000, 600], 90.0).unwrap();
         let edge = camera.project(&Point3::new(1000.0, 0.0, 1000.0)).unwrap();
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_named() {
+    fn invalid_values_are_named() {
         let said = |r: Result<Camera>| r.unwrap_err().to_string();
         assert!(said(Camera::from_fov([9, 9], 180.0)).starts_with("fov_deg"));
         assert!(said(Camera::from_fov([9, 9], f64::NAN)).starts_with("fov_deg"));

@@ -13,12 +13,12 @@ pub struct Pose {
     pub translation: Vector3<f64>,
 }
 
-/// How far RᵀR may be from the identity before a matrix from a file is refused as "not a rotation". Files written
-/// with four digits stay below it.
+/// Largest deviation of RᵀR from the identity for a rotation read from a file. Files written with four digits stay below
+/// it.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
 impl Pose {
-    /// The transform that changes nothing.
+    /// The identity.
     #[must_use]
     pub fn identity() -> Self {
         Self { rotation: Rotation3::identity(), translation: Vector3::zeros() }
@@ -67,10 +67,10 @@ impl Pose {
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
-    /// The rotation vector ω about a's axes with R = exp(ω) · R_other, rad. By way of the quaternion: the trace alone gives
-    /// small angles to 1e-8 only, or NaN where rounding brings its cosine above one.
+    /// The rotation vector ω about a's axes with R = exp(ω) · R_other, rad. Computed from the quaternion: the trace alone
+    /// gives small angles to 1e-8 only, or NaN where rounding makes its cosine larger than one.
     #[must_use]
-    pub fn turn_from(&self, other: &Self) -> Vector3<f64> {
+    pub fn rotation_vector_from(&self, other: &Self) -> Vector3<f64> {
         UnitQuaternion::from_rotation_matrix(&(self.rotation * other.rotation.inverse())).scaled_axis()
     }
 
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_turn_is_found_to_all_its_digits() {
+    fn a_small_rotation_is_found_to_full_precision() {
         for turn in [Vector3::new(1e-12, -2e-12, 3e-12), Vector3::new(0.3, -2.0, 0.4), Vector3::zeros()] {
             // A rotation with the rounding of many products.
             let mut base = Pose::identity();
@@ -143,7 +143,7 @@ mod tests {
                 base.rotation = Rotation3::from_euler_angles(0.3, -0.2, 0.1) * base.rotation;
             }
             let turned = Pose { rotation: Rotation3::new(turn) * base.rotation, ..base };
-            let found = turned.turn_from(&base);
+            let found = turned.rotation_vector_from(&base);
             assert!((found - turn).norm() < 1e-13, "{found} {turn}");
         }
     }

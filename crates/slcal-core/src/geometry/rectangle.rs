@@ -37,7 +37,7 @@ const CARD_DIAGONAL_MM: f64 = 100.0;
 /// How far the sides of a sheet may be off those of the paper that it is, as a share.
 const PAPER_TOLERANCE: f64 = 0.01;
 
-/// The sides of the sheet in the order in which they are listed everywhere.
+/// The sides of the sheet, in the order of all lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
@@ -114,7 +114,7 @@ impl RectangleSize {
         (paper || self.width_mm.hypot(self.height_mm) < CARD_DIAGONAL_MM).then_some(larger)
     }
 
-    /// The same sheet turned by a quarter.
+    /// The same sheet rotated by 90°.
     #[must_use]
     pub fn transposed(&self) -> Self {
         Self { width_mm: self.height_mm, height_mm: self.width_mm }

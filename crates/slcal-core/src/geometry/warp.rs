@@ -1,16 +1,16 @@
-//! How a picture must be drawn for a device whose lens distorts.
+//! Map between pictures for a device with lens distortion.
 
 use nalgebra::{Matrix2, Point2};
 use serde::{Deserialize, Serialize};
 
 use super::{Camera, Homography};
 
-/// A homography to the ideal pixels of a device, and then what its lens makes of them.
+/// A homography to the undistorted pixels of a device, followed by its lens distortion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Warp {
     /// To the pixels of a device without distortion.
     pub homography: Homography,
-    /// The device; `None` where nothing distorts.
+    /// The device; `None` without distortion.
     pub lens: Option<Camera>,
 }
 
@@ -21,7 +21,7 @@ impl From<Homography> for Warp {
 }
 
 impl Warp {
-    /// Through a homography to the ideal pixels of `device`, then through its lens.
+    /// The homography to the undistorted pixels of `device`, followed by its lens distortion.
     #[must_use]
     pub fn onto(device: &Camera, homography: Homography) -> Self {
         Self { homography, lens: (!device.distortion.is_none()).then_some(*device) }
@@ -37,8 +37,7 @@ impl Warp {
         (seen.x.is_finite() && seen.y.is_finite()).then_some(seen)
     }
 
-    /// The ideal pixel that is seen at a pixel of the device, and how it follows that pixel; `None` where the distortion
-    /// has no inverse.
+    /// The undistorted pixel of a pixel of the device, and the Jacobian; `None` where the distortion has no inverse.
     #[must_use]
     pub fn ideal(&self, p: Point2<f64>) -> Option<(Point2<f64>, Matrix2<f64>)> {
         let Some(lens) = &self.lens else { return Some((p, Matrix2::identity())) };
@@ -57,7 +56,7 @@ mod tests {
     use nalgebra::{Matrix3, Vector2};
 
     #[test]
-    fn ideal_undoes_the_lens_and_its_slope_is_that_of_differences() {
+    fn ideal_inverts_the_distortion_and_its_jacobian_is_that_of_finite_differences() {
         let lens = Camera {
             width: 1024,
             height: 768,

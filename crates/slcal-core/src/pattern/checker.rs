@@ -36,7 +36,7 @@ pub struct CheckerPattern {
     pub background: SquareColor,
 }
 
-/// How to lay out a checkerboard; it is centred on the panel.
+/// Layout of a checkerboard, which is centred on the panel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CheckerConfig {
@@ -62,11 +62,11 @@ impl Default for CheckerConfig {
     }
 }
 
-/// Fewest squares per side: two rows of inner corners are the least that carries a homography.
+/// Fewest squares per side: a homography needs two rows of inner corners.
 const MIN_SQUARES: u32 = 3;
-/// Smallest square, px: below, its corners cannot be told from the projector's pixels.
+/// Smallest square, px: below, its corners cannot be distinguished from the projector's pixels.
 const MIN_SQUARE_PX: f64 = 4.0;
-/// Background around the board in squares: the outermost squares must be seen as squares.
+/// Background around the board in squares: the outermost squares must be visible as squares.
 const MARGIN_SQUARES: f64 = 0.5;
 
 impl CheckerConfig {
@@ -176,7 +176,7 @@ impl CheckerPattern {
         }
         let [w, h] = self.projector.map(f64::from);
         let [tl, _, br, _] = self.outline();
-        // A hair of slack: 0.1 + 0.2 in somebody's generator is not an error.
+        // Tolerance for rounding in other generators, such as 0.1 + 0.2.
         let slack = 1e-6 * (w + h) - 0.5;
         if !(tl.x >= -1.0 - slack && tl.y >= -1.0 - slack && br.x <= w + slack && br.y <= h + slack) {
             return Err(Error::invalid(

@@ -56,7 +56,7 @@ pub fn unique_window(sequence: &[u8]) -> usize {
     let mut length = 1;
     while length < sequence.len() && !all_differ(&names, 0) {
         if 2 * length >= sequence.len() || all_differ(&names, length) {
-            // Between the two lengths: two windows that overlap make up one of any length between.
+            // Two overlapping windows identify a window of any length between the two.
             let (mut shorter, mut longer) = (length, (2 * length).min(sequence.len()));
             while longer - shorter > 1 {
                 let middle = usize::midpoint(shorter, longer);
@@ -77,7 +77,7 @@ pub fn unique_window(sequence: &[u8]) -> usize {
     length.min(sequence.len())
 }
 
-/// The windows that each pair of windows `shift` apart makes up.
+/// The windows identified by each pair of windows `shift` apart.
 fn pairs(names: &[u32], shift: usize) -> impl Iterator<Item = (u32, u32)> {
     names.iter().copied().zip(names.iter().copied().skip(shift))
 }

@@ -1,4 +1,4 @@
-//! Drawing: patterns anew through a homography, pictures by interpolation; mixing happens in linear light.
+//! Rendering of patterns and pictures through a homography. Samples are averaged in linear light.
 
 use image::{Rgb, RgbImage};
 use nalgebra::{Matrix2, Matrix3, Point2, Vector2, Vector3};
@@ -9,12 +9,12 @@ use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Homography, Warp};
 use crate::photo::Encoding;
 
-/// Samples per side of a pixel that tell whether it holds an edge; thinner features than a quarter of a pixel may be
+/// Samples per side of a pixel to find out whether it contains an edge. Features thinner than a quarter of a pixel may be
 /// missed.
 const COARSE_SAMPLES: u32 = 4;
 /// Samples per side of a pixel that holds an edge: 256 in all, one per level of an 8-bit image.
 const FINE_SAMPLES: u32 = 16;
-/// Largest supersampling per side when a picture is reduced; beyond, the picture has become a blur.
+/// Largest supersampling per side when a picture is reduced; beyond it the picture is only a blur.
 const MAX_REDUCTION: u32 = 16;
 
 impl CheckerPattern {
@@ -27,7 +27,7 @@ impl CheckerPattern {
         draw(self.projector, &upright, middle, shade(self.background), self.light(), |y| Some(self.row(y)))
     }
 
-    /// The pattern drawn anew where the warp takes it: a point of the pattern at panel pixel p is drawn at
+    /// The pattern rendered through the warp: a point of the pattern at panel pixel p is drawn at
     /// `panel_from_pattern`·p; around it lies the background. Edges are antialiased in linear light.
     ///
     /// # Errors
@@ -74,7 +74,7 @@ impl StripePattern {
         draw(self.projector, &upright, middle, [0.0; 3], self.light(), |y| Some(self.row(y)))
     }
 
-    /// The slits drawn anew where the warp takes them, as [`CheckerPattern::draw_warped`].
+    /// The slits rendered through the warp, as [`CheckerPattern::draw_warped`].
     ///
     /// # Errors
     /// [`Error::Degenerate`] for a singular homography; [`Error::Invalid`] as for [`StripePattern::image`].
@@ -141,14 +141,14 @@ pub fn warp_image(
     }))
 }
 
-/// The way back from the drawn picture to its source, for what lies on the near side of the horizon.
+/// The map from the drawn picture back to its source, on the near side of the horizon.
 struct Inverse<'a> {
     source_from_ideal: Matrix3<f64>,
     warp: &'a Warp,
 }
 
-/// A pixel of the drawn picture as an ideal one: its centre, and how far one goes there for a step within the pixel (across
-/// which the lens is straight to a millionth of a pixel).
+/// An undistorted pixel of the drawn picture: its centre, and the Jacobian of the undistortion there. Within a pixel the
+/// lens is linear to a millionth of a pixel.
 struct Pixel {
     centre: Point2<f64>,
     slope: Matrix2<f64>,
@@ -162,7 +162,7 @@ impl<'a> Inverse<'a> {
             limit: 0.0,
             advice: "it flattens the pattern to a line or a point".into(),
         })?;
-        // What is in front of the horizon is what lies on the same side of it as the source's centre.
+        // The near side of the horizon is the side of the source's centre.
         let side = (warp.homography.0 * Vector3::new(centre.x, centre.y, 1.0)).z;
         Ok(Self { source_from_ideal: if side < 0.0 { -inverse.0 } else { inverse.0 }, warp })
     }
@@ -188,8 +188,8 @@ impl<'a> Inverse<'a> {
     }
 }
 
-/// Draws a function of the pattern's coordinates, antialiased. Where `row` gives the same for all samples of two rows that follow
-/// each other, they look alike, and one is drawn; `None` where that is not known.
+/// Draws a function of the pattern's coordinates, antialiased. Two consecutive rows with the same `row` for all samples
+/// are equal, and one of them is drawn. `row` is `None` where this is unknown.
 fn draw(
     size: [u32; 2],
     panel_from_pattern: &Warp,
@@ -207,7 +207,7 @@ fn draw(
         let flat = (1..COARSE_SAMPLES * COARSE_SAMPLES).all(|k| at(sample(COARSE_SAMPLES, k)) == first);
         encode(if flat { first } else { mean(FINE_SAMPLES, at) })
     };
-    // The samples between the outermost ones show nothing else than these do.
+    // The samples between the outermost ones have the same value.
     let reach = sample(FINE_SAMPLES, FINE_SAMPLES * FINE_SAMPLES - 1).y;
     let whole = |y: u32| {
         let [first, last] = [-reach, reach].map(|d| row(f64::from(y) + d));

@@ -1,4 +1,4 @@
-//! What is projected: checkerboards and De Bruijn stripes, and the drawing of them.
+//! Projected patterns: checkerboards and De Bruijn stripes, and their rendering.
 
 mod checker;
 mod de_bruijn;
@@ -14,8 +14,8 @@ pub use stripes::{Axis, StripeConfig, StripePattern};
 /// Either kind of pattern.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Pattern {
-    /// For calibration.
+    /// A checkerboard, for calibration.
     Checker(CheckerPattern),
-    /// For reconstruction.
+    /// Stripes, for reconstruction.
     Stripes(StripePattern),
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, ErrorSubject, Result};
 
-/// Largest panel side, px: beyond any projector, and keeps a mistyped size from allocating the machine away.
+/// Largest panel side, px: larger than any projector, and small enough that a mistyped size does not exhaust the memory.
 const MAX_PANEL_PX: u32 = 16384;
 
 /// Refuses panels without pixels or of absurd size.

@@ -1,4 +1,4 @@
-//! Coloured slits whose neighbourhoods tell which they are.
+//! Coloured slits that are identified by the colours of their neighbours.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use super::panel::check_panel;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::named::named;
 
-/// What the slits follow.
+/// Direction of the slits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
@@ -40,11 +40,11 @@ pub struct StripePattern {
     pub order: u32,
 }
 
-/// How to lay out a stripe pattern.
+/// Layout of a stripe pattern.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct StripeConfig {
-    /// Number of hues, 2 to 12 (neighbouring hues of more cannot be told apart by a camera).
+    /// Number of hues, 2 to 12 (a camera cannot distinguish neighbouring hues of more).
     pub hues: u32,
     /// Length of the window of colours that occurs once.
     pub order: u32,
@@ -62,11 +62,11 @@ impl Default for StripeConfig {
     }
 }
 
-/// Slits when the caller does not say (paper, section 3).
+/// Default number of slits (paper, section 3).
 const DEFAULT_SLITS: u32 = 64;
 /// Hues beyond this are less than 30° apart.
 const MAX_HUES: u32 = 12;
-/// Colours of a palette from elsewhere: far more than a camera tells apart; decoding takes memory for each.
+/// Largest palette of other programs: far more colours than a camera can distinguish. Decoding takes memory for each.
 const MAX_PALETTE: usize = 64;
 
 impl StripeConfig {
@@ -221,8 +221,8 @@ impl StripePattern {
     }
 }
 
-/// The fully saturated colour of a hue (0–1 around the circle): as far apart as N colours of a three-primary
-/// projector get.
+/// The fully saturated colour of a hue (0–1 around the circle): the largest possible difference between N colours of
+/// a projector with three primaries.
 fn pure_hue(hue: f64) -> [u8; 3] {
     [0.0, 2.0, 4.0].map(|shift: f64| {
         let distance = (hue * 6.0 - shift + 3.0).rem_euclid(6.0) - 3.0;

@@ -1,11 +1,11 @@
-//! A photograph read as linear light where it is looked at: most pixels of a large one are never needed at full size.
+//! A photograph in linear light, converted on access: most pixels of a large photograph are never needed at full size.
 
 use nalgebra::Point2;
 
 use super::{Encoding, GreyImage, LinearTable, PhotoView};
 
-/// A borrowed photograph in linear light, 0–1, averaged over the three channels with equal weights: the sheet and the
-/// projector's light are white, so that equal weights carry the least noise.
+/// A borrowed photograph in linear light, 0–1, averaged over the three channels with equal weights. The sheet and the
+/// projected light are white, so that equal weights give the least noise.
 #[derive(Debug, Clone)]
 pub struct LinearPhoto<'a> {
     view: PhotoView<'a>,
@@ -58,8 +58,8 @@ impl<'a> LinearPhoto<'a> {
         Some(top + fy * (bottom - top))
     }
 
-    /// The mean over blocks of `factor`×`factor` pixels, of large ones over every second row; the last, incomplete blocks are left out. Pixel (x, y) of the
-    /// result has its centre at (x·factor + (factor−1)/2, …) of the photograph.
+    /// The mean over blocks of `factor`×`factor` pixels; large blocks use every second row. Incomplete blocks at the end
+    /// are left out. Pixel (x, y) of the result has its centre at (x·factor + (factor−1)/2, …) of the photograph.
     #[must_use]
     pub fn reduced(&self, factor: usize) -> GreyImage {
         let factor = factor.max(1);
@@ -80,8 +80,8 @@ impl<'a> LinearPhoto<'a> {
     }
 }
 
-/// Whether a row of a block has a part in its mean: of a large block every second one from either end, which leaves the
-/// mean where it is and noise low enough to search in.
+/// Whether a row of a block is part of its mean. Of a large block every second row from either end is used: that does not
+/// shift the mean, and noise stays low enough for the search.
 fn is_read(row: usize, factor: usize) -> bool {
     /// Fewer rows than this are all read.
     const LARGE: usize = 4;

@@ -1,4 +1,4 @@
-//! Photographs as the rest of the library sees them: borrowed pixels of any layout, and linear light.
+//! Photographs: borrowed pixels of any layout, and linear light.
 
 mod encoding;
 mod grey;

@@ -41,7 +41,7 @@ impl Layout {
         }
     }
 
-    /// Whether the three colours differ.
+    /// Whether there are three colour channels.
     #[must_use]
     pub fn has_color(self) -> bool {
         self.channels() >= 3
@@ -174,7 +174,7 @@ impl<'a> PhotoView<'a> {
         let channels = self.layout.channels();
         let range = y * self.row_stride..y * self.row_stride + self.width * channels;
         match (self.samples, table.of_bytes()) {
-            // No index can lie outside this table, and pixels of three samples are arrays: nothing is checked per sample.
+            // No index can lie outside this table, and pixels are arrays of three: there are no bounds checks per sample.
             (Samples::U8(s), Some(t)) if channels == 3 => {
                 for (o, p) in out.iter_mut().zip(s[range].as_chunks::<3>().0) {
                     let light = p.map(|c| t[usize::from(c)]);
@@ -274,7 +274,7 @@ impl<'a> PhotoView<'a> {
     pub(super) fn add_block_sums(&self, y: usize, factor: usize, table: &LinearTable, sums: &mut [f32]) {
         let start = y * self.row_stride;
         match (self.samples, table.of_bytes()) {
-            // No index can lie outside this table: nothing is checked per sample.
+            // No index can lie outside this table: there are no bounds checks per sample.
             (Samples::U8(s), Some(t)) => self.add_blocks(&s[start..], factor, |c| t[usize::from(c)], sums),
             (Samples::U8(s), None) => {
                 self.add_blocks(&s[start..], factor, |c| table.light(usize::from(c)), sums);
@@ -289,8 +289,8 @@ impl<'a> PhotoView<'a> {
         let channels = self.layout.channels();
         let blocks = row.chunks(factor * channels);
         if channels == 3 || channels == 1 {
-            // Three running sums keep the additions apart; they are added up as red, green, blue, so that the order in which
-            // the channels lie in memory does not change a bit.
+            // Three running sums make the additions independent. They are added in the order red, green, blue, so that the
+            // order of the channels in memory does not change a bit.
             let [first, second, third] = if self.layout == Layout::Bgr { [2, 1, 0] } else { [0, 1, 2] };
             for (sum, block) in sums.iter_mut().zip(blocks) {
                 let mut part = [0.0_f32; 3];

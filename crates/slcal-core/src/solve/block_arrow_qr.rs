@@ -1,8 +1,8 @@
-//! Linear least squares whose rows depend on shared unknowns and on those of one group at most: the triangular factor is
-//! then block-arrow shaped, and solving costs in proportion to the number of groups.
+//! QR factorisation for linear least squares whose rows depend on shared unknowns and on those of at most one group. The
+//! triangular factor is block-arrow shaped, and the cost of solving is proportional to the number of groups.
 //!
 //! Each group is eliminated by Householder reflections of its own rows [J_group | J_shared | r], never through JᵀJ, whose
-//! condition number is the square of the problem's. What is left of them depends on the shared unknowns alone.
+//! condition number is the square of the problem's. The remaining rows depend on the shared unknowns alone.
 
 use nalgebra::{DMatrix, DVector, DVectorView};
 
@@ -99,7 +99,7 @@ impl Factor {
         Self { heads, root: DMatrix::zeros(s.shared, s.shared + 1) }
     }
 
-    /// Adds rows [J_group | J_shared | r], column-major; `rows` is spoilt.
+    /// Adds rows [J_group | J_shared | r], column-major; `rows` is overwritten.
     fn add(&mut self, group: Option<usize>, rows: &mut [f64], count: usize) {
         if count == 0 {
             return;
@@ -180,7 +180,7 @@ impl Factor {
     }
 }
 
-/// A weighted problem with columns scaled to unit length, reduced to its factor; its memory serves again.
+/// A weighted problem with columns scaled to unit length, reduced to its factor. The memory is reused.
 pub(super) struct Reduced {
     factor: Factor,
     damped: Factor,
@@ -195,7 +195,7 @@ impl Reduced {
         Self { factor, damped, scale: DVector::zeros(s.unknowns()), work: Vec::new() }
     }
 
-    /// Column norms; zero columns count as one, so that unknowns without effect stay where they are.
+    /// Column norms; zero columns count as one, so that unknowns without effect do not change.
     fn measure(&mut self, s: &Structure, jacobian: &DMatrix<f64>, weights: &[f64]) {
         self.scale.fill(0.0);
         for (group, first, count) in s.parts(jacobian.nrows()) {
@@ -213,7 +213,7 @@ impl Reduced {
         self.scale.apply(|x| *x = if *x > 0.0 { x.sqrt() } else { 1.0 });
     }
 
-    /// Takes in min |W·(J·δ + r)|, W diagonal; `false` where numbers are not finite.
+    /// Factorises min |W·(J·δ + r)|, W diagonal; `false` where numbers are not finite.
     pub(super) fn reduce(
         &mut self,
         s: &Structure,
@@ -246,7 +246,7 @@ impl Reduced {
         true
     }
 
-    /// The step δ with √damping on the diagonal of the scaled problem, and the fall of |W·(J·δ + r)|² that it promises.
+    /// The step δ with √damping on the diagonal of the scaled problem, and the predicted decrease of |W·(J·δ + r)|².
     pub(super) fn step(&mut self, s: &Structure, damping: f64) -> Option<(DVector<f64>, f64)> {
         self.damped.copy_from(&self.factor);
         self.damped.add_diagonal(s, |_| damping.sqrt(), &mut self.work);
@@ -258,7 +258,7 @@ impl Reduced {
 
 /// (JᵀJ + D²)⁻¹ of a whitened Jacobian, by orthogonal reduction on scaled columns; rows and columns as in a step.
 ///
-/// `diagonal` has D, one 1/σ for each unknown of which something is known beforehand, and is empty where nothing is.
+/// `diagonal` is D: 1/σ of the prior of each unknown, 0 without one; empty without any prior.
 /// `None` when the matrix is singular or numbers are not finite.
 #[must_use]
 pub fn covariance(s: &Structure, jacobian: &DMatrix<f64>, diagonal: &[f64]) -> Option<DMatrix<f64>> {
@@ -308,7 +308,7 @@ mod tests {
                     Some(g) => full
                         .view_mut((i, s.start(g)), (1, s.width))
                         .copy_from(&thin.view((i, 0), (1, s.width))),
-                    // What stands in the group's columns there must not matter.
+                    // The content of the group's columns must not matter there.
                     None => thin.view_mut((i, 0), (1, s.width)).fill(7.0),
                 }
             }
@@ -396,7 +396,7 @@ mod tests {
         assert!(covariance(&dense, &DMatrix::from_element(3, 2, f64::NAN), &[]).is_none());
         assert!(covariance(&dense, &DMatrix::zeros(1, 2), &[]).is_none());
         assert!(covariance(&dense, &DMatrix::zeros(3, 2), &[]).is_none());
-        // A group without rows is known as well as it was beforehand.
+        // A group without rows keeps its prior.
         let empty = Structure { shared: 1, width: 1, groups: &[0] };
         let c = covariance(&empty, &DMatrix::from_element(1, 2, 2.0), &[0.0, 4.0]).unwrap();
         assert_eq!((c[(0, 0)], c[(1, 1)], c[(0, 1)]), (0.25, 0.0625, 0.0));

@@ -6,12 +6,12 @@ use nalgebra::{DMatrix, DVector};
 use super::Loss;
 use super::block_arrow_qr::{Reduced, Structure};
 
-/// A residual block: consecutive residuals whose norm is judged together.
+/// A residual block: consecutive residuals with one loss of their norm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Block {
     /// Number of residuals.
     pub len: usize,
-    /// What they cost.
+    /// Their loss.
     pub loss: Loss,
 }
 
@@ -49,13 +49,13 @@ pub trait Problem {
     fn linearise(&self, state: &Self::State, at: &mut Linearised) -> Option<()>;
     /// The state after a step; `None` when it leaves the domain.
     fn step(&self, state: &Self::State, delta: &DVector<f64>) -> Option<Self::State>;
-    /// Steps tried before giving up. Well-posed calibrations take 5 to 20, nearly singular ones 100.
+    /// Maximum number of steps. Well-posed calibrations take 5 to 20, nearly singular ones 100.
     fn max_iterations(&self) -> usize {
         300
     }
 }
 
-/// Where a minimisation ended.
+/// The result of a minimisation.
 #[derive(Debug, Clone)]
 pub struct Minimum<S> {
     /// The state.
@@ -66,14 +66,15 @@ pub struct Minimum<S> {
     pub at: Linearised,
     /// Accepted and rejected steps.
     pub iterations: usize,
-    /// Whether the predicted decrease fell below [`CONVERGED_DECREASE`], or steps that should gain next to nothing gained
-    /// nothing; otherwise the iterations ran out or no step reduced the cost.
+    /// Whether the predicted decrease fell below [`CONVERGED_DECREASE`], or steps of negligible predicted
+    /// decrease gained nothing. Otherwise the iterations ran out or no step reduced the cost.
     pub converged: bool,
 }
 
 /// In units of χ²: a predicted decrease d leaves the parameters within √d of their own σ.
 pub const CONVERGED_DECREASE: f64 = 1e-12;
-/// A step that should gain this little and does not: a thousandth of the parameters' σ from the minimum.
+/// Predicted decrease below which a step without gain means convergence: a thousandth of the parameters' σ from the
+/// minimum.
 const STALLED_DECREASE: f64 = 1e-6;
 const INITIAL_DAMPING: f64 = 1e-4;
 const MAX_DAMPING: f64 = 1e16;
@@ -149,7 +150,7 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::S
                 }
                 reduce(&here, &mut reduced)?;
             }
-            // Rounding keeps the cost from falling further.
+            // Rounding prevents a further decrease.
             _ if predicted <= STALLED_DECREASE => {
                 converged = true;
                 break;
@@ -163,8 +164,8 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::S
     Some(Minimum { state, cost, at: here, iterations, converged })
 }
 
-/// A minimum after undamped steps, which reach the bottom of directions that damping shortens: the decrease that they bring
-/// is below rounding, so the cost only must not rise beyond it.
+/// A minimum after undamped steps, which complete directions that damping shortens. Their decrease is below rounding, so
+/// the cost must only not rise beyond rounding.
 #[must_use]
 pub fn polish<P: Problem>(problem: &P, mut from: Minimum<P::State>) -> Minimum<P::State> {
     const STEPS: usize = 2;

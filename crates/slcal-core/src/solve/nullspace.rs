@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::error::{Error, ErrorSubject, Result};
 
-/// Bound on the iterations of the small SVD; a few dozen suffice, and an unbounded SVD can hang on odd input.
+/// Maximum number of iterations of the small SVD. A few dozen suffice, and an unbounded SVD may not terminate on
+/// degenerate input.
 const MAX_SVD_ITERATIONS: usize = 500;
 
 /// The unit vector x that minimises |A·x|, for A with as many rows as columns, one fewer, or more.

@@ -1,13 +1,13 @@
 //! Losses that bound the influence of outliers, as weights for iteratively reweighted least squares.
 
-/// What a residual block of whitened norm r costs.
+/// The cost of a residual block of whitened norm r.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Loss {
     /// r²: no robustness.
     Square,
-    /// Quadratic up to the cutoff, linear beyond: convex, for a start that may be far off.
+    /// Huber: quadratic up to the cutoff, linear beyond. Convex, for a start that may be far from the minimum.
     Huber(f64),
-    /// Tukey's biweight: redescending, constant beyond the cutoff, for contamination that is one-sided.
+    /// Tukey's biweight: redescending, constant beyond the cutoff, for one-sided contamination.
     Tukey(f64),
 }
 
@@ -52,7 +52,7 @@ pub fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
     (n > 0).then(|| (sum / f64::from(n)).sqrt())
 }
 
-/// The median, of an even number the larger of the middle two; `None` of nothing. Reorders the values.
+/// The median, for an even number the larger of the middle two; `None` without values. Reorders the values.
 #[must_use]
 pub fn median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;

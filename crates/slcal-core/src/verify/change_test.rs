@@ -154,7 +154,7 @@ fn transform(posterior: &Posterior, fit: &PosteriorFit) -> Change {
     let at = posterior.bound();
     let before = fit.past.projector_from_camera;
     let now = fit.model.projector_from_camera;
-    let turn = now.turn_from(&before).norm();
+    let turn = now.rotation_vector_from(&before).norm();
     let shift = nalgebra::distance(&now.centre(), &before.centre());
     // Of what was set free alone: the rig's own uncertainty is part of it through the correlations.
     let unit: Vec<f64> = fit.free.iter().map(|&i| posterior.units[i]).collect();
@@ -177,7 +177,7 @@ pub(super) fn sheet_check(
     let of_view = posterior.factor.rows(SHARED, POSE);
     let (was, now) = (fit.past.views.first()?, fit.model.views.first()?);
     let mut off = DVector::zeros(6);
-    off.rows_mut(0, 3).copy_from(&now.turn_from(was));
+    off.rows_mut(0, 3).copy_from(&now.rotation_vector_from(was));
     off.rows_mut(3, 3).copy_from(&(now.translation - was.translation));
     let n = fit.covariance.nrows();
     let mut by = DMatrix::zeros(6, n);
@@ -191,7 +191,7 @@ pub(super) fn sheet_check(
         moved: p_value < significance,
         p_value,
         chi_squared,
-        turn_rad: now.turn_from(was).norm(),
+        turn_rad: now.rotation_vector_from(was).norm(),
         shift_mm: moved_by(size.centre()),
         largest_mm: size.corners().map(moved_by).into_iter().fold(0.0, f64::max),
     })

@@ -65,7 +65,7 @@ impl From<geometry::Pose> for Pose {
 impl Pose {
     /// As axis times angle; not NaN for the smallest of angles either.
     fn turn(&self) -> Vector3<f64> {
-        self.pose.turn_from(&geometry::Pose::identity())
+        self.pose.rotation_vector_from(&geometry::Pose::identity())
     }
 }
 

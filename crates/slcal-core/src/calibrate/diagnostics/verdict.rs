@@ -322,7 +322,7 @@ fn misfits(solution: &Solution) -> Vec<Warning> {
 fn poses_alike(solution: &Solution) -> Option<Warning> {
     let views = &solution.model().views;
     (1..views.len()).find_map(|j| {
-        let i = views[..j].iter().position(|v| v.turn_from(&views[j]).norm() < ALIKE)?;
+        let i = views[..j].iter().position(|v| v.rotation_vector_from(&views[j]).norm() < ALIKE)?;
         Some(Warning::new(
             "poses-alike",
             format!(

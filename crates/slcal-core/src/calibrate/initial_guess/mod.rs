@@ -207,7 +207,7 @@ pub(crate) fn projector_starts(
 /// The transform that is nearest to all others, in rotation and in translation relative to its length.
 fn medoid(poses: &[Pose]) -> Option<Pose> {
     let apart = |a: &Pose, b: &Pose| {
-        a.turn_from(b).norm()
+        a.rotation_vector_from(b).norm()
             + (a.translation - b.translation).norm() / a.translation.norm().max(f64::MIN_POSITIVE)
     };
     let total = |a: &Pose| poses.iter().map(|b| apart(a, b)).sum::<f64>();

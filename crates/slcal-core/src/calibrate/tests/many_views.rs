@@ -95,7 +95,7 @@ fn the_order_of_the_photographs_does_not_matter() {
             assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
         }
         let [a, b] = [&first, &other].map(|r| r.projector.unwrap().from_camera.pose);
-        assert!(a.turn_from(&b).norm() < 1e-9);
+        assert!(a.rotation_vector_from(&b).norm() < 1e-9);
         assert!((a.translation - b.translation).norm() < 1e-9 * a.translation.norm());
         for (k, &i) in order.iter().enumerate() {
             let (a, b) = (first.views[i].camera_from_sheet, other.views[k].camera_from_sheet);

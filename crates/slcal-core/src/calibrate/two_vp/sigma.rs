@@ -94,7 +94,7 @@ fn difference(a: &Output, base: &Output) -> [f64; 8] {
     d[0] = (a.camera.intrinsics.fx / base.camera.intrinsics.fx).ln();
     if let (Some((k, pose)), Some((k0, pose0))) = (&a.projector, &base.projector) {
         d[1] = (k.intrinsics.fx / k0.intrinsics.fx).ln();
-        let turn = pose.turn_from(pose0);
+        let turn = pose.rotation_vector_from(pose0);
         let shift: Vector3<f64> = pose.translation - pose0.translation;
         d[TURN..SHIFT].copy_from_slice(turn.as_slice());
         d[SHIFT..].copy_from_slice(shift.as_slice());

@@ -1,18 +1,17 @@
-//! Crossings of one side: the smooth curve that they follow, without those that are not the side's, and the few points
-//! that stand for them.
+//! Crossings of one side: a robust fit of a smooth curve, and the reduction to a few points.
 
 use super::scan::Scan;
 use crate::observations::EdgePoint;
 use crate::solve::{Polynomial, median};
 
-/// Degree of the curve that a side may follow: an image of a straight line through an ordinary lens.
+/// Degree of the curve of a side: the image of a straight line through an ordinary lens.
 pub(super) const CURVE_DEGREE: usize = 3;
-/// Crossings further from the curve than this many robust standard deviations are not the side's.
+/// Crossings further from the curve than this many robust standard deviations are outliers.
 const REJECT_SIGMAS: f64 = 3.5;
-/// Points per side, each the mean over neighbouring crossings: more would say nothing new.
+/// Points per side, each the mean over neighbouring crossings: more would add no information.
 const MAX_POINTS: usize = 48;
-/// Standard deviation that no point goes below, px: what remains of the light's bleeding and shading on
-/// rendered sheets with exact truth.
+/// Least standard deviation of a point, px: the effect of indirect light and shading on rendered sheets with exact ground
+/// truth.
 const FLOOR_SIGMA_PX: f64 = 0.004;
 
 /// One crossing of the side.
@@ -26,11 +25,11 @@ pub(super) struct Crossing {
     pub(super) sigma: f64,
 }
 
-/// Fits the curve, dropping what is far from it; what remains is in `crossings`.
+/// Fits the curve and removes the outliers from `crossings`.
 pub(super) fn robust_curve(crossings: &mut Vec<Crossing>) -> Option<Polynomial> {
     let samples =
         |c: &[Crossing]| c.iter().map(|c| (c.line, c.position, c.sigma.powi(-2))).collect::<Vec<_>>();
-    // A straight line through the medians of three parts starts off robustly; the degree then grows as outliers leave.
+    // A line through the medians of two parts is a robust start. The degree grows when outliers have been removed.
     let mut curve = median_line(crossings)?;
     let all = std::mem::take(crossings);
     let mut kept: Vec<Crossing> = Vec::new();
@@ -63,7 +62,7 @@ fn median_line(crossings: &[Crossing]) -> Option<Polynomial> {
     Polynomial::fit(&[middle(&crossings[..third])?, middle(&crossings[crossings.len() - third..])?], 1)
 }
 
-/// Means over runs of neighbouring crossings, with a σ that counts what neighbours have in common.
+/// Means over runs of neighbouring crossings, with a σ that includes the correlation of neighbours.
 pub(super) fn condense(
     scan: Scan,
     crossings: &[Crossing],
@@ -80,7 +79,7 @@ pub(super) fn condense(
                 c.iter().map(|c| f(c) * c.sigma.powi(-2)).sum::<f64>() / weight
             };
             let line = mean(&|c| c.line);
-            // The mean of the offsets from the curve, put back onto it: a run of a bent side is not pulled to its chord.
+            // Offsets from the curve are averaged, rather than positions: a run of a curved side is not biased towards its chord.
             let offset = mean(&|c| c.position - curve.value(c.line));
             (line, offset, weight.sqrt().recip())
         })
@@ -92,7 +91,7 @@ pub(super) fn condense(
     // A first-order autoregressive sequence of correlation ρ holds (1 − ρ)/(1 + ρ) as many independent points.
     let rho = if norm > 0.0 { (lag / norm).clamp(0.0, 0.9) } else { 0.0 };
     let inflation = chi * ((1.0 + rho) / (1.0 - rho)).sqrt();
-    // What all points share does not average out: each carries as much of it as leaves their mean with all of it.
+    // The common part does not average out. Each point gets the share that leaves the mean with all of it.
     let shared = common_sigma * (means.len() as f64).sqrt();
     means
         .iter()

@@ -1,7 +1,8 @@
 //! Sub-pixel points on a side of the sheet.
 //!
-//! A steep side is measured once per image row, a flat one once per column (`scan`): first roughly, then by the integral
-//! of the light across it (`profile`); the crossings that agree with each other are condensed to points (`crossing`).
+//! A steep side is measured once per image row, a flat one once per column (`scan`). It is located roughly, and then by a
+//! fit of a blurred step to the light across it (`profile`, `step_model`). Consistent crossings are reduced to points
+//! (`crossing`).
 
 mod crossing;
 mod profile;
@@ -22,35 +23,35 @@ use profile::Profiles;
 use scan::Scan;
 use step_model::Common;
 
-/// Part of a side next to each corner that is left out: there the other side's blur shines in.
+/// Part of a side next to each corner that is ignored: the blur of the adjacent side affects it.
 const CORNER_MARGIN: f64 = 0.02;
-/// A first look takes at most about as many lines of a side.
+/// Approximate maximum number of lines of the first pass.
 const COARSE_LINES: usize = 160;
-/// Neighbouring lines are averaged before the fit while about as many profiles remain of a side: the noise of their
-/// mean is theirs, and the fit, which is the work, is done once for all of them.
+/// Neighbouring lines are averaged before the fit while at least this many profiles of a side remain. That loses no
+/// information, and the expensive fit is done once for all of them.
 const MIN_PROFILES: usize = 240;
 /// Averaged lines spread the side by at most this part of its blur. A box of this width adds 2 % to the blur, and a
 /// symmetric blur does not move the crossing.
 const MAX_SPREAD_BLURS: f64 = 0.7;
-/// Steps of the fit across the side, from nothing and from what the first pass found.
+/// Steps of the fit across the side, in the first pass and in the second, which starts from its result.
 const FIRST_ROUNDS: usize = 5;
 const ROUNDS: usize = 2;
-/// A side is followed this far beyond where it was seen, as a part of that.
+/// A side is extrapolated by this part of its measured length.
 const MOST_BEYOND: f64 = 0.05;
-/// A side needs this many crossings, and this share of those that were tried.
+/// Fewest crossings of a side, and their least share of the attempts.
 const MIN_CROSSINGS: usize = 12;
 const MIN_SHARE: f64 = 0.3;
 /// The transition between the plateaus is at least this far wide on each side: a sharp edge across a pixel, slanted by
 /// up to 45°, ends within it.
 const MIN_HALF_TRANSITION_PX: f64 = 1.5;
-/// Beyond half the transition's width, as many pixels on each side tell the slopes of the light: with fewer, their error
-/// moves the whole side.
+/// Number of pixels beyond half the transition's width from which the slopes of the light are estimated. With fewer,
+/// their error moves the whole side.
 const PLATEAU_PX: f64 = 4.0;
-/// Beside the frame's border there is room for fewer.
+/// The same next to the border of the frame.
 const NARROW_PLATEAU_PX: f64 = 2.0;
 
 /// Measures the side that runs along `path` (a few points from corner to corner), known to within `uncertainty_px`, with
-/// the sheet on the side of `inward`. `None` when too little of it is seen.
+/// the sheet on the side of `inward`. `None` when too little of it is visible.
 pub(super) fn measure_side(
     photo: &LinearPhoto<'_>,
     path: &[Point2<f64>],
@@ -60,7 +61,7 @@ pub(super) fn measure_side(
 ) -> Option<Vec<EdgePoint>> {
     let scan = Scan::new(inward);
     let lines = scan_lines(photo, scan, path, uncertainty_px)?;
-    // Where the side runs and how wide it is shows in a part of the lines of a large photograph.
+    // In a large photograph a subset of the lines gives the position and the width of the side.
     let some: Vec<(usize, f64)> = lines.iter().copied().step_by(lines.len().div_ceil(COARSE_LINES)).collect();
     let (coarse, mut supported) = localise(photo, scan, &some, uncertainty_px, projected)?;
     let transition = half_transition(photo, scan, &some, &coarse, uncertainty_px, projected);
@@ -71,11 +72,11 @@ pub(super) fn measure_side(
     let mut curve = coarse;
     let (mut crossings, mut tried, mut common_sigma) = (Vec::new(), 0, 0.0);
     let mut common = Common::start(transition);
-    // The second pass has its windows where the first found the side, and starts from what that found common to it.
+    // The second pass starts from the position and the common parameters of the first one.
     for (lines, rounds, average) in [(&some, FIRST_ROUNDS, false), (&lines, ROUNDS, true)] {
         let clear =
             |line: f64| projected.leaves_clear(scan.join(line, curve.value(line)), toward_sheet, clearance);
-        // Beyond the crossings it was fitted to, the curve may leave the path: there the side is not seen.
+        // Beyond the crossings the curve may leave the path, where the side is not visible.
         let near = |line: f64, expected: f64| (curve.value(line) - expected).abs() <= uncertainty_px + 1.0;
         let seen: Vec<(usize, f64)> = lines
             .iter()
@@ -154,7 +155,7 @@ fn localise(
     projected: &ProjectedEdges<'_>,
 ) -> Option<(Polynomial, RangeInclusive<f64>)> {
     let reach = (uncertainty_px.ceil() as isize).max(2);
-    // The step is taken between means over some pixels, so that noise at full resolution does not outdo the side.
+    // The step is measured between means over some pixels, so that noise does not exceed it at full resolution.
     let arm = (reach / 3).clamp(1, 8);
     let mut found: Vec<(f64, f64)> = Vec::with_capacity(lines.len());
     let mut steps = Vec::with_capacity(2 * reach as usize + 1);
@@ -168,7 +169,7 @@ fn localise(
         };
         steps.clear();
         steps.extend((first..=first + 2 * reach).map(|s| step(s).unwrap_or(f64::NEG_INFINITY)));
-        // The light's own border is a stronger step than an unlit side of the sheet, and its flank is no side.
+        // The footprint's border is a stronger step than an unlit side of the sheet, and is ignored.
         let side = |k: usize| {
             let around = &steps[k.saturating_sub(1)..(k + 2).min(steps.len())];
             let position = (first + k as isize) as f64 + 0.5;
@@ -185,15 +186,15 @@ fn localise(
     Some((curve, support(&crossings)?))
 }
 
-/// The lines that a curve through these crossings holds for: a cubic means little beyond, and along the light's border much of
-/// a side may not be seen.
+/// The lines for which a curve through these crossings is valid. A cubic is unreliable beyond them, and along the
+/// footprint's border much of a side may be invisible.
 fn support(crossings: &[Crossing]) -> Option<RangeInclusive<f64>> {
     let (from, to) = (crossings.first()?.line, crossings.last()?.line);
     let beyond = MOST_BEYOND * (to - from);
     Some(from - beyond..=to + beyond)
 }
 
-/// Half the width of the transition, px: where the mean profile across the side has come to rest.
+/// Half the width of the transition, px: where the mean profile across the side becomes flat.
 fn half_transition(
     photo: &LinearPhoto<'_>,
     scan: Scan,
@@ -205,7 +206,7 @@ fn half_transition(
     let reach = (2.0 * uncertainty_px).ceil().clamp(6.0, 40.0) as isize;
     let bins = (2 * reach) as usize;
     let mut gradient = vec![0.0; bins];
-    // The border of the light, a step of its own, would pass for blur.
+    // The footprint's border is another step, which would count as blur.
     let clear = |line: f64| projected.distance_px(scan.join(line, curve.value(line))) > reach as f64;
     let any = lines.iter().any(|l| clear(l.0 as f64));
     for line in lines.iter().map(|l| l.0).filter(|&line| !any || clear(line as f64)) {

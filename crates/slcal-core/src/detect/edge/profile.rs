@@ -11,14 +11,14 @@ use crate::detect::erf::ErfTable;
 use crate::photo::LinearPhoto;
 use crate::solve::{Polynomial, median};
 
-/// Weakest step, as a part of the side's median step, that is still measured (an unlit part of the sheet).
+/// Weakest step that is measured, as a part of the side's median step (an unlit part of the sheet).
 const MIN_RELATIVE_STEP: f64 = 0.1;
-/// Lines are taken together until a crossing is known to this part of the blur: beyond it the fit is not linear in the
-/// noise, and noise that differs between dark and bright would pull it.
+/// Lines are combined until the σ of a crossing is this part of the blur. With a larger σ the fit is not linear in the
+/// noise, and different noise in dark and bright pixels would bias it.
 const LINEAR_PART: f64 = 0.25;
-/// Fewest crossings that bundling leaves of a side.
+/// Fewest crossings of a side after combining lines.
 const MIN_BUNDLES: usize = 48;
-/// Noise is never taken for less than this, linear light: a thousandth of the range of a dark photograph.
+/// Least noise, linear light: a thousandth of the range of a dark photograph.
 const MIN_NOISE: f64 = 1e-5;
 
 /// The light across a side, along lines of pixels from dark to bright.
@@ -42,13 +42,13 @@ pub(super) struct Located {
     pub(super) tried: usize,
     /// What the crossings have in common.
     pub(super) common: Common,
-    /// 1σ that all crossings have in common, px: what blur and slopes leave open.
+    /// Common 1σ of all crossings, px: by the uncertainty of blur and slopes.
     pub(super) common_sigma: f64,
 }
 
 impl Profiles {
-    /// Reads the lines whose numbers and expected positions are given, as far as they lie in the photograph, and takes the
-    /// mean over as many neighbouring ones as `together` says, each shifted by whole pixels along the side.
+    /// Reads the lines whose numbers and expected positions are given, as far as they lie in the photograph. `together`
+    /// neighbouring lines are averaged, each shifted by whole pixels along the side.
     pub(super) fn take(
         photo: &LinearPhoto<'_>,
         scan: Scan,
@@ -110,8 +110,8 @@ impl Profiles {
         (mean(&light[..self.plateau]), mean(&light[light.len() - self.plateau..]))
     }
 
-    /// Fits all crossings in some rounds from what is thought common to them; `curve` is what the expected positions were
-    /// taken from. `None` when nothing is seen.
+    /// Fits all crossings in `rounds` steps from initial common parameters. The expected positions lie on `curve`. `None`
+    /// when there is no step.
     pub(super) fn locate(
         &self,
         erf: &ErfTable,

@@ -1,4 +1,4 @@
-//! A camera as a file describes it.
+//! A camera read from a file.
 
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, Distortion, Intrinsics};
@@ -8,16 +8,16 @@ const FOCAL_RANGE: std::ops::RangeInclusive<f64> = 0.1..=100.0;
 /// A principal point further outside the image than this many times its size is a mistake.
 const FARTHEST: f64 = 1.0;
 
-/// A camera as a file describes it; not every file says for which resolution.
+/// A camera read from a file. Not every file states the image size.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnownCamera {
     /// K, px.
     pub intrinsics: Intrinsics,
     /// `plumb_bob` distortion; zeros where the file has none.
     pub distortion: Distortion,
-    /// Width and height of the image, px; `None` when the file does not say.
+    /// Width and height of the image, px; `None` when the file does not state them.
     pub size: Option<[u32; 2]>,
-    /// What else is worth knowing about how the file was read.
+    /// Remarks on how the file was read.
     pub notes: Vec<String>,
 }
 

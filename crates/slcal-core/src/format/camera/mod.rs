@@ -1,5 +1,5 @@
 //! Known camera intrinsics from other programs' files: OpenCV's `FileStorage` as YAML, XML or JSON, ROS `camera_info` YAML,
-//! and rig JSON. Which of them it is follows from the content.
+//! and rig JSON. The format is recognised by the content.
 //!
 //! OpenCV and ROS put integers at pixel centres, as this library does.
 
@@ -20,7 +20,7 @@ use crate::geometry::Camera;
 /// Camera files have a few dozen values, four levels deep.
 const CAMERA_FILE: Expecting = Expecting { what: ErrorSubject::CameraFile, most_nodes: 10_000 };
 
-/// Reads a camera file. Of a rig the camera is taken, its σ left aside: a known camera is held fixed.
+/// Reads a camera file. From a rig file it takes the camera without its σ: a known camera is held fixed.
 ///
 /// # Errors
 /// [`Error::Malformed`] when the text is of none of the kinds, when what it needs is missing, of another size than

@@ -1,4 +1,4 @@
-//! Rigs of the devices that a file describes.
+//! Conversion of imported devices to a rig.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -17,7 +17,7 @@ pub(super) const fn expecting(what: ErrorSubject) -> Expecting {
     Expecting { what, most_nodes: MOST_NODES }
 }
 
-/// A device as a file describes it, its size told beside the file where it is not in there.
+/// An imported device. Its size comes from `given` where the file does not state it.
 pub(super) fn device(
     known: KnownCamera,
     given: Option<[u32; 2]>,
@@ -40,12 +40,12 @@ pub(super) fn device(
     Ok(Camera { width, height, intrinsics: known.intrinsics, distortion: known.distortion }.into())
 }
 
-/// A pose as a file has it, mm.
+/// An imported pose, mm.
 pub(super) fn pose_of(r: &Matrix3<f64>, t: Vector3<f64>, expecting: Expecting, place: &str) -> Result<Pose> {
     exact_pose(r, t).map_err(|e| expecting.malformed(format!("{place}: {e}")))
 }
 
-/// A rig of devices from elsewhere, of which nothing else is known.
+/// A rig of imported devices without further information.
 pub(super) fn plain_rig(camera: Device, projector: Option<(Device, Pose)>, format: ExchangeFormat) -> Rig {
     Rig {
         camera,

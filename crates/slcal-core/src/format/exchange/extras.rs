@@ -1,5 +1,5 @@
-//! What a rig knows beyond the geometry of its devices, as named values: σ, poses of the sheet, quality, covariance. The names are
-//! those of rig.json.
+//! The values of a rig beyond the geometry of its devices: σ, poses of the sheet, quality, covariance. The names are those
+//! of rig.json.
 
 use serde_json::{Map, Value};
 
@@ -8,7 +8,7 @@ use crate::format::rig_json::{rig_of_value, rig_value};
 use crate::format::tree::{Expecting, Node};
 use crate::rig::Rig;
 
-/// Values that are words, also where they look like numbers.
+/// Values that are words, even where they look like numbers.
 const WORDS: [&str; 8] = ["photo", "method", "verdict", "cause", "code", "message", "advice", "parameters"];
 
 /// Where each of them stands in rig.json, and its name in other files.
@@ -23,12 +23,12 @@ const PLACES: [(&str, &str); 8] = [
     ("/covariance", "covariance"),
 ];
 
-/// All that is there.
+/// All values that the rig has.
 pub(super) fn of_rig(rig: &Rig) -> Result<Map<String, Value>> {
     let value = rig_value(rig)?;
     let found = PLACES.iter().filter_map(|(place, name)| {
         let part = value.pointer(place)?;
-        // No covariance is one of no parameters.
+        // A missing covariance is stored as one without parameters.
         let list = part.get("parameters").unwrap_or(part);
         let empty = part.is_null() || list.as_array().is_some_and(Vec::is_empty);
         (!empty).then(|| ((*name).to_owned(), part.clone()))
@@ -36,7 +36,7 @@ pub(super) fn of_rig(rig: &Rig) -> Result<Map<String, Value>> {
     Ok(found.collect())
 }
 
-/// The rig with what was read beside its devices.
+/// The rig with the values read beside its devices.
 pub(super) fn added_to(rig: &Rig, extras: &Map<String, Value>, expecting: Expecting) -> Result<Rig> {
     let mut value = rig_value(rig)?;
     for (place, name) in PLACES {
@@ -48,7 +48,7 @@ pub(super) fn added_to(rig: &Rig, extras: &Map<String, Value>, expecting: Expect
     rig_of_value(value).map_err(|e| renamed(e, expecting))
 }
 
-/// An error of the rig's reader as one of the file that it was in.
+/// An error of the rig reader as an error of the imported file.
 pub(super) fn renamed(error: Error, expecting: Expecting) -> Error {
     match error {
         Error::Malformed { detail, .. } => expecting.malformed(detail),

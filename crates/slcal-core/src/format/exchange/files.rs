@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::named::named;
 use crate::rig::Rig;
 
-/// A format of other programs that holds a rig, or part of one.
+/// A format of other programs for a rig, or part of one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ExchangeFormat {
@@ -33,7 +33,7 @@ named!(ExchangeFormat, "format", {
 });
 
 impl ExchangeFormat {
-    /// How it differs from this library's own conventions, in one line.
+    /// Its conventions, in one line.
     #[must_use]
     pub fn convention(self) -> &'static str {
         match self {
@@ -72,9 +72,9 @@ pub enum StorageText {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExportConfig {
-    /// How FileStorage is written; other formats do not ask.
+    /// How FileStorage is written; ignored by other formats.
     pub storage: StorageText,
-    /// Whether terms of the lens that the format does not have are left out (and told), instead of being an error.
+    /// Whether lens terms that the format does not have are left out and reported, instead of being an error.
     pub lossy: bool,
 }
 
@@ -90,9 +90,9 @@ pub struct ExportedFile {
 /// A rig as files of another program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Export {
-    /// The files, one at least.
+    /// The files, at least one.
     pub files: Vec<ExportedFile>,
-    /// What the format has no place for or its readers overlook, each in a line.
+    /// What the format cannot represent or its readers ignore, one line each.
     pub left_out: Vec<String>,
 }
 
@@ -105,13 +105,13 @@ pub struct NamedBytes<'a> {
     pub bytes: &'a [u8],
 }
 
-/// What an import should know beside its files.
+/// Values that complete the files of an import.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImportConfig {
-    /// Width and height of the camera's images, px, for files that do not say.
+    /// Width and height of the camera's images, px, for files that do not state it.
     pub camera_size: Option<[u32; 2]>,
-    /// Width and height of the projector's panel, px, for files that do not say.
+    /// Width and height of the projector's panel, px, for files that do not state it.
     pub projector_size: Option<[u32; 2]>,
 }
 
@@ -120,8 +120,8 @@ pub struct ImportConfig {
 pub struct Imported {
     /// The rig.
     pub rig: Rig,
-    /// Whose files they were.
+    /// The format of the files.
     pub format: ExchangeFormat,
-    /// What was taken to be so without the files saying it, each in a line.
+    /// Assumptions that the files do not state, one line each.
     pub notes: Vec<String>,
 }

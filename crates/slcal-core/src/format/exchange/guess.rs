@@ -1,4 +1,4 @@
-//! Which format a file is of, by its content.
+//! Recognition of a file's format by its content.
 
 use super::devices::expecting;
 use super::files::{ExchangeFormat, NamedBytes};

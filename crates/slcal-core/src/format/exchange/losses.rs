@@ -1,4 +1,4 @@
-//! What a format cannot hold: told where it moves no projected point, refused with the pixels that it would cost where it does.
+//! Losses of a format: reported where they move no projected point, otherwise refused with the error in pixels.
 
 use nalgebra::Point2;
 
@@ -7,20 +7,20 @@ use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Camera;
 use crate::rig::Rig;
 
-/// Below this nobody could tell the difference, px.
+/// Differences below this are negligible, px.
 const NEGLIGIBLE_PX: f64 = 1e-7;
 /// Points along each side of the image on which lenses are compared.
 const GRID: u32 = 33;
 
-/// Keeps the account of one export.
+/// The losses of one export.
 pub(super) struct Losses {
     format: ExchangeFormat,
     lossy: bool,
-    /// In a line each.
+    /// One line each.
     pub(super) notes: Vec<String>,
 }
 
-/// What a format has places for.
+/// What a format can represent.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Holds {
     /// The poses of the sheet.
@@ -32,7 +32,7 @@ impl Losses {
         Self { format, lossy, notes: Vec::new() }
     }
 
-    /// Tells which of the things around a rig's geometry have no place in the format.
+    /// Notes the parts of a rig beyond its geometry that the format cannot represent.
     pub(super) fn around(&mut self, rig: &Rig, holds: Holds) {
         let of_pose = rig
             .projector
@@ -52,7 +52,7 @@ impl Losses {
         }
     }
 
-    /// Refuses to write `held` for the device `full`, unless the difference is asked for or nothing.
+    /// Refuses to write `held` for the device `full`, unless a lossy export is requested or the difference is negligible.
     pub(super) fn lens(&mut self, name: &str, full: &Camera, held: &Camera) -> Result<()> {
         if full == held {
             return Ok(());
@@ -82,7 +82,7 @@ impl Losses {
     }
 }
 
-/// A length that people read.
+/// A length for messages.
 fn shown(px: f64) -> String {
     if px >= 0.01 { format!("{px:.2}") } else { format!("{px:.1e}") }
 }
@@ -98,7 +98,7 @@ fn terms(full: &Camera, held: &Camera) -> String {
     lens.chain(skew).collect::<Vec<_>>().join(", ")
 }
 
-/// How far apart two models of one device put what is seen through the first, px, the most over the image.
+/// Largest distance over the image between the projections by two models of one device, px.
 fn farthest_px(full: &Camera, held: &Camera) -> f64 {
     let along = |i: u32, side: u32| f64::from(i) / f64::from(GRID - 1) * f64::from(side) - 0.5;
     let mut most: Option<f64> = None;

@@ -1,9 +1,9 @@
-//! Rigs as other programs' files, and back: `OpenCV`'s FileStorage, ROS camera_info, COLMAP, Kalibr, a script for Blender, and
-//! arrays of `NumPy`. Each file of this folder says where its format puts the centre of a pixel, where its axes point and which
-//! units it has, and what it cannot hold.
+//! Import and export of rigs as files of other programs: `OpenCV`'s FileStorage, ROS camera_info, COLMAP, Kalibr, a script for Blender, and
+//! arrays of `NumPy`. Each file of this folder states the pixel centre, the axes and the units of its format, and what the
+//! format cannot represent.
 //!
-//! What a format has no place for (σ, photographs) is left out and told. What would move projected points (a term of the lens that
-//! a format does not have) is an error, unless it is asked for.
+//! Values without a place in a format (σ, photographs) are left out and reported. A loss that would move projected points (a lens
+//! term that the format does not have) is an error, unless a lossy export is requested.
 
 mod blender;
 mod colmap;
@@ -31,13 +31,13 @@ pub use files::{
     ExchangeFormat, Export, ExportConfig, ExportedFile, ImportConfig, Imported, NamedBytes, StorageText,
 };
 
-/// Writes a rig as files of another program. Numbers have all their digits.
+/// Exports a rig as files of another program, with all digits of the numbers.
 ///
 /// # Errors
-/// [`Error::Invalid`] when the format has no place for a term of a lens (the message says how far pixels would move without it), for
-/// numbers that are not finite, and for a projector without its place.
+/// [`Error::Invalid`] when the format cannot represent a term of a lens (the message states how far pixels would move without it), and
+/// for numbers that are not finite.
 pub fn export_rig(rig: &Rig, format: ExchangeFormat, config: &ExportConfig) -> Result<Export> {
-    // Refuses what no file should hold.
+    // Refuses numbers that are not finite.
     super::write_rig(rig, std::io::sink())?;
     for (_, device) in rig.devices() {
         Intrinsics::from_matrix(&device.model.intrinsics.matrix())?;
@@ -57,14 +57,14 @@ pub fn export_rig(rig: &Rig, format: ExchangeFormat, config: &ExportConfig) -> R
     Ok(Export { files, left_out: losses.notes })
 }
 
-/// Reads a rig, or a camera alone, from files of another program.
+/// Imports a rig, or a camera alone, from files of another program.
 ///
-/// `format` may be left open where the content tells. Files that this library wrote give back all that the format holds; those of
-/// other programs need not have more than the devices and their poses.
+/// `format` may be `None` where the content identifies it. Files written by this library are read with all that the format
+/// represents; those of other programs need only the devices and their poses.
 ///
 /// # Errors
-/// [`Error::Malformed`] when the files are of none of the formats or of another one, or when something is missing or not what its
-/// name says; [`Error::Invalid`] when the size of an image is nowhere to be found.
+/// [`Error::Malformed`] when the files are of none of the formats or of another one, or when something is missing or
+/// inconsistent; [`Error::Invalid`] when the size of an image is unknown.
 pub fn import_rig(
     format: Option<ExchangeFormat>,
     files: &[NamedBytes<'_>],

@@ -266,7 +266,7 @@ fn colmap_counts_from_the_corner_of_the_first_pixel() {
     assert_eq!(read.views.len(), 2);
     let (found, view) = (&read.views[1], &rig.views[1]);
     assert!((found.size.width_mm - 200.0).abs() + (found.size.height_mm - 100.0).abs() < 1e-10);
-    assert!(found.camera_from_sheet.turn_from(&view.camera_from_sheet).norm() < 1e-13);
+    assert!(found.camera_from_sheet.rotation_vector_from(&view.camera_from_sheet).norm() < 1e-13);
     assert!((found.camera_from_sheet.translation - view.camera_from_sheet.translation).norm() < 1e-10);
     assert!((found.corners_px[2] - view.corners_px[2]).norm() < 1e-10);
 }

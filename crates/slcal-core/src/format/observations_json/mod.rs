@@ -2,8 +2,8 @@
 //!
 //! Required: schema, camera {width, height}, projector {width, height} or null, and for each view `size_mm` and either
 //! `sheet_corners_px` or `sheet_edges_px`; with a projector also `pairs`. σ may be stated for a view (`sheet_sigma_px`,
-//! `pair_sigma_px`) or for a point, as one number more behind its coordinates; where it is stated nowhere, it counts as
-//! unknown. Fields that are not known are skipped. Numbers are written with the fewest digits that read back to the same
+//! `pair_sigma_px`), or for a point as an additional number after its coordinates. Otherwise it is unknown. Unknown
+//! fields are skipped. Numbers are written with the fewest digits that read back to the same
 //! `f64`.
 
 mod read;
@@ -21,13 +21,13 @@ use crate::observations::ExternalObservations;
 /// # Errors
 /// [`Error::Malformed`] naming the view, the field and the point when the text is not JSON, the schema is another, a
 /// required field is missing, or a value is not what the schema says (null in the place of a number, coordinates beyond
-/// 10⁹ px, σ that are not positive, σ for a part of the points only); [`Error::Io`] when the stream fails. Whether a
-/// calibration can be computed from them is not asked here.
+/// 10⁹ px, σ that are not positive, σ for a part of the points only); [`Error::Io`] when the stream fails. This does not check
+/// whether a calibration can be computed from them.
 pub fn read_observations(input: impl Read) -> Result<ExternalObservations> {
     read::observations(&read_json(input, ErrorSubject::ObservationsFile, "a file of observations")?)
 }
 
-/// Writes observations as JSON with a final newline, one line per point. σ that are unstated stay so.
+/// Writes observations as JSON with a final newline, one line per point. Unknown σ are not written.
 ///
 /// # Errors
 /// [`Error::Invalid`] when a number is not finite; [`Error::Io`] when the stream fails.

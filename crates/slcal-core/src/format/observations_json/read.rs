@@ -1,4 +1,4 @@
-//! From the text's fields to observations, each checked.
+//! Conversion of the file's fields to observations, with checks.
 
 use nalgebra::Point2;
 use serde_json::{Map, Value};
@@ -15,7 +15,7 @@ const SIGMA_RANGE_PX: std::ops::RangeInclusive<f64> = ViewObservation::SIGMA_RAN
 const SIDE_RANGE_MM: std::ops::RangeInclusive<f64> = ViewObservation::SIDE_RANGE_MM;
 const PLACEHOLDER_PX: f64 = ViewObservation::UNSTATED_SIGMA_PX;
 
-/// How a value is called in messages: its text, shortened.
+/// A value in messages: its text, shortened.
 fn shown(value: &Value) -> String {
     const LONGEST: usize = 60;
     match value {
@@ -137,7 +137,7 @@ fn sigma_of(fields: &Map<String, Value>, name: &str, place: &str) -> Result<Opti
     }
 }
 
-/// Numbers of a row, each finite and of a size that pixels have.
+/// Numbers of a row, each finite and in the range of pixel coordinates.
 fn numbers(value: &Value, place: &str, expected: &str) -> Result<Vec<f64>> {
     let row = value.as_array().ok_or_else(|| wrong(place, expected, value))?;
     let number = |(k, v): (usize, &Value)| {
@@ -148,7 +148,7 @@ fn numbers(value: &Value, place: &str, expected: &str) -> Result<Vec<f64>> {
     row.iter().enumerate().map(number).collect()
 }
 
-/// Rows of `N` coordinates, with σ as one number more in every row or in none: the coordinates, and the points' own σ.
+/// Rows of `N` coordinates, with σ as an additional number in every row or in none: the coordinates and the σ.
 fn rows<const N: usize>(value: &Value, place: &str, expected: &str) -> Result<Vec<([f64; N], Option<f64>)>> {
     let list = value.as_array().ok_or_else(|| wrong(place, &format!("a list of {expected}"), value))?;
     let mut rows = Vec::with_capacity(list.len());

@@ -1,4 +1,4 @@
-//! What reading and writing have in common.
+//! Constants and messages of reading and writing.
 
 use crate::error::{Error, ErrorSubject};
 

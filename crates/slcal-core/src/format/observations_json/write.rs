@@ -1,4 +1,4 @@
-//! From observations to text, one line per point so that people can read and edit it.
+//! Conversion of observations to text, one line per point, so that it is easy to read and edit.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use super::schema::{SCHEMA, SIDES};
 use crate::error::{Error, Result};
 use crate::observations::{ExternalObservations, SheetObservation};
 
-/// A list of numbers; JSON has no NaN, so that is refused here.
+/// A list of numbers. JSON has no NaN, so NaN is refused here.
 fn row(numbers: &[f64], sigma: Option<f64>) -> Result<String> {
     let all = || numbers.iter().copied().chain(sigma);
     if let Some(bad) = all().find(|x| !x.is_finite()) {

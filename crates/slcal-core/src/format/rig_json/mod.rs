@@ -1,7 +1,7 @@
 //! rig.json (`"schema": "slcal-rig/1"`): a calibrated rig as text.
 //!
 //! Required on reading: schema, units, `pixel_centre`, camera and projector {width, height, K, distortion},
-//! `projector_from_camera` {R, t}; the projector and what belongs to it may be null. Everything else is optional and
+//! `projector_from_camera` {R, t}; the projector and its fields may be null. Everything else is optional and
 //! unknown fields are skipped. Numbers are written with the fewest digits that read back to the same `f64`.
 
 mod read;
@@ -21,8 +21,7 @@ use crate::rig::Rig;
 
 /// Reads a rig.
 ///
-/// A view without `size_mm` or `camera_from_sheet` says nothing that a rig could use and is left out; its other fields
-/// are derived from the rig where they are missing.
+/// A view without `size_mm` or `camera_from_sheet` is left out. Other missing fields of a view are derived from the rig.
 ///
 /// # Errors
 /// [`Error::Malformed`] naming the field when the text is not JSON, a required field is missing, or a value is not what
@@ -37,7 +36,7 @@ pub(super) fn rig_of_value(value: Value) -> Result<Rig> {
     let Some(object) = value.as_object() else {
         return Err(malformed("expected an object with \"schema\": \"slcal-rig/1\""));
     };
-    // `Value` fields that are absent would read as null: tell "missing" from "null" first.
+    // Absent `Value` fields would read as null: distinguish "missing" from "null" first.
     for field in ["schema", "units", "pixel_centre", "camera", "projector", "projector_from_camera"] {
         if !object.contains_key(field) {
             return Err(malformed(format!("missing field `{field}`")));

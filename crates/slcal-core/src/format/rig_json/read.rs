@@ -1,4 +1,4 @@
-//! From the text's fields to a rig, each checked.
+//! Conversion of the file's fields to a rig, with checks.
 
 use nalgebra::{DMatrix, Matrix3, Point2, Rotation3, Vector3};
 use serde::de::DeserializeOwned;
@@ -13,9 +13,9 @@ use crate::geometry::{
 };
 use crate::rig::{Covariance, Device, DeviceSigma, Projector, Quality, Rig, StereoPose, View, ViewRms};
 
-/// What the names of all versions begin with.
+/// Common prefix of all versions.
 const SCHEMA_FAMILY: &str = "slcal-rig/";
-/// A matrix this near to a rotation is kept digit by digit, so that a rig survives writing and reading unchanged.
+/// A matrix this near to a rotation is kept exactly, so that writing and reading do not change a rig.
 const EXACT_ROTATION: f64 = 1e-12;
 
 pub(super) fn parse<T: DeserializeOwned>(value: Value, place: &str) -> Result<T> {
@@ -96,7 +96,7 @@ fn pose_from_rows(r: &Rows3, t: [f64; 3], place: &str) -> Result<Pose> {
     exact_pose(&matrix_from_rows(r), Vector3::from(t)).map_err(|e| malformed(format!("{place}: {e}")))
 }
 
-/// As [`Pose::from_matrix`], but what is a rotation already stays as it is.
+/// As [`Pose::from_matrix`], but an exact rotation is kept unchanged.
 pub(in crate::format) fn exact_pose(matrix: &Matrix3<f64>, t: Vector3<f64>) -> Result<Pose> {
     let pose = Pose::from_matrix(matrix, t)?;
     if (matrix.transpose() * matrix - Matrix3::identity()).abs().max() <= EXACT_ROTATION {

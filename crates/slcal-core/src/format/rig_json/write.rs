@@ -1,4 +1,4 @@
-//! From a rig to the text's fields, each finite.
+//! Conversion of a rig to the file's fields; all numbers are finite.
 
 use nalgebra::Matrix3;
 use serde::Serialize;
@@ -15,7 +15,7 @@ fn rows_from_matrix(m: &Matrix3<f64>) -> Rows3 {
     std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]))
 }
 
-/// JSON has no NaN: refuse it here instead of writing a null that nobody can read.
+/// JSON has no NaN: it is refused here instead of written as null.
 fn finite<'a>(numbers: impl IntoIterator<Item = &'a f64>, part: &'static str) -> Result<()> {
     match numbers.into_iter().find(|x| !x.is_finite()) {
         Some(x) => Err(Error::invalid(ErrorSubject::Part { part, of: "rig to write" }, "finite numbers", x)),
@@ -24,7 +24,7 @@ fn finite<'a>(numbers: impl IntoIterator<Item = &'a f64>, part: &'static str) ->
 }
 
 pub(super) fn rig_to_dto(rig: &Rig) -> Result<impl Serialize> {
-    // The order of the fields in the file is the order in which they are declared here.
+    // The fields of the file have the order of this declaration.
     #[derive(Serialize)]
     struct RigOut {
         schema: &'static str,

@@ -1,16 +1,16 @@
-//! What kind of text is read, and the messages about it.
+//! The kind of text that is read, its limits, and its messages.
 
 use crate::error::{Error, ErrorSubject, Result};
 
-/// How deep values may lie in each other; files of cameras need four levels.
+/// Maximum nesting of values; camera files need four levels.
 pub(super) const DEEPEST: usize = 32;
 
-/// What kind of text is read, and how much of it there may be.
+/// The expected kind of text, and its maximum size.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::format) struct Expecting {
     /// The kind of file.
     pub(in crate::format) what: ErrorSubject,
-    /// The most values that such a text has.
+    /// Maximum number of values.
     pub(in crate::format) most_nodes: usize,
 }
 
@@ -23,7 +23,7 @@ impl Expecting {
         self.malformed(format!("expected few levels of values, found more than {DEEPEST}"))
     }
 
-    /// The text in these bytes, without the mark that some editors put before it.
+    /// The text in these bytes, without a byte order mark.
     pub(in crate::format) fn text(self, bytes: &[u8]) -> Result<&str> {
         let text = std::str::from_utf8(bytes)
             .map_err(|_| self.malformed("expected YAML, XML or JSON as UTF-8 text, found other bytes"))?;

@@ -1,4 +1,4 @@
-//! What YAML, XML and JSON have in common: named values, lists of values, and words that are not interpreted yet.
+//! YAML, XML and JSON as one tree of named values, lists and uninterpreted words.
 
 mod expecting;
 mod node;
@@ -10,7 +10,7 @@ use crate::error::Result;
 pub(super) use expecting::Expecting;
 pub(super) use node::Node;
 
-/// The values of a text. Its first letter tells which of the three it is.
+/// The values of a text. The first character distinguishes the three formats.
 pub(super) fn parse(text: &str, expecting: Expecting) -> Result<Node> {
     match text.as_bytes().first() {
         None => Err(expecting.malformed("expected YAML, XML or JSON, found nothing")),
@@ -20,7 +20,7 @@ pub(super) fn parse(text: &str, expecting: Expecting) -> Result<Node> {
     }
 }
 
-/// JSON as it is; its parser bounds the depth.
+/// The tree of a JSON value; the parser bounds its depth.
 fn from_json(value: &serde_json::Value) -> Node {
     use serde_json::Value;
     match value {

@@ -1,9 +1,9 @@
-//! Named values, lists of values, and words that are not interpreted yet.
+//! The tree: named values, lists and uninterpreted words.
 
-/// A value of any of the three.
+/// A value of YAML, XML or JSON.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::format) enum Node {
-    /// A word or a number, not interpreted yet.
+    /// A word or a number, uninterpreted.
     Scalar(String),
     /// Values in order.
     List(Vec<Node>),
