@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Point3, Vector3};
 use slcal_core::geometry::Camera;
 use slcal_core::pattern::Axis;
-use slcal_core::reconstruct::{ExpectedSigma, SigmaForecast, length_sigma};
+use slcal_core::reconstruct::{ExpectedSigma, ExpectedUncertainty, length_sigma};
 use slcal_core::{Match, Rig, Verdict, View};
 
 /// Image rows that are tried for a place seen from above: an odd number, so that the middle is one of them, and up to both edges.
@@ -23,7 +23,7 @@ enum Place {
 pub(crate) struct WorkingVolume {
     /// The direction of slits with the smaller σ there.
     pub(crate) axis: Axis,
-    forecast: SigmaForecast,
+    forecast: ExpectedUncertainty,
     /// Where in the image.
     pixel: Point2<f64>,
     place: Place,
@@ -52,7 +52,7 @@ pub(crate) fn working_volume(rig: &Rig) -> slcal_core::Result<Option<WorkingVolu
     places.extend(grid(model).map(|p| (Place::Lit, p)));
     let mut forecasts = Vec::new();
     for axis in [Axis::Columns, Axis::Rows] {
-        forecasts.push((axis, SigmaForecast::new(rig, axis, Match::DEFAULT_SIGMA_PX)?));
+        forecasts.push((axis, ExpectedUncertainty::new(rig, axis, Match::DEFAULT_SIGMA_PX)?));
     }
     for ((place, pixel), depth) in places.iter().flat_map(|p| depths.iter().map(move |d| (*p, *d))) {
         let expected: Vec<_> = forecasts

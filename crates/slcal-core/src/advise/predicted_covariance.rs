@@ -17,7 +17,7 @@ use crate::solve::{self, Problem, Structure};
 
 /// The sheet lies in the frame with this part of the frame's width to spare.
 const FRAME_MARGIN: f64 = 0.01;
-/// Neither device looks onto the sheet flatter than this, cosine (65° from face-on): squares would shrink to slivers.
+/// Neither device sees the sheet flatter than this, cosine (65° from face-on): squares would shrink to slivers.
 const FLATTEST: f64 = 0.42;
 
 /// Expected 1σ after a photograph.

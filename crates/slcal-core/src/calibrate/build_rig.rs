@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use crate::calibrate::diagnostics::verdict::Judgement;
+use crate::calibrate::diagnostics::verdict::Assessment;
 use crate::estimate::propagation::point_sigma;
 use crate::estimate::{Kind, Lens, Solution, Target, covariance};
 use crate::geometry::{Camera, Pose, RectangleSize};
@@ -58,7 +58,7 @@ pub(crate) fn view(
 }
 
 /// The rig of a maximum-likelihood solution.
-pub(crate) fn rig(solution: &Solution, judgement: &Judgement) -> Rig {
+pub(crate) fn rig(solution: &Solution, assessment: &Assessment) -> Rig {
     let (model, unknowns) = (solution.model(), &solution.problem.unknowns);
     let projector = model.projector.zip(unknowns.projector_from_camera()).map(|(p, at)| {
         let sigma = |i: usize| std::array::from_fn(|k| solution.covariance[(at + i + k, at + i + k)].sqrt());
@@ -73,20 +73,20 @@ pub(crate) fn rig(solution: &Solution, judgement: &Judgement) -> Rig {
     let point_sigmas =
         sheets().filter_map(|(pose, size)| point_sigma(model, unknowns, &solution.covariance, pose, *size));
     let percent = |s: f64| 100.0 * s;
-    let (cause, advice) = judgement.why();
+    let (cause, advice) = assessment.why();
     Rig {
         camera: device(model.camera, Lens::Camera, solution),
         projector,
         views: views.collect(),
         method: "ml".into(),
         quality: Some(Quality {
-            verdict: judgement.verdict,
-            focal_sigma_percent_camera: percent(judgement.sigma.camera),
-            focal_sigma_percent_projector: judgement.sigma.projector.map(percent),
+            verdict: assessment.verdict,
+            focal_sigma_percent_camera: percent(assessment.sigma.camera),
+            focal_sigma_percent_projector: assessment.sigma.projector.map(percent),
             expected_point_sigma_mm: rms(point_sigmas),
             cause: cause.to_owned(),
             advice: advice.to_owned(),
-            warnings: judgement.warnings.clone(),
+            warnings: assessment.warnings.clone(),
         }),
         covariance: Some(covariance::to_rig(&solution.covariance, unknowns, model)),
     }

@@ -31,22 +31,22 @@ fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> 
         Ok(solved) => solved,
         Err(error) => return Err(hypotheses::transposed::explain(error, &observations, config)),
     };
-    let mut judgement = diagnostics::verdict::judge(solution, config);
-    judgement.warnings.extend(repetition);
+    let mut assessment = diagnostics::verdict::assess(solution, config);
+    assessment.warnings.extend(repetition);
     let doubt = hypotheses::transposed::hint(&observations, config)
         .or_else(|| hypotheses::contradiction::hint(&observations, config, solution))
         .or_else(|| hypotheses::aspect::hint(&observations, config, solution));
     if let Some(doubt) = doubt {
-        judgement.doubt(doubt);
+        assessment.doubt(doubt);
     }
-    if judgement.verdict == Verdict::Degenerate && !config.allow_degenerate {
-        return Err(judgement.refusal());
+    if assessment.verdict == Verdict::Degenerate && !config.allow_degenerate {
+        return Err(assessment.refusal());
     }
     let share = |kind| match solution.outliers(kind) {
         [_, 0] => 1.0,
         [out, all] => (all - out) as f64 / all as f64,
     };
-    let (cause, advice) = judgement.why();
+    let (cause, advice) = assessment.why();
     let report = CalibrationReport {
         iterations: solution.fit.iterations,
         edge_inliers: share(Kind::Edge),
@@ -54,5 +54,5 @@ fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> 
         cause: cause.to_owned(),
         advice: advice.to_owned(),
     };
-    Ok(Calibration { rig: build_rig::rig(solution, &judgement), report })
+    Ok(Calibration { rig: build_rig::rig(solution, &assessment), report })
 }

@@ -9,7 +9,7 @@ use crate::estimate::assumptions::{
 use crate::geometry::Camera;
 use crate::named::named;
 
-/// Fewest views in which the projector's distortion can be told from its principal point and from the camera's lens.
+/// Fewest views that separate the projector's distortion from its principal point and from the camera's lens.
 pub(crate) const VIEWS_FOR_PROJECTOR_DISTORTION: usize = 3;
 
 /// Which estimator to use.

@@ -64,7 +64,7 @@ fn warning(found: &NoiseFound, diagonal: f64) -> Option<Warning> {
             format!(
                 "{name} scatter by {sigma:.1} px (1σ) about the model, more than corners pointed at by hand"
             ),
-            "check their order, the sheet's size, and whether the lens distorts more than k1 and k2 can say",
+            "check their order, the sheet's size, and whether the lens distorts more than k1 and k2 can model",
         )
     })
 }
@@ -78,7 +78,7 @@ pub fn external_residuals(
     rig: &Rig,
     external: &ExternalObservations,
 ) -> Result<(Observations, Vec<ViewResiduals>)> {
-    /// Outliers are told by σ: the first, which is assumed, may be far off.
+    /// Outliers are detected by σ: the first, which is assumed, may be far off.
     const ROUNDS: usize = 3;
     let mut observations = external.observations.clone();
     let mut noise = assumed(external);
@@ -86,7 +86,7 @@ pub fn external_residuals(
     for _ in 0..if noise.is_empty() { 0 } else { ROUNDS } {
         fill(&mut observations, external, &noise);
         let views = residuals(rig, &observations)?;
-        // The pose of a view takes up nearly all that its four corners could tell.
+        // The pose of a view takes up nearly all information of its four corners.
         for found in noise.iter_mut().filter(|n| n.of != NoiseOf::SheetCorners) {
             let scatter = |(i, view): (usize, &ViewResiduals)| {
                 let scatter =

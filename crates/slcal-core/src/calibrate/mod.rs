@@ -1,7 +1,7 @@
 //! Observations → rig.
 //!
 //! Closed forms (`initial_guess`) begin a maximum-likelihood refinement of everything that was seen (`estimate`). Other
-//! explanations of the data are tried (`hypotheses`), and the covariance and the residuals judge the result (`diagnostics`).
+//! explanations of the data are tried (`hypotheses`), and the result is assessed by its covariance and its residuals (`diagnostics`).
 //! `variance_components` measures what observations from elsewhere do not state. `two_vp` is the method of R. Orghidan, J. Salvi, M. Gordan, C. Florea,
 //! J. Batlle, "Structured light self-calibration with vanishing points", Machine Vision and Applications 25:489-500 (2014),
 //! kept as it was published.

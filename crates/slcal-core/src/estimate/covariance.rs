@@ -15,7 +15,7 @@ use crate::solve::{Loss, Problem, covariance};
 pub(crate) const UNINFORMATIVE: f64 = 10.0;
 
 /// (JᵀWJ + priors)⁻¹ with outliers left out and the σ of edges and pairs widened; directions that nothing determines get a σ
-/// that says so, never infinity. Focal lengths as ln f.
+/// of [`UNINFORMATIVE`], never infinity. Focal lengths as ln f.
 pub(crate) fn posterior(
     problem: &BundleAdjustment,
     model: &Model,
@@ -56,7 +56,7 @@ pub(crate) fn to_rig(covariance: &DMatrix<f64>, unknowns: &Unknowns, model: &Mod
     Covariance { parameters: unknowns.parameters(), matrix }
 }
 
-/// A rig's covariance of these unknowns, focal lengths as ln f; zero for what the rig holds fixed or does not speak of.
+/// A rig's covariance of these unknowns, focal lengths as ln f; zero for what the rig holds fixed or does not list.
 /// `None` for a rig without covariance, or with one that is no covariance of any of these unknowns.
 pub(crate) fn of_rig(rig: &Rig, unknowns: &Unknowns) -> Option<DMatrix<f64>> {
     let known = rig.covariance.as_ref()?;

@@ -135,11 +135,16 @@ impl Model {
         lit_point(self.projector.as_ref()?, &self.projector_from_camera, sheet, q)
     }
 
+    /// A camera pixel cast onto a sheet, in the camera frame; `None` when its ray misses the plane.
+    pub(crate) fn on_sheet(&self, sheet: &Pose, seen: Point2<f64>) -> Option<Point3<f64>> {
+        let plane = Plane::from_point_normal(&sheet.translation.into(), sheet.rotation * Vector3::z())?;
+        Ray { origin: Point3::origin(), direction: self.camera.bearing(seen)? }.meet(&plane)
+    }
+
     /// A camera pixel cast onto a sheet and seen from the projector, projector px.
     pub(crate) fn on_panel(&self, sheet: &Pose, seen: Point2<f64>) -> Option<Point2<f64>> {
-        let plane = Plane::from_point_normal(&sheet.translation.into(), sheet.rotation * Vector3::z())?;
-        let ray = Ray { origin: Point3::origin(), direction: self.camera.bearing(seen)? };
-        self.projector.as_ref()?.project(&self.projector_from_camera.transform(&ray.meet(&plane)?))
+        let point = self.projector_from_camera.transform(&self.on_sheet(sheet, seen)?);
+        self.projector.as_ref()?.project(&point)
     }
 
     /// Distance along the camera's ray through pixel `p` (per unit of the bearing's length) at which the projector's column

@@ -63,7 +63,7 @@ impl BundleAdjustment {
         }
     }
 
-    /// Lines do not tell in front from behind: the sheet's corners do.
+    /// Lines do not distinguish front from behind: the sheet's corners do.
     fn in_front(&self, model: &Model) -> bool {
         model.views.iter().zip(&self.sizes).all(|(pose, size)| {
             let depth = |c: Point2<f64>| pose.lift(c).z;

@@ -36,10 +36,6 @@ impl Residual {
     }
 }
 
-fn cross_matrix(v: &Vector3<f64>) -> Matrix3<f64> {
-    v.cross_matrix()
-}
-
 /// Derivatives of m·D(x)·u by x and by (k1, k2, p1, p2, k3), where D is the distortion's Jacobian at x.
 fn slope_jacobian(
     d: &Distortion,
@@ -135,10 +131,10 @@ pub(crate) fn edge(
     by_line.x -= shrink.x;
     by_line.y -= shrink.y;
     let by_line = by_line.transpose() / norm;
-    let turn = cross_matrix(&e) * cross_matrix(&arm) - cross_matrix(&start) * cross_matrix(&e);
+    let turn = e.cross_matrix() * arm.cross_matrix() - start.cross_matrix() * e.cross_matrix();
     let mut view = Pose2::zeros();
     view.fixed_view_mut::<1, 3>(0, 0).copy_from(&(by_line * turn));
-    view.fixed_view_mut::<1, 3>(0, 3).copy_from(&(-by_line * cross_matrix(&e)));
+    view.fixed_view_mut::<1, 3>(0, 3).copy_from(&(-by_line * e.cross_matrix()));
     let mut by_lens = (line.xy().transpose() * lens / norm).transpose();
     by_lens[0] += value;
     let (by_x, by_coefficients) =
@@ -161,7 +157,7 @@ pub(crate) fn sheet_corner(
     let arm = camera_from_sheet.rotation * Vector3::new(corner.x, corner.y, 0.0);
     let (pixel, by_point, lens) = project(camera, &Point3::from(arm + camera_from_sheet.translation))?;
     let mut view = Pose2::zeros();
-    view.fixed_view_mut::<2, 3>(0, 0).copy_from(&(-by_point * cross_matrix(&arm)));
+    view.fixed_view_mut::<2, 3>(0, 0).copy_from(&(-by_point * arm.cross_matrix()));
     view.fixed_view_mut::<2, 3>(0, 3).copy_from(&by_point);
     Some(Residual::of_sheet(pixel - seen, pixel - seen, lens, view))
 }
@@ -218,7 +214,7 @@ pub(crate) fn projected_corner(
     // u = −s Rᵀ(ω×b) + Rᵀ(ω×t) − Rᵀ dt = Rᵀ[s b − t]× ω − Rᵀ dt
     let lever = bearing * s - projector_from_camera.translation;
     let mut stereo = Pose2::zeros();
-    stereo.fixed_view_mut::<2, 3>(0, 0).copy_from(&(by_ray * back * cross_matrix(&lever)));
+    stereo.fixed_view_mut::<2, 3>(0, 0).copy_from(&(by_ray * back * lever.cross_matrix()));
     stereo.fixed_view_mut::<2, 3>(0, 3).copy_from(&(-(by_ray * back)));
     let back_xy = back.fixed_view::<3, 2>(0, 0).into_owned();
     let lenses = [lens, by_ray * back_xy * by_lens * s];

@@ -7,7 +7,7 @@ use crate::solve::{Block, Loss, Problem, minimise, polish, robust_scale};
 
 /// Cutoff of the convex first round, in the measurements' own σ.
 const FIRST_CUTOFF: f64 = 3.0;
-/// What is measured so often that outliers can be told.
+/// What is measured often enough to detect outliers.
 const KINDS: [Kind; 2] = [Kind::Edge, Kind::Pair];
 /// Tukey's constants for 98 % efficiency on normal noise, for residuals of one coordinate (edges) and of two (pairs): clean
 /// data lose 1 % of σ. (The usual 95 % would be 4.685 and 5.12.)
@@ -17,7 +17,7 @@ pub(crate) const EFFICIENCY: f64 = 0.98;
 /// The inliers' scale is never taken for smaller than this part of the σ that was claimed: residuals of exact data are
 /// rounding, and correlated edge points have σ three to four times their scatter.
 const SMALLEST_SCALE: f64 = 0.25;
-/// With fewer measurements of a kind than this, outliers cannot be told from what the fit needs.
+/// With fewer measurements of a kind than this, outliers cannot be distinguished from what the fit needs.
 const FEWEST_FOR_ROBUST: usize = 12;
 const MAX_ROUNDS: usize = 8;
 /// Rounds end when the scales change by less than this part.
@@ -130,7 +130,7 @@ pub(crate) fn fit<P: RobustProblem>(
     Some(RobustFit { state: minimum.state, cost: minimum.cost, iterations, inliers, norms_px, widened })
 }
 
-/// The rms of the whitened inliers when it exceeds one; few measurements say nothing about their own noise.
+/// The rms of the whitened inliers when it exceeds one; few measurements do not determine their own noise.
 fn widening(
     measurements: &[Measurement],
     norms_px: &[f64],

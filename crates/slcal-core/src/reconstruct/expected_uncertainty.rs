@@ -21,14 +21,14 @@ pub struct ExpectedSigma {
 
 /// Predicts the σ of points by triangulating a synthetic match for each, as reconstruction does.
 #[derive(Debug, Clone)]
-pub struct SigmaForecast {
+pub struct ExpectedUncertainty {
     synthetic: SyntheticMatches,
     triangulator: Triangulator,
     one: Matches,
     cloud: PointCloud,
 }
 
-impl SigmaForecast {
+impl ExpectedUncertainty {
     /// For slits along `axis`, whose matches have a noise of `match_sigma_px` camera px (1σ).
     ///
     /// # Errors
@@ -40,7 +40,7 @@ impl SigmaForecast {
     }
 
     /// 1σ of a point at `depth_mm` (along the optical axis) behind a camera pixel, on a surface at constant depth; `None`
-    /// where the projector does not light it or its light cannot be told from its neighbours'.
+    /// where the projector does not light it or its light cannot be distinguished from its neighbours'.
     pub fn at(&mut self, pixel: Point2<f64>, depth_mm: f64) -> Option<ExpectedSigma> {
         let point = Point3::from(self.synthetic.camera().bearing(pixel)? * depth_mm);
         self.one.items.clear();
@@ -64,7 +64,7 @@ mod tests {
         let middle = Point3::new(size().width_mm / 2.0, size().height_mm / 2.0, 0.0);
         let middle = view.camera_from_sheet.transform(&middle);
         let pixel = rig.camera.model.project(&middle).unwrap();
-        let found = SigmaForecast::new(&rig, Axis::Columns, 0.1).unwrap().at(pixel, middle.z).unwrap();
+        let found = ExpectedUncertainty::new(&rig, Axis::Columns, 0.1).unwrap().at(pixel, middle.z).unwrap();
         let expected = rig.quality.unwrap().expected_point_sigma_mm.unwrap();
         assert!((found.sigma_mm / expected - 1.0).abs() < 0.01, "{} {expected}", found.sigma_mm);
     }
@@ -80,16 +80,16 @@ mod tests {
         let between = Pose { translation: nalgebra::Vector3::new(-200.0, 0.0, 0.0), ..Pose::identity() };
         rig.projector.as_mut().unwrap().from_camera.pose = between;
         let k = rig.camera.model.intrinsics;
-        let mut forecast = SigmaForecast::new(&rig, Axis::Columns, 0.2).unwrap();
+        let mut uncertainty = ExpectedUncertainty::new(&rig, Axis::Columns, 0.2).unwrap();
         for z in [800.0, 1600.0] {
-            let found = forecast.at(k.principal_point(), z).unwrap();
+            let found = uncertainty.at(k.principal_point(), z).unwrap();
             let expected = z * z * 0.2 / (k.fx * 200.0);
             assert!((found.noise_mm / expected - 1.0).abs() < 1e-9 && found.sigma_mm == found.noise_mm);
         }
         // Beside the panel's light, and behind the camera.
-        assert_eq!(forecast.at(Point2::new(1279.0, 480.0), 100.0), None);
-        assert_eq!(forecast.at(k.principal_point(), -800.0), None);
-        assert_eq!(forecast.at(k.principal_point(), f64::NAN), None);
+        assert_eq!(uncertainty.at(Point2::new(1279.0, 480.0), 100.0), None);
+        assert_eq!(uncertainty.at(k.principal_point(), -800.0), None);
+        assert_eq!(uncertainty.at(k.principal_point(), f64::NAN), None);
     }
 
     #[test]
@@ -104,11 +104,11 @@ mod tests {
         let between = Pose { translation: nalgebra::Vector3::new(0.0, 200.0, 0.0), ..Pose::identity() };
         rig.projector.as_mut().unwrap().from_camera.pose = between;
         let expected = 1e6 * 0.1 / (rig.camera.model.intrinsics.fx * 200.0);
-        let mut forecast = SigmaForecast::new(&rig, Axis::Rows, 0.1).unwrap();
+        let mut uncertainty = ExpectedUncertainty::new(&rig, Axis::Rows, 0.1).unwrap();
         let k = rig.camera.model.intrinsics;
         for pixel in [Point2::new(k.cx.round(), 400.0), Point2::new(640.3, 400.0), Point2::new(640.0, 400.4)]
         {
-            let found = forecast.at(pixel, 1000.0).unwrap().noise_mm;
+            let found = uncertainty.at(pixel, 1000.0).unwrap().noise_mm;
             let ray = rig.camera.model.bearing(pixel).unwrap().norm();
             assert!((found / (expected * ray) - 1.0).abs() < 1e-9, "{pixel}: {found} {expected}");
         }
@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn a_camera_alone_is_refused() {
         let alone = Rig { projector: None, ..calibrated() };
-        assert!(SigmaForecast::new(&alone, Axis::Columns, 0.1).is_err());
-        assert!(SigmaForecast::new(&calibrated(), Axis::Columns, f64::NAN).is_err());
+        assert!(ExpectedUncertainty::new(&alone, Axis::Columns, 0.1).is_err());
+        assert!(ExpectedUncertainty::new(&calibrated(), Axis::Columns, f64::NAN).is_err());
     }
 }

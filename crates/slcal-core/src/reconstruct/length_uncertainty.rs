@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use crate::calibrate::tests::scene::{calibrated, size};
     use crate::parameter::PoseParameter;
-    use crate::reconstruct::SigmaForecast;
+    use crate::reconstruct::ExpectedUncertainty;
     use crate::rig::Covariance;
 
     /// The middle of the sheet.
@@ -110,7 +110,7 @@ mod tests {
         let rig = calibrated();
         let far = middle(&rig);
         let pixel = rig.camera.model.project(&far).unwrap();
-        let point = SigmaForecast::new(&rig, Axis::Columns, 0.0).unwrap().at(pixel, far.z).unwrap();
+        let point = ExpectedUncertainty::new(&rig, Axis::Columns, 0.0).unwrap().at(pixel, far.z).unwrap();
         let lengths = [0.7, 0.5].map(|share| {
             let near = Point3::from(far.coords * share);
             length_sigma(&rig, Axis::Columns, 0.0, [near, far]).unwrap().unwrap()

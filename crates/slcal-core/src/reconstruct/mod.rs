@@ -16,7 +16,7 @@ mod triangulate;
 mod triangulate_tests;
 
 pub use cull::{CullReport, CullRule, Culler, cull};
-pub use expected_uncertainty::{ExpectedSigma, SigmaForecast};
+pub use expected_uncertainty::{ExpectedSigma, ExpectedUncertainty};
 pub use frame::in_frame;
 pub(crate) use frame::{first_view, turn};
 pub use length_uncertainty::{LengthSigma, length_sigma};

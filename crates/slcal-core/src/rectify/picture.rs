@@ -49,7 +49,7 @@ mod tests {
     #[test]
     fn a_picture_is_drawn_where_its_place_says() {
         let rig = rig();
-        // Left half red, right half blue, with a white dot that tells up from down.
+        // Left half red, right half blue, with a white dot that marks the top.
         let picture = RgbImage::from_fn(80, 60, |x, y| match (x, y) {
             (56..64, 6..14) => image::Rgb([255; 3]),
             (0..40, _) => image::Rgb([255, 0, 0]),

@@ -1,6 +1,6 @@
-//! Whether projector and camera still stand as the rig says, and the sheet as in its first view.
+//! Tests whether projector and camera have moved against each other, and the sheet against the first view.
 
-use nalgebra::{DMatrix, DVector, Point3, Vector3};
+use nalgebra::{DMatrix, DVector};
 
 use super::chi_squared_sf::chi_squared_sf;
 use super::keystone::Measured;
@@ -9,7 +9,7 @@ use crate::estimate::covariance::correlations;
 use crate::estimate::residual::POSE;
 use crate::estimate::unknowns::SHARED;
 use crate::estimate::{Kind, Target};
-use crate::geometry::{Plane, Ray, RectangleSize};
+use crate::geometry::RectangleSize;
 use crate::parameter::{LensParameter, Parameter, PoseParameter};
 use crate::solve::rms;
 
@@ -104,12 +104,9 @@ fn corner_rms(posterior: &Posterior, fit: &PosteriorFit) -> f64 {
 /// Rms distance on the sheet between the corners as seen and where the rig, as it was, would throw them.
 fn pattern_off(posterior: &Posterior, fit: &PosteriorFit) -> Option<f64> {
     let pose = fit.model.views.first()?;
-    let plane = Plane::from_point_normal(&pose.translation.into(), pose.rotation * Vector3::z())?;
-    let distance = |seen, q| {
-        let ray = Ray { origin: Point3::origin(), direction: fit.past.camera.bearing(seen)? };
-        // The rig may not even light the sheet there.
-        Some(nalgebra::distance(&ray.meet(&plane)?, &fit.past.lit(pose, q)?))
-    };
+    // The rig may not even light the sheet there.
+    let distance =
+        |seen, q| Some(nalgebra::distance(&fit.past.on_sheet(pose, seen)?, &fit.past.lit(pose, q)?));
     let distances = posterior.measurements().iter().filter_map(|m| match m.of {
         Target::Pair(q) => distance(m.seen, q),
         _ => None,

@@ -9,6 +9,7 @@ mod chi_squared_sf;
 mod keystone;
 mod posterior_fit;
 mod report_json;
+mod rig_views;
 #[cfg(test)]
 mod tests;
 
@@ -55,7 +56,7 @@ impl VerifyConfig {
     }
 }
 
-/// What a photograph says of a rig.
+/// The comparison of a rig with a photograph.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verification {
     /// The projected rectangle on the sheet.

@@ -3,14 +3,13 @@
 //! With y the rig's unknowns in units of their own σ (uncorrelated), m what is free besides and v the pose now, the
 //! minimum of |r(y, m, v)|² + |y|² is −2 ln of the likelihood times the rig's own posterior, to second order. That order
 //! does not suffice where a rig is uncertain by far more than its noise, as from one photograph: what it allows is a curve.
-//! So the rig's own views, as they are expected, constrain y in the directions that they determine (`Past`), and |y|² the
+//! So the rig's own views, as they are expected, constrain y in the directions that they determine (`rig_views`), and |y|² the
 //! others.
 
 use nalgebra::{DMatrix, DVector};
 
+use super::rig_views::RigViews;
 use crate::estimate::covariance::UNINFORMATIVE;
-use crate::estimate::expected_view::{ExpectedSheet, ExpectedView};
-use crate::estimate::implied_noise::implied_noise;
 use crate::estimate::measurement::measurements;
 use crate::estimate::planar_pose::sheet_pose;
 use crate::estimate::propagation::propagate;
@@ -20,112 +19,16 @@ use crate::estimate::unknowns::SHARED;
 use crate::estimate::{BundleAdjustment, Measurement, Model, Unknowns, covariance};
 use crate::observations::Observations;
 use crate::parameter::Parameter;
-use crate::pattern::{CheckerConfig, CheckerPattern};
 use crate::rig::Rig;
 use crate::solve::{self, Block, Linearised, Loss, Problem, Structure, minimise, polish};
 
 /// Of a rig's views this many are counted by themselves; with more of them it is certain enough for its covariance to do.
 const VIEWS: usize = 2;
-/// A direction of y of whose information the rig's views hold this part or more is constrained by them: along a curve y
-/// itself moves by many σ there.
-const DETERMINED_BY_VIEWS: f64 = 0.5;
 /// Step of differences, in σ of the unknown. One view of a plane leaves a direction of the projector undetermined, and larger
 /// parts of its σ are not straight.
 const STEP_SIGMAS: f64 = 1e-4;
 /// Degrees of freedom that the fit takes from edge points (a pose) and from projected corners (a homography).
 const SPENT: [usize; 2] = [6, 8];
-
-/// The rig as it was calibrated.
-#[derive(Clone)]
-struct Past {
-    /// With its views, as far as they are counted.
-    model: Model,
-    /// What these views show under the rig; `None` when y alone stands for them.
-    views: Option<BundleAdjustment>,
-    /// From their residuals to the y that they imply, in some directions; to first order it is y itself.
-    determined: DMatrix<f64>,
-    /// The other directions, a row each.
-    prior: DMatrix<f64>,
-}
-
-impl Past {
-    /// The rig's first views as they are expected, with the noise that its covariance implies, where they determine y, and
-    /// |y|² elsewhere.
-    fn new(rig: &Rig, model: Model, factor: &DMatrix<f64>) -> Self {
-        let unknowns = factor.ncols();
-        let views = expected_views(rig, &model);
-        let linear = Self {
-            model,
-            views: None,
-            determined: DMatrix::zeros(0, 0),
-            prior: DMatrix::identity(unknowns, unknowns),
-        };
-        let with_views = Self { views, ..linear.clone() };
-        let Some((a, _)) = with_views.rows(&with_views.model, factor) else { return linear };
-        // Of information 1 in every direction of y, the views hold the eigenvalue.
-        let eigen = (a.transpose() * &a).symmetric_eigen();
-        let directions = |determined: bool| {
-            let those = |i: &usize| (eigen.eigenvalues[*i] >= DETERMINED_BY_VIEWS) == determined;
-            let chosen: Vec<usize> = (0..unknowns).filter(those).collect();
-            DMatrix::from_fn(chosen.len(), unknowns, |r, c| {
-                let weight = if determined { 1.0 / eigen.eigenvalues[chosen[r]] } else { 1.0 };
-                eigen.eigenvectors[(c, chosen[r])] * weight
-            })
-        };
-        Self { determined: directions(true) * a.transpose(), prior: directions(false), ..with_views }
-    }
-
-    /// Residuals of y and their derivatives: what the views imply and what they do not, each with unit σ.
-    fn linearised(
-        &self,
-        model: &Model,
-        factor: &DMatrix<f64>,
-        y: &DVector<f64>,
-    ) -> Option<(DMatrix<f64>, DVector<f64>)> {
-        if self.determined.nrows() == 0 {
-            return Some((self.prior.clone(), &self.prior * y));
-        }
-        let (by_y, residuals) = self.rows(model, factor)?;
-        let n = self.determined.nrows() + self.prior.nrows();
-        let (mut a, mut r) = (DMatrix::zeros(n, factor.ncols()), DVector::zeros(n));
-        a.rows_mut(0, self.determined.nrows()).copy_from(&(&self.determined * by_y));
-        r.rows_mut(0, self.determined.nrows()).copy_from(&(&self.determined * residuals));
-        a.rows_mut(self.determined.nrows(), self.prior.nrows()).copy_from(&self.prior);
-        r.rows_mut(self.determined.nrows(), self.prior.nrows()).copy_from(&(&self.prior * y));
-        Some((a, r))
-    }
-
-    /// Derivatives by y and residuals of all views.
-    fn rows(&self, model: &Model, factor: &DMatrix<f64>) -> Option<(DMatrix<f64>, DVector<f64>)> {
-        let problem = self.views.as_ref()?;
-        let Linearised { residuals, jacobian } = problem.at(model)?;
-        let mut a = jacobian.columns(POSE, SHARED) * factor.rows(0, SHARED);
-        let mut at = 0;
-        for (i, rows) in problem.structure().groups.iter().enumerate() {
-            let by_view = jacobian.view((at, 0), (*rows, POSE)) * factor.rows(SHARED + POSE * i, POSE);
-            let mut own = a.rows_mut(at, *rows);
-            own += by_view;
-            at += rows;
-        }
-        a.iter().chain(residuals.iter()).all(|x| x.is_finite()).then_some((a, residuals))
-    }
-}
-
-/// What the views of a model show; `None` where the rig's covariance does not give their noise, or their sheets differ.
-fn expected_views(rig: &Rig, model: &Model) -> Option<BundleAdjustment> {
-    let size = rig.views.first()?.size;
-    if rig.views[..model.views.len()].iter().any(|v| v.size != size) {
-        return None;
-    }
-    let whole = Model::of_rig(rig);
-    let projector = model.projector?;
-    let board = CheckerPattern::new([projector.width, projector.height], &CheckerConfig::default()).ok()?;
-    let pattern = board.inner_corners().into_iter().map(|q| (q, 1.0)).collect();
-    let mut view = ExpectedView { size, sheet: ExpectedSheet::Sides([1.0; 4]), pattern };
-    view.shrink_pattern(|view| whole.views.iter().all(|pose| view.holds_pattern(&whole, pose)));
-    let noise = implied_noise(rig, &whole, &view)?;
-    Some(view.with_noise(noise).problem(model, &model.views, &Unknowns::all(0), &[])?.0)
-}
 
 /// A point of the search: the rig as it was and as it is, and the unknowns that lead there.
 #[derive(Clone)]
@@ -141,7 +44,7 @@ pub(super) struct State {
 pub(super) struct Posterior {
     /// The photograph.
     photograph: BundleAdjustment,
-    past: Past,
+    past: RigViews,
     /// F with F·Fᵀ the covariance of the shared unknowns and of the views of `past`.
     pub(super) factor: DMatrix<f64>,
     /// The rig, its view 0 where the sheet is seen now.
@@ -180,7 +83,7 @@ impl Posterior {
         let known = covariance::of_rig(rig, &unknowns)
             .unwrap_or_else(|| DMatrix::zeros(unknowns.len(), unknowns.len()));
         let factor = covariance::factor(&known);
-        let past = Past::new(rig, whole.with_views(&whole.views[..counted]), &factor);
+        let past = RigViews::new(rig, whole.with_views(&whole.views[..counted]), &factor);
         let units = start.units(&Unknowns::all(0));
         let photograph =
             BundleAdjustment::new(vec![view.size], measurements(seen), Unknowns::all(1), Vec::new());
@@ -200,7 +103,7 @@ impl Posterior {
         let all = Unknowns::all(0);
         let free: Vec<usize> = free.iter().filter_map(|p| all.position(p)).collect();
         let mut blocks = self.photograph.blocks.clone();
-        let others = self.past.determined.nrows() + self.past.prior.nrows() + free.len();
+        let others = self.past.rows() + free.len();
         blocks.extend(vec![Block { len: 1, loss: Loss::Square }; others]);
         Self { free, blocks, ..self.clone() }
     }
@@ -214,7 +117,7 @@ impl Posterior {
         }
     }
 
-    /// The robust fit with these parameters free: it tells outliers, and how widely the others scatter.
+    /// The robust fit with these parameters free: it detects outliers and measures the scatter of the others.
     pub(super) fn fit_robustly(&self, free: &[Parameter]) -> Option<RobustFit<State>> {
         let mut problem = self.with_free(free);
         let start = problem.state();

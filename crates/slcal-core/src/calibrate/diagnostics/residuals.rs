@@ -53,9 +53,9 @@ pub struct ViewResiduals {
     pub sheet: Vec<PointResidual>,
     /// The projected corners.
     pub pairs: Vec<PairResidual>,
-    /// How widely those of the sheet scatter, in the σ that their detector states: 1 for noise that is what it says. The
-    /// larger of the robust scale of all, which tells of a view that fits nowhere, and the root mean square of those that are
-    /// kept, which tells of one that does not fit in some place.
+    /// Scatter of the sheet's residuals, in the σ that their detector states: 1 where the noise is as stated. It is the
+    /// larger of two figures: the robust scale of all, which shows a view that fits nowhere, and the root mean square of those
+    /// that are kept, which shows one that does not fit in some place.
     pub sheet_scatter: f64,
     /// The same of the projected corners; `None` where there are none.
     pub pair_scatter: Option<f64>,
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn they_are_those_that_the_rig_states() {
+    fn residuals_are_those_that_the_rig_states() {
         let (rig, seen) = calibrated(|_| ());
         let views = residuals(&rig, &seen).unwrap();
         for (view, of_rig) in views.iter().zip(&rig.views) {
@@ -209,7 +209,7 @@ mod tests {
             );
             let panel = kept().map(|p| (p.on_panel.unwrap() - p.drawn).norm());
             assert!((rms(panel) - stated.projector.unwrap()).abs() < 1e-9);
-            // Noise is what it says, but for what the fit takes up; no view stands out.
+            // The noise is as stated, less what the fit takes up; no view stands out.
             let scatter = [view.sheet_scatter, view.pair_scatter.unwrap()];
             assert!(scatter.iter().all(|s| (0.75..1.25).contains(s)), "{scatter:?}");
             assert!(!view.is_odd());
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn outliers_and_the_odd_view_are_told() {
+    fn outliers_and_the_odd_view_are_reported() {
         let (rig, seen) = calibrated(|seen| {
             seen.views[0].pairs[5].camera.x += 20.0;
             let mut shake = rng(9);
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn others_observations_are_refused() {
+    fn observations_of_another_rig_are_refused() {
         let (rig, mut seen) = calibrated(|_| ());
         seen.views.pop();
         let refused = residuals(&rig, &seen).unwrap_err().to_string();

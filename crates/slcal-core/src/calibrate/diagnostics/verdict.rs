@@ -1,18 +1,18 @@
-//! The judgement on a calibration: how well the focal lengths are known, why not better, and what to do.
+//! The verdict on a calibration: how well the focal lengths are known, why not better, and what to do.
 
 use super::advice::{advise, percent, tilt};
+use super::far_from_prior::far_from_prior;
 use crate::calibrate::config::CalibrateConfig;
 use crate::error::{Error, ErrorSubject};
 use crate::estimate::assumptions::PrincipalPointRule;
 use crate::estimate::model::FOCAL_RANGE;
-use crate::estimate::prior::Prior;
 use crate::estimate::solution::FocalSigma;
 use crate::estimate::{Kind, Lens, Solution};
 use crate::parameter::LensParameter;
 use crate::rig::{Verdict, Warning};
 
 /// Warnings about how well the geometry determines the result; all others are about what does not fit.
-const SAID_BY_CAUSE: [&str; 5] = [
+const GEOMETRY_WARNINGS: [&str; 5] = [
     "weak-geometry",
     "degenerate-geometry",
     "principal-point-limited",
@@ -32,28 +32,21 @@ const MANY_OUTLIERS: f64 = 0.3;
 const CORNERS_OFF: &str = "sheet-corners-off";
 /// Poses whose sheets are turned against each other by less than this add next to nothing, rad (1°).
 const ALIKE: f64 = std::f64::consts::PI / 180.0;
-/// Distance of a principal point from its prior, in σ, that deserves a warning.
-const FAR_FROM_PRIOR: f64 = 3.0;
-/// Beyond this distance, in σ, prior and photographs contradict each other, and σ of the result means little.
-const AGAINST_PRIOR: f64 = 6.0;
 
-/// The same for a coefficient of distortion: no ordinary lens has a k1 of 0.5.
-const NO_SUCH_LENS: f64 = 5.0;
-
-/// Everything that is said about a fit.
-pub(crate) struct Judgement {
+/// The verdict with its reason, and all warnings.
+pub(crate) struct Assessment {
     pub(crate) sigma: FocalSigma,
     pub(crate) verdict: Verdict,
     /// How the sheet is seen and how well the focal length is known from it.
     cause: String,
     advice: String,
-    /// What is worse than σ says.
+    /// What is worse than σ indicates.
     doubt: Option<Warning>,
     pub(crate) warnings: Vec<Warning>,
 }
 
-impl Judgement {
-    /// Adds what makes the result wrong by more than σ says, before all else: it is never called good then.
+impl Assessment {
+    /// Adds, before all else, a warning about an error larger than σ: the verdict is never good then.
     pub(crate) fn doubt(&mut self, warning: Warning) {
         self.verdict = self.verdict.max(Verdict::Weak);
         self.doubt = Some(warning.clone());
@@ -67,7 +60,7 @@ impl Judgement {
         }
     }
 
-    /// Why the verdict is what it is, and what to do: the geometry, or what is worse than σ says.
+    /// Why the verdict is what it is, and what to do: the geometry, or what is worse than σ indicates.
     pub(crate) fn why(&self) -> (&str, &str) {
         match &self.doubt {
             Some(w) => (&w.message, &w.advice),
@@ -75,9 +68,9 @@ impl Judgement {
         }
     }
 
-    /// The error that refuses a degenerate view. Where the model does not fit, that is said first: more tilt would not help.
+    /// The error that refuses a degenerate view. A model that does not fit comes first: more tilt would not help.
     pub(crate) fn refusal(&self) -> Error {
-        let misfit = self.warnings.iter().find(|w| !SAID_BY_CAUSE.contains(&w.code.as_str()));
+        let misfit = self.warnings.iter().find(|w| !GEOMETRY_WARNINGS.contains(&w.code.as_str()));
         let advice = match misfit {
             Some(w) => format!("{}: {}; as it is, {}", w.message, w.advice, self.cause),
             None => {
@@ -127,11 +120,11 @@ fn cause(solution: &Solution, sigma: &FocalSigma, config: &CalibrateConfig, limi
     format!("{seen}: σ of the focal length of the {device}{free} is {}{because}", percent(sigma.worst()))
 }
 
-/// Judges a maximum-likelihood fit.
-pub(crate) fn judge(solution: &Solution, config: &CalibrateConfig) -> Judgement {
+/// Assesses a maximum-likelihood solution.
+pub(crate) fn assess(solution: &Solution, config: &CalibrateConfig) -> Assessment {
     let sigma = solution.focal_sigma();
     let limited = exact_would_be(solution, &sigma);
-    let mut judgement = Judgement {
+    let mut assessment = Assessment {
         sigma,
         verdict: Verdict::of_focal_sigma(sigma.worst()),
         cause: cause(solution, &sigma, config, limited.is_some()),
@@ -140,22 +133,17 @@ pub(crate) fn judge(solution: &Solution, config: &CalibrateConfig) -> Judgement 
         warnings: Vec::new(),
     };
     if let Some(w) = implausible_focal(solution) {
-        judgement.worsen(Verdict::Degenerate, &w);
-        judgement.warnings.push(w);
+        assessment.worsen(Verdict::Degenerate, &w);
+        assessment.warnings.push(w);
     }
     let misfits = misfits(solution);
-    let far = [
-        principal_point_far_from_prior(solution),
-        distortion_far_from_prior(solution),
-        focal_far_from_prior(solution),
-    ];
-    let far: Vec<_> = far.into_iter().flatten().collect();
+    let far = far_from_prior(solution);
     // Corners are too few to widen their own σ, and a prior never does: what they miss by is not in σ of the focal length.
     let against = far.iter().filter(|(_, against)| *against).map(|(w, _)| w);
     for w in misfits.iter().filter(|w| w.code == CORNERS_OFF).chain(against) {
-        judgement.worsen(Verdict::Weak, w);
+        assessment.worsen(Verdict::Weak, w);
     }
-    let Judgement { verdict, cause, advice, warnings, .. } = &mut judgement;
+    let Assessment { verdict, cause, advice, warnings, .. } = &mut assessment;
     if *verdict >= Verdict::Weak {
         let code = if *verdict == Verdict::Weak { "weak-geometry" } else { "degenerate-geometry" };
         warnings.push(Warning::new(code, cause.clone(), advice.clone()));
@@ -165,7 +153,7 @@ pub(crate) fn judge(solution: &Solution, config: &CalibrateConfig) -> Judgement 
     warnings.extend(far.into_iter().map(|(w, _)| w));
     warnings.extend(misfits);
     warnings.extend(poses_alike(solution));
-    judgement
+    assessment
 }
 
 /// A focal length at the end of the range that the search is confined to.
@@ -219,74 +207,6 @@ fn shift_undetermined(solution: &Solution, config: &CalibrateConfig) -> Option<W
             "tilt the sheet about its vertical axis as well (a tilt about the horizontal axis alone cannot separate lens \
              shift from focal length), or give the principal point",
         )
-    })
-}
-
-/// Of the priors of some parameters, the one whose parameter lies furthest from it, and by how many σ.
-fn furthest(solution: &Solution, of: impl Fn(LensParameter) -> bool) -> Option<(&Prior, f64)> {
-    let priors = solution.problem.priors.iter().filter(|p| of(p.parameter));
-    let offs = priors.filter_map(|p| Some((p, p.residual(solution.model())?)));
-    offs.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-}
-
-/// The principal point that lies furthest from its prior, if far, and whether the two contradict each other.
-fn principal_point_far_from_prior(solution: &Solution) -> Option<(Warning, bool)> {
-    let (prior, off) = furthest(solution, |p| matches!(p, LensParameter::Cx | LensParameter::Cy))?;
-    let axis = if prior.parameter == LensParameter::Cx { "cx" } else { "cy" };
-    (off.abs() > FAR_FROM_PRIOR).then(|| {
-        let warning = Warning::new(
-            "principal-point-far",
-            format!(
-                "{axis} of the {} lies {:.0} px from where it was expected, {:.1} σ",
-                prior.lens.name(),
-                off * prior.sigma,
-                off.abs()
-            ),
-            "check the sheet's size, and whether the photograph was cropped or the lens distorts",
-        );
-        (warning, off.abs() > AGAINST_PRIOR)
-    })
-}
-
-/// The distortion coefficient that lies furthest from its prior, if far, and whether no lens has it: a bent sheet seen face-on
-/// passes for one.
-fn distortion_far_from_prior(solution: &Solution) -> Option<(Warning, bool)> {
-    let (prior, off) = furthest(solution, |p| p as usize >= LensParameter::K1 as usize)?;
-    let (value, off) = (prior.value(solution.model())?, off.abs());
-    (off > FAR_FROM_PRIOR).then(|| {
-        let warning = Warning::new(
-            "distortion-far",
-            format!(
-                "{} of the {} came out as {value:.2}, {off:.1} σ from what lenses have",
-                prior.parameter.name(),
-                prior.lens.name()
-            ),
-            "is the sheet flat? tilt it more, or estimate no distortion if the lens is good",
-        );
-        (warning, off > NO_SUCH_LENS)
-    })
-}
-
-/// The camera's focal length against what was expected of it. Of an estimate that contains the prior, the distance from
-/// the prior's mean has the variance σ² of the prior less that of the estimate.
-fn focal_far_from_prior(solution: &Solution) -> Option<(Warning, bool)> {
-    let (prior, off) = furthest(solution, |p| p == LensParameter::Focal)?;
-    let spread = (prior.sigma.powi(2) - solution.sigma(prior.lens, prior.parameter)?.powi(2)).max(0.0).sqrt();
-    let off = (off * prior.sigma).abs() / spread;
-    (off.is_finite() && off > FAR_FROM_PRIOR).then(|| {
-        let warning = Warning::new(
-            "focal-far-from-prior",
-            format!(
-                "the camera's focal length is {:.0} px where {:.0} px was expected within {}: {:.1} σ apart",
-                solution.model().camera.intrinsics.fx,
-                prior.mean.exp(),
-                percent(prior.sigma),
-                off
-            ),
-            "check the sheet's size, whether the photograph was cropped or scaled after it was taken, and whether the \
-             expected focal length is that of this lens at this zoom",
-        );
-        (warning, off > AGAINST_PRIOR)
     })
 }
 

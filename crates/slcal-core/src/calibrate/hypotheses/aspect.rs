@@ -117,7 +117,7 @@ pub(crate) fn hint(
     let size = observations.views.first()?.size;
     let given = size.width_mm / size.height_mm;
     let fits = given * change.exp();
-    // As many digits as σ has something to say about.
+    // As many digits as σ supports.
     let decimals = (1.0 - (fits * sigma).max(1e-9).log10().floor()).clamp(4.0, 9.0) as usize;
     Some(Warning::new(
         "aspect-doubtful",

@@ -17,7 +17,7 @@ const LEAST_GAIN: f64 = 9.2;
 /// Residuals count up to this many times the typical one, so that outliers of either fit do not decide.
 const CAP: f64 = 5.0;
 
-/// Claimed σ are never taken for too large: correlated points scatter less than their σ, but say no more for it.
+/// Claimed σ are never taken for too large: correlated points scatter less than their σ without carrying more information.
 const MIN_UNIT: f64 = 1.0;
 
 /// What `Auto` stands for: none, or k1 with k2.
@@ -64,8 +64,8 @@ fn nothing_fitted() -> Error {
     Error::invalid("distortion", "a model of the lens", "none")
 }
 
-/// The fit of the smallest χ², in units of what remains under the freest model, where every lens that is let distort has
-/// to earn [`LEAST_GAIN`].
+/// The fit of the smallest χ², in units of what remains under the freest model, where every distorted lens has to lower χ²
+/// by [`LEAST_GAIN`].
 fn choose(fits: Vec<(Solution, CalibrateConfig)>) -> Option<(Solution, CalibrateConfig)> {
     let units = units(&fits.last()?.0);
     let price = |config: &CalibrateConfig| {

@@ -32,7 +32,7 @@ fn firsts(observations: &Observations) -> Vec<usize> {
     (0..seen.len()).map(|j| (0..j).find(|&i| same(&seen[i], &seen[j])).unwrap_or(j)).collect()
 }
 
-/// The observations with the σ of a photograph that is given n times √n times as large, so that all together say what one
+/// The observations with the σ of a photograph that is given n times √n times as large, so that all together weigh what one
 /// does; and a warning about the first repetition.
 pub(crate) fn counted_once(observations: &Observations) -> (Cow<'_, Observations>, Option<Warning>) {
     let firsts = firsts(observations);

@@ -38,7 +38,7 @@ pub(crate) fn centred(h: &Homography, principal_point: Point2<f64>) -> Homograph
 
 /// f² from the constraints of one or more homographies (of one device, image origin at the principal point): weighted
 /// least squares in 1/f², which leaves a degenerate constraint (both coefficients zero) without influence. When noise
-/// makes that negative, each constraint is asked alone, the better determined first.
+/// makes that negative, each constraint is solved alone, the better determined first.
 ///
 /// # Errors
 /// [`Error::ImaginaryFocal`] when no constraint has a real solution; [`Error::Degenerate`] when all are empty (every

@@ -13,8 +13,8 @@ use crate::estimate::Model;
 use crate::estimate::assumptions::PrincipalPointRule;
 use crate::estimate::model::FOCAL_RANGE;
 use crate::estimate::planar_pose::{CUTOFF, TRIMMING_ROUNDS, camera_from_sheet, pose_from_homography};
-use crate::geometry::{Camera, Distortion, Homography, Intrinsics, Plane, Pose, Ray};
-use crate::observations::Observations;
+use crate::geometry::{Camera, Distortion, Homography, Intrinsics, Pose};
+use crate::observations::{Observations, ViewObservation};
 use crate::solve::{homography_from_points, robust_scale};
 
 /// Focal lengths, in units of the longer side, from which the refinement is tried when no closed form has a real
@@ -86,7 +86,7 @@ fn guesses(size: [u32; 2], pp: Point2<f64>) -> impl Iterator<Item = Intrinsics> 
     GUESSES.into_iter().map(move |g| Intrinsics::square(g * side, pp))
 }
 
-/// Models of camera and poses to refine from, best first; the second value is the closed form's complaint.
+/// Models of camera and poses to refine from, best first; the second value is the closed form's error.
 pub(crate) fn camera_starts(
     observations: &Observations,
     config: &CalibrateConfig,
@@ -128,30 +128,17 @@ pub(crate) fn camera_starts(
 
 /// The homography sheet (mm) → projector of each view: camera pixels of the pairs are cast onto the sheet.
 fn projector_homographies(observations: &Observations, model: &Model) -> Result<Vec<Homography>> {
-    let origin = nalgebra::Point3::origin();
-    observations
-        .views
-        .iter()
-        .zip(&model.views)
-        .map(|(view, pose)| {
-            let normal = pose.rotation * nalgebra::Vector3::z();
-            let plane = Plane::from_point_normal(&pose.translation.into(), normal);
-            let sheet_from_camera = pose.inverse();
-            let pairs: Vec<_> = view
-                .pairs
-                .iter()
-                .filter_map(|p| {
-                    let ray = Ray { origin, direction: model.camera.bearing(p.camera)? };
-                    let on_sheet = sheet_from_camera.transform(&ray.meet(plane.as_ref()?)?);
-                    Some((on_sheet.xy(), p.projector))
-                })
-                .collect();
-            robust_homography(&pairs)
-        })
-        .collect()
+    let of_view = |(view, pose): (&ViewObservation, &Pose)| {
+        let sheet_from_camera = pose.inverse();
+        let on_sheet = |p| Some(sheet_from_camera.transform(&model.on_sheet(pose, p)?).xy());
+        let pairs: Vec<_> =
+            view.pairs.iter().filter_map(|p| Some((on_sheet(p.camera)?, p.projector))).collect();
+        robust_homography(&pairs)
+    };
+    observations.views.iter().zip(&model.views).map(of_view).collect()
 }
 
-/// Models with a projector to refine from; the second value is the closed form's complaint.
+/// Models with a projector to refine from; the second value is the closed form's error.
 ///
 /// # Errors
 /// When the projected corners do not determine a homography.

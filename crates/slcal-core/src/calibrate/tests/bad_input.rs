@@ -1,4 +1,4 @@
-//! Observations that contradict each other or what was said about them.
+//! Observations that contradict each other or their configuration.
 
 use nalgebra::Point2;
 

@@ -1,4 +1,4 @@
-//! A focal length that is expected beforehand: what it brings, and what is said when it is wrong.
+//! A prior of the focal length: what it improves, and the warning when it is wrong.
 
 use super::scene::{observe, pose, rig, rng};
 use crate::calibrate::*;

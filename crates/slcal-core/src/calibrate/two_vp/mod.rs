@@ -12,7 +12,7 @@
 //! (Slips in print: the sentence before eq. (5) calls O_cV_i O_iV_i; under the root in (7) stands f², not f.)
 //!
 //! Precondition: square pixels, no distortion, an exactly known principal point, and a sheet tilted about both axes: only
-//! the orthogonality of the sheet's sides is used, which says nothing when one of them is parallel to the image.
+//! the orthogonality of the sheet's sides is used, which determines nothing when one of them is parallel to the image.
 
 mod closed_form;
 pub(crate) mod rig;

@@ -18,7 +18,7 @@ use crate::observations::{CornerPair, Observations, SheetObservation, ViewObserv
 use crate::rig::{Device, DeviceSigma, Projector, Quality, Rig, StereoPose, Verdict, ViewRms, Warning};
 use crate::solve::rms;
 
-/// Residuals this many times the noise say that the assumptions (centred principal points, no distortion) do not hold.
+/// At residuals this many times the noise, the assumptions (centred principal points, no distortion) do not hold.
 const MISFIT: f64 = 10.0;
 
 const ADVICE: &str = "use the maximum-likelihood method: its σ covers principal points and distortion";
@@ -96,7 +96,7 @@ pub(crate) fn calibrate(observations: &Observations, config: &CalibrateConfig) -
     };
     let output = closed_form(&input)?;
     let sigma = sigmas(&input, &output, &view);
-    judge(&input, &output, &sigma, &view, config)
+    assessed(&input, &output, &sigma, &view, config)
 }
 
 /// Reprojection in camera pixels: rms of the sheet's corners and of the pairs, and of the pairs in projector pixels.
@@ -160,7 +160,7 @@ fn misfit(found: &ViewRms, view: &ViewObservation, input: &Input) -> Option<Warn
     ))
 }
 
-fn judge(
+fn assessed(
     input: &Input,
     output: &Output,
     sigma: &[f64; 8],

@@ -27,7 +27,7 @@ const LEAST_REDUNDANCY: f64 = 8.0;
 const MAX_ROUNDS: usize = 8;
 /// They end when no σ changes by more than this part.
 const SETTLED: f64 = 0.02;
-/// So many points of a side or of a pattern tell its noise to 2 %.
+/// This many points of a side or of a pattern determine its noise to 2 %.
 const ENOUGH_FOR_NOISE: usize = 1000;
 /// Of more points than this on a side or in a pattern the noise that they average to is far below every model's error, and
 /// only the time that they take grows.

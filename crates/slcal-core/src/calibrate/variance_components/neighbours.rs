@@ -1,10 +1,10 @@
-//! What neighbouring edge points have in common: whoever counts them as independent takes σ of the result for too small.
+//! Correlation of neighbouring edge points: if they counted as independent, σ of the result would be too small.
 
 use crate::estimate::{Model, Target, measurements, residual};
 use crate::geometry::Side;
 use crate::observations::Observations;
 
-/// Residuals beyond this many σ say nothing about their neighbours.
+/// Residuals beyond this many σ are outliers.
 const OUTLIER: f64 = 4.7;
 /// Neighbours are never taken for more alike than this: what they have in common then is the model's error.
 const MOST_ALIKE: f64 = 0.9;
