@@ -122,6 +122,19 @@ def shows_rig(page: Page, rig: Any) -> int:
     return len(shown)
 
 
+def places_projector(page: Page, rig: Any) -> None:
+    """The page gives the projector's optical centre, which is not t."""
+    rotation, t = (rig["projector_from_camera"][key] for key in ("R", "t"))
+    centre = [-sum(rotation[i][k] * t[i] for i in range(3)) for k in range(3)]
+    sides = [("to the left", "to the right"), ("above", "below"), ("behind", "in front")]
+    expected = [(words[value > 0], abs(value)) for words, value in zip(sides, centre, strict=True)]
+    shown = page.run(
+        "return [...'xyz'].map(k => document.querySelector(`[data-derived=centre_${k}]`))"
+        ".map(e => [e.closest('tr').querySelector('th').textContent, Number(e.dataset.value)])")
+    for (side, value), (label, number) in zip(expected, shown, strict=True):
+        assert label == side and math.isclose(number, value, rel_tol=1e-9), (expected, shown)
+
+
 def colours(picture: bytes) -> int:
     """How many colours a picture has."""
     found = Image.open(io.BytesIO(picture)).convert("RGB").getcolors(1 << 24)
@@ -171,9 +184,11 @@ def chooses(page: Page) -> None:
 
 
 def fits_width(page: Page) -> None:
-    """No scrolling to the side."""
+    """Neither the page nor a table in it scrolls to the side."""
     wide, window = page.run("return [document.documentElement.scrollWidth, innerWidth]")
     assert wide <= window, (wide, window)
+    tables = page.run("return [...document.querySelectorAll('.scroll')].map(e => [e.closest('section').id, e.scrollWidth, e.clientWidth])")
+    assert all(wide <= room for _, wide, room in tables), tables
 
 
 def shown_first(page: Page) -> None:
@@ -225,6 +240,7 @@ def check(slcal: Path, folder: Path, pictures: Path | None) -> None:
 
     with opened(demo) as page:
         fields = shows_rig(page, rig)
+        places_projector(page, rig)
         accessible(page)
         shown_first(page)
         keep(page, "demo")

@@ -1,6 +1,6 @@
 //! A calibrated rig: the hand-over from `calibrate` to everything that uses it.
 
-use nalgebra::{DMatrix, Matrix3, Point2, Vector3};
+use nalgebra::{DMatrix, Point2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, ErrorSubject, Result};
@@ -221,7 +221,7 @@ impl Rig {
     #[must_use]
     pub fn baseline_sigma_mm(&self) -> Option<f64> {
         let along = self.projector?.from_camera.pose.translation.try_normalize(0.0)?;
-        self.stereo_sigma([PoseParameter::Tx, PoseParameter::Ty, PoseParameter::Tz], &along)
+        self.stereo_sigma(&along, &Vector3::zeros())
     }
 
     /// 1σ of the rotation angle between the devices, rad: of a small rotation that follows another, the part along the
@@ -229,19 +229,32 @@ impl Rig {
     #[must_use]
     pub fn rotation_sigma_rad(&self) -> Option<f64> {
         let axis = self.projector?.from_camera.pose.rotation.axis()?;
-        self.stereo_sigma([PoseParameter::Rx, PoseParameter::Ry, PoseParameter::Rz], &axis)
+        self.stereo_sigma(&Vector3::zeros(), &axis)
     }
 
-    /// √(uᵀ C u) with C the covariance of three parameters between the devices.
-    fn stereo_sigma(&self, parameters: [PoseParameter; 3], u: &Vector3<f64>) -> Option<f64> {
+    /// 1σ of the projector's optical centre −Rᵀ t, in the camera's frame, mm. `None` where the rig has no such covariance.
+    #[must_use]
+    pub fn projector_centre_sigma_mm(&self) -> Option<[f64; 3]> {
+        let Pose { rotation, translation } = self.projector?.from_camera.pose;
+        // A rotation by r about the projector's axes and a change of t by d move the centre by Rᵀ (r × t − d).
+        let sigma = |axis: Vector3<f64>| {
+            let along = rotation * axis;
+            self.stereo_sigma(&-along, &translation.cross(&along))
+        };
+        Some([sigma(Vector3::x())?, sigma(Vector3::y())?, sigma(Vector3::z())?])
+    }
+
+    /// √(uᵀ C u) with C the covariance of t and of the rotation between the devices, and u the given weights.
+    fn stereo_sigma(&self, of_t: &Vector3<f64>, of_rotation: &Vector3<f64>) -> Option<f64> {
         let covariance = self.covariance.as_ref()?;
-        let mut at = [0; 3];
-        for (index, parameter) in at.iter_mut().zip(parameters) {
+        let weights = of_rotation.iter().chain(of_t);
+        let mut u = Vec::new();
+        for (parameter, weight) in PoseParameter::ALL.into_iter().zip(weights).filter(|(_, w)| **w != 0.0) {
             let wanted = Parameter::ProjectorFromCamera(parameter);
-            *index = covariance.parameters.iter().position(|p| *p == wanted)?;
+            u.push((covariance.parameters.iter().position(|p| *p == wanted)?, *weight));
         }
-        let c = Matrix3::from_fn(|i, j| covariance.matrix.get((at[i], at[j])).copied().unwrap_or(f64::NAN));
-        let variance = (u.transpose() * c * u)[0];
+        let c = |i: usize, j: usize| covariance.matrix.get((i, j)).copied().unwrap_or(f64::NAN);
+        let variance: f64 = u.iter().flat_map(|(i, a)| u.iter().map(move |(j, b)| a * b * c(*i, *j))).sum();
         (variance.is_finite() && variance >= 0.0).then(|| variance.sqrt())
     }
 
@@ -323,5 +336,39 @@ mod tests {
         assert!((rig.rotation_sigma_rad().unwrap() - 3e-3).abs() < 1e-15);
         rig.projector.as_mut().unwrap().from_camera.pose = pose;
         assert_eq!(rig.rotation_sigma_rad(), None);
+    }
+
+    #[test]
+    fn the_sigma_of_the_projectors_centre_follows_changes_of_its_pose() {
+        let model = Camera {
+            width: 640,
+            height: 480,
+            intrinsics: Intrinsics::square(800.0, Point2::new(319.5, 239.5)),
+            distortion: Distortion::default(),
+        };
+        let turn = nalgebra::Rotation3::from_scaled_axis;
+        let pose = Pose {
+            rotation: turn(Vector3::new(0.3, -0.5, 0.1)),
+            translation: Vector3::new(-180.0, 40.0, 25.0),
+        };
+        // One change of the pose, fully correlated.
+        let (r, d) = (Vector3::new(2e-6, -1e-6, 3e-6), Vector3::new(1e-3, 2e-3, -3e-3));
+        let changed = Pose { rotation: turn(r) * pose.rotation, translation: pose.translation + d };
+        let change = nalgebra::DVector::from_iterator(6, r.iter().chain(&d).copied());
+        let rig = Rig {
+            camera: model.into(),
+            projector: Some(Projector { device: model.into(), from_camera: pose.into() }),
+            views: Vec::new(),
+            method: "ml".into(),
+            quality: None,
+            covariance: Some(Covariance {
+                parameters: PoseParameter::ALL.map(Parameter::ProjectorFromCamera).to_vec(),
+                matrix: &change * change.transpose(),
+            }),
+        };
+        let moved = changed.centre() - pose.centre();
+        for (sigma, moved) in rig.projector_centre_sigma_mm().unwrap().into_iter().zip(moved.iter()) {
+            assert!((sigma - moved.abs()).abs() < 1e-6 * moved.abs() + 1e-9, "{sigma} {moved}");
+        }
     }
 }

@@ -8,7 +8,7 @@ mod drawing;
 pub(crate) mod residual_drawing;
 pub(crate) mod sheet;
 pub(crate) mod stripes;
-mod vector_scale;
+pub(crate) mod vector_scale;
 pub(crate) mod verification;
 
 pub(crate) use display_encoding::for_display;

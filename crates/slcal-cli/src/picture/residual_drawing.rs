@@ -1,4 +1,4 @@
-//! How well a photograph fits the rig that was calibrated from it: residuals, magnified, upon what was found.
+//! The residuals of a calibration, enlarged, over the measured points.
 
 use nalgebra::{Point2, Vector2};
 use slcal_core::geometry::ProjectivePoint;
@@ -12,11 +12,10 @@ use crate::name::short;
 
 /// Half the size of an outlier's cross, units.
 const CROSS: f64 = 4.5;
-/// A vanishing point is near, and drawn, within this many sizes of the image from its frame: beyond it its pencil looks
-/// parallel.
+/// A vanishing point is drawn within this many image sizes of the frame; the lines to a farther one look parallel.
 const NEAR: f64 = 1.0;
 
-/// A view and what a rig makes of it.
+/// A view with its observations and residuals.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MeasuredView<'a> {
     pub(crate) observed: &'a ViewObservation,
@@ -39,24 +38,24 @@ impl MeasuredView<'_> {
         self.residuals.sheet.iter().chain(self.residuals.pairs.iter().map(|p| &p.camera))
     }
 
-    /// How many points there are.
+    /// Number of points.
     pub(crate) fn count(&self) -> usize {
         self.points().count()
     }
 
-    /// How many of them the calibration left out.
+    /// Number of outliers, which the calibration left out.
     pub(crate) fn outliers(&self) -> usize {
         self.points().filter(|p| !p.kept).count()
     }
 
-    /// The residuals in words, by their root mean squares; empty when the rig does not state them.
+    /// The rms residuals in words; empty when the rig does not state them.
     pub(crate) fn in_words(&self) -> String {
         let Some(rms) = self.view.rms_px else { return String::new() };
         let corners = rms.corners.map_or(String::new(), |c| format!(", corners {}", pixels(c)));
-        format!("sides {}{corners} (rms)", pixels(rms.edges))
+        format!("rms residuals: edges {}{corners}", pixels(rms.edges))
     }
 
-    /// How this view compares with the others, when it does badly.
+    /// How this view compares with the others, when it fits worse.
     pub(crate) fn odd_in_words(&self) -> Option<String> {
         let times = self.residuals.times_others.filter(|_| self.residuals.is_odd())?;
         Some(match times {
@@ -73,7 +72,7 @@ fn pixels(x: f64) -> String {
     format!("{x:.decimals$} px")
 }
 
-/// By how much residuals are lengthened in the pictures of some views, so that they can be compared.
+/// The common enlargement of the residuals of several views, so that they can be compared.
 pub(crate) fn magnification<'a>(fits: impl IntoIterator<Item = MeasuredView<'a>>, unit: f64) -> f64 {
     let mut lengths = Vec::new();
     for fit in fits {
@@ -91,8 +90,7 @@ pub(crate) fn drawing(size: [u32; 2], name: &str, title: &str, fit: MeasuredView
     drawing
 }
 
-/// What was found, arrows to where the rig expects it, `factor` times as long as they are, outliers, and vanishing points
-/// that are near.
+/// The measured points, their residuals enlarged by `factor`, outliers, and vanishing points near the frame.
 pub(crate) fn draw(drawing: &mut Drawing, fit: MeasuredView<'_>, factor: f64) {
     draw_vanishing_points(drawing, fit.view);
     sheet::draw_sheet(drawing, fit.observed);
@@ -118,21 +116,20 @@ pub(crate) fn legend<'a>(
 ) -> Legend {
     let fits: Vec<_> = fits.into_iter().collect();
     let mut legend = sheet::legend(title.to_owned(), fits.iter().map(|f| f.observed));
-    let lengthened =
-        if factor > 1.0 { format!(", lengthened ×{}", vector_scale::plain(factor)) } else { String::new() };
+    let enlarged =
+        if factor > 1.0 { format!(", enlarged ×{}", vector_scale::plain(factor)) } else { String::new() };
     let (bar, length) = vector_scale::scale(drawing, factor, arrow_pen());
     legend = legend
-        .entry(Swatch::Arrow(arrow_pen()), format!("to where the rig expects it{lengthened}"))
+        .entry(Swatch::Arrow(arrow_pen()), format!("residual, to the predicted position{enlarged}"))
         .entry(bar, format!("{length} in the photograph"));
     let outliers: usize = fits.iter().map(MeasuredView::outliers).sum();
     if outliers > 0 {
         let plural = if outliers == 1 { "" } else { "s" };
-        let text = format!("{outliers} point{plural} left out, too far off");
+        let text = format!("{outliers} outlier{plural}, left out");
         legend = legend.entry(Swatch::Cross(outlier_pen()), text);
     }
     if fits.iter().any(|f| near_points(drawing, f.view).next().is_some()) {
-        legend =
-            legend.entry(Swatch::Line(pencil_pen()), "to where its parallel sides meet (vanishing point)");
+        legend = legend.entry(Swatch::Line(pencil_pen()), "to the vanishing point of parallel sides");
     }
     legend
 }
@@ -161,7 +158,7 @@ fn draw_vanishing_points(drawing: &mut Drawing, view: &View) {
     for (point, sides, name) in near {
         let from = sides.map(|[a, b]| if (a - point).norm() < (b - point).norm() { a } else { b });
         drawing.lines(from.map(|p| [p, point]).iter().map(<[_; 2]>::as_slice), pencil_pen());
-        let text = format!("vanishing point of its {name}");
+        let text = format!("vanishing point of the {name}");
         let unit = drawing.unit();
         if drawing.frame().holds(point) {
             drawing.rings([point], 6.0, Pen::new(PINK).width(1.6));
@@ -252,7 +249,7 @@ mod tests {
     const FAR: [Vector3<f64>; 2] = [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 1e-9)];
 
     #[test]
-    fn residuals_are_drawn_magnified_and_outliers_crossed() {
+    fn residuals_are_enlarged_and_outliers_crossed() {
         let (observed, residuals, view) = (observed(), residuals(), view(FAR));
         let fit = MeasuredView { observed: &observed, residuals: &residuals, view: &view };
         let drawing = drawing([900, 600], "a/b.jpg", "b.jpg", fit);
@@ -267,9 +264,9 @@ mod tests {
         let words: Vec<_> =
             drawing.legend.as_ref().unwrap().entries.iter().map(|e| e.text.as_str()).collect();
         assert!(words.iter().any(|w| w.contains("×200")), "{words:?}");
-        assert!(words.contains(&"1 point left out, too far off"), "{words:?}");
+        assert!(words.contains(&"1 outlier, left out"), "{words:?}");
         assert!(!words.iter().any(|w| w.contains("vanishing")), "{words:?}");
-        assert_eq!(fit.in_words(), "sides 0.051 px, corners 0.50 px (rms)");
+        assert_eq!(fit.in_words(), "rms residuals: edges 0.051 px, corners 0.50 px");
         assert_eq!(fit.odd_in_words().as_deref(), Some("fits 4.2 times worse than the others"));
     }
 
@@ -290,7 +287,7 @@ mod tests {
             .collect();
         assert_eq!(
             labels.iter().map(|l| l.1).collect::<Vec<_>>(),
-            ["vanishing point of its width", "vanishing point of its height"]
+            ["vanishing point of the width", "vanishing point of the height"]
         );
         assert!(labels.iter().all(|(at, _)| drawing.frame().holds(*at)), "{labels:?}");
         assert!((labels[1].0 - Point2::new(400.0, 20.0)).norm() < 20.0, "{labels:?}");

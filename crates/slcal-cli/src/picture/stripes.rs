@@ -29,7 +29,7 @@ const NUMBERED_LENGTH: f64 = 30.0;
 /// The matches of a photograph called `name`, a colour per slit, with a legend.
 pub(crate) fn decoded(size: [u32; 2], name: &str, decoding: &Decoding) -> Drawing {
     let name = short(name);
-    let mut drawing = dimmed(size, format!("{name}: the stripes that were decoded"));
+    let mut drawing = dimmed(size, format!("{name}: decoded stripes"));
     let points: Vec<_> = decoding
         .matches
         .items
@@ -44,8 +44,8 @@ pub(crate) fn decoded(size: [u32; 2], name: &str, decoding: &Decoding) -> Drawin
     let title = format!("{name}: {}", counted(&decoding.report));
     let colors = (0..6).map(slit_color).collect();
     let mut legend = Legend::new(title)
-        .entry(Swatch::Colors(colors), "stripes, a colour for each slit; some with its number");
-    if let Some(why) = left_out(&decoding.report) {
+        .entry(Swatch::Colors(colors), "stripes, one colour per slit; some with the slit's number");
+    if let Some(why) = rejected(&decoding.report) {
         legend = legend.note(why);
     }
     drawing.legend = Some(legend);
@@ -55,7 +55,7 @@ pub(crate) fn decoded(size: [u32; 2], name: &str, decoding: &Decoding) -> Drawin
 /// The points of a cloud in their photograph called `name`, coloured by their distance from the camera, with a legend.
 pub(crate) fn reconstructed(size: [u32; 2], name: &str, result: &Reconstruction) -> Drawing {
     let (name, cloud) = (short(name), &result.cloud);
-    let mut drawing = dimmed(size, format!("{name}: the points that were reconstructed"));
+    let mut drawing = dimmed(size, format!("{name}: reconstructed points"));
     let distances = distances(cloud);
     let (near, far) = range(&distances);
     let shade = |d: f64| {
@@ -92,32 +92,26 @@ fn dimmed(size: [u32; 2], title: String) -> Drawing {
 
 fn counted(report: &DecodeReport) -> String {
     format!(
-        "{} of {} crossings decoded, {} slits",
+        "{} of {} stripe crossings decoded, {} slits",
         thousands(report.decoded),
         thousands(report.crossings),
         report.slits
     )
 }
 
-/// What was seen and not reported, by reason; `None` when that is nothing.
-fn left_out(report: &DecodeReport) -> Option<String> {
-    let d = &report.rejected;
-    let reasons = [
-        (d.low_contrast, "weak"),
-        (d.ambiguous, "ambiguous"),
-        (d.duplicate, "inconsistent"),
-        (d.truncated, "cut by an outline or a shadow"),
-        (d.low_confidence, "unsure"),
-    ];
-    let parts: Vec<_> = reasons
+/// The rejected crossings by reason; `None` when there are none.
+fn rejected(report: &DecodeReport) -> Option<String> {
+    let parts: Vec<_> = report
+        .rejected
+        .reasons()
         .into_iter()
-        .filter(|(count, _)| *count > 0)
-        .map(|(count, why)| format!("{} {why}", thousands(count)))
+        .filter(|(_, count)| *count > 0)
+        .map(|(reason, count)| format!("{reason} {}", thousands(count)))
         .collect();
-    (!parts.is_empty()).then(|| format!("left out: {}", parts.join(", ")))
+    (!parts.is_empty()).then(|| format!("rejected: {}", parts.join(", ")))
 }
 
-/// A count with its thousands set off.
+/// A count with thousands separators.
 pub(crate) fn thousands(n: usize) -> String {
     let digits = n.to_string();
     let mut text = String::new();

@@ -1,20 +1,20 @@
-//! How much small vectors are magnified to be seen, and the scale that says so.
+//! The enlargement of small vectors, and its scale bar.
 
 use nalgebra::{Point2, Vector2};
 
 use super::drawing::legend::Swatch;
 use super::drawing::{Drawing, Pen};
 
-/// The longer ones of the vectors become this long, units.
+/// Length that long vectors are drawn with, units.
 const SHOWN: f64 = 24.0;
-/// Which ones: a share of all that are shorter.
+/// The quantile of lengths that counts as long.
 const LONGER_ONES: f64 = 0.9;
-/// Beyond this, rounding errors would be drawn.
+/// A larger factor would show rounding errors.
 const MOST: f64 = 1e5;
-/// The bar of the scale, units: the round length that comes nearest to it.
+/// Length of the scale bar, units, before it is rounded.
 const BAR: f64 = 40.0;
 
-/// By how much vectors (px of the photograph) are lengthened: a round number, never less than 1.
+/// The enlargement of vectors (px of the photograph): a round number, never below 1.
 pub(crate) fn factor(lengths_px: impl IntoIterator<Item = f64>, unit: f64) -> f64 {
     let mut lengths: Vec<f64> = lengths_px.into_iter().filter(|l| l.is_finite() && *l > 0.0).collect();
     lengths.sort_by(f64::total_cmp);
@@ -24,7 +24,7 @@ pub(crate) fn factor(lengths_px: impl IntoIterator<Item = f64>, unit: f64) -> f6
 }
 
 /// The number 1, 2 or 5 times a power of ten that is no larger.
-fn round_down(x: f64) -> f64 {
+pub(crate) fn round_down(x: f64) -> f64 {
     if !(x.is_finite() && x > 0.0) {
         return 1.0;
     }
@@ -42,19 +42,19 @@ pub(crate) fn round_up(x: f64) -> f64 {
     [1.0, 2.0, 5.0].into_iter().map(|n| n * power).find(|n| *n >= x * (1.0 - 1e-12)).unwrap_or(10.0 * power)
 }
 
-/// The end of a magnified vector.
+/// The end of an enlarged vector.
 pub(crate) fn end(from: Point2<f64>, vector: Vector2<f64>, factor: f64) -> Point2<f64> {
     from + vector * factor
 }
 
-/// The bar of the scale and how long it would be without magnification, in words.
+/// The scale bar, and the length that it stands for in words.
 pub(crate) fn scale(drawing: &Drawing, factor: f64, pen: Pen) -> (Swatch, String) {
     let length = round_down(BAR * drawing.unit() / factor * 1.3);
     let words = format!("{} px", plain(length));
     (Swatch::Bar(pen, length * factor), words)
 }
 
-/// A round number as people write it.
+/// A round number in plain decimals.
 pub(crate) fn plain(x: f64) -> String {
     let decimals = if x >= 1.0 || x <= 0.0 { 0 } else { (-x.log10().floor()).clamp(0.0, 9.0) as usize };
     format!("{x:.decimals$}")
@@ -77,7 +77,10 @@ mod tests {
     }
 
     #[test]
-    fn lengths_are_rounded_up_to_round_ones() {
+    fn lengths_are_rounded_to_round_ones() {
+        for (x, expected) in [(1234.0, 1000.0), (0.5, 0.5), (4.999, 2.0), (5.0, 5.0), (20.0, 20.0)] {
+            assert!((round_down(x) / expected - 1.0).abs() < 1e-9, "{x}: {}", round_down(x));
+        }
         let rounded = [0.011, 0.02, 0.021, 0.3, 7.0, 1000.0, f64::NAN, 0.0].map(round_up);
         for (found, expected) in rounded.into_iter().zip([0.02, 0.02, 0.05, 0.5, 10.0, 1000.0, 1.0, 1.0]) {
             assert!((found - expected).abs() < 1e-9 * expected, "{found} {expected}");

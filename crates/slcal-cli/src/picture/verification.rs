@@ -1,4 +1,4 @@
-//! Projected corners beside where the rig expects them.
+//! Projected corners beside their predicted positions.
 
 use nalgebra::Point2;
 use slcal_core::Rig;
@@ -11,7 +11,7 @@ use super::drawing::{Drawing, Pen};
 use super::{sheet, vector_scale};
 use crate::name::short;
 
-/// The verdict on a photograph called `name`: what was seen, arrows to where the rig expects it, and `verdict` in words.
+/// The corners found in a photograph called `name`, arrows to their predicted positions, and `verdict` in words.
 pub(crate) fn drawing(
     size: [u32; 2],
     name: &str,
@@ -39,14 +39,14 @@ pub(crate) fn drawing(
     sheet::draw_marks(&mut drawing, view);
     let mut legend = sheet::legend(format!("{name}: {verdict}"), [view]);
     if !pairs.is_empty() {
-        let lengthened = if factor > 1.0 {
-            format!(", lengthened ×{}", vector_scale::plain(factor))
+        let enlarged = if factor > 1.0 {
+            format!(", enlarged ×{}", vector_scale::plain(factor))
         } else {
             String::new()
         };
         let (bar, length) = vector_scale::scale(&drawing, factor, pen);
         legend = legend
-            .entry(Swatch::Arrow(pen), format!("to where the rig expects each corner{lengthened}"))
+            .entry(Swatch::Arrow(pen), format!("to the predicted position of each corner{enlarged}"))
             .entry(bar, format!("{length} in the photograph"));
     }
     drawing.legend = Some(legend);

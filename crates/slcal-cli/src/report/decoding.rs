@@ -9,11 +9,21 @@ use super::verdict::sentence;
 use crate::picture::stripes::thousands;
 use crate::summary;
 
+/// What the reasons mean, in the order of [`Rejected::reasons`](slcal_core::decode::Rejected::reasons).
+const WHY_REJECTED: [&str; 5] = [
+    "contrast too low for the noise, or an edge is missing",
+    "the scanlines of its stripe do not agree on a slit, or too few were decoded",
+    "its neighbour on the scanline has the same slit and at least as much support",
+    "cut by an outline or a shadow, so that the centre of its slit is unknown",
+    "too few neighbouring scanlines confirm its slit",
+];
+
 pub(super) fn section(report: &DecodeReport) -> Section {
     let remarks = summary::remarks(report);
     let share = |n: usize| 100.0 * n as f64 / report.crossings.max(1) as f64;
-    let counts =
-        std::iter::once(("decoded", report.decoded, "became matches")).chain(summary::rejected(report));
+    let explained =
+        report.rejected.reasons().into_iter().zip(WHY_REJECTED).map(|((name, n), why)| (name, n, why));
+    let counts = std::iter::once(("decoded", report.decoded, "became matches")).chain(explained);
     let content = html! {
         @if !remarks.is_empty() {
             ul.warnings { @for (label, remark) in &remarks {

@@ -54,10 +54,10 @@ pub(super) fn html(title: &str, verdict: &Markup, sections: &[Section], figures:
                     }
                 }
                 footer {
-                    p { "Made by slcal " (env!("CARGO_PKG_VERSION")) ". This file needs no network and no other file." }
+                    p { "Made by slcal " (env!("CARGO_PKG_VERSION")) ". This file is self-contained: it needs no network and no other files." }
                 }
                 @if !figures.is_empty() {
-                    noscript { p.note { "The plots need JavaScript; everything else is here without it." } }
+                    noscript { p.note { "The plots need JavaScript; everything else works without it." } }
                     script type="application/json" id="figures" { (PreEscaped(figures.json())) }
                     // Read by the last script, once the page is shown.
                     script type="text/plain" id="plotly" { (PreEscaped(&library)) }

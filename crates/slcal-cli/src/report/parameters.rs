@@ -1,4 +1,4 @@
-//! The parameters with their ±, every number with its exact value.
+//! The parameters with their ±; every number has its exact value in the source of the page.
 
 use maud::{Markup, html};
 use slcal_core::{Device, Rig, StereoPose, View};
@@ -14,22 +14,23 @@ pub(super) fn section(page: &RigPage) -> Section {
     let rig = page.rig;
     let content = html! {
         div.scroll { table.parameters {
-            thead { tr { th scope="col" { "Parameter" } th scope="col" { "Value" } th scope="col" { "Unit" } } }
+            thead { tr { th scope="col" { "Parameter" } th.number scope="col" { "Value" } th scope="col" { "Unit" } } }
             (device("camera", "Camera", &rig.camera))
             @if let Some(projector) = &rig.projector {
                 (device("projector", "Projector", &projector.device))
-                (between(rig, &projector.from_camera))
+                (position(rig, &projector.from_camera))
             }
         } }
+        @if let Some(projector) = &rig.projector { (transform(&projector.from_camera)) }
         @if !rig.views.is_empty() { (poses(rig)) }
-        @if rig.projector.is_none() { p.note { "There is no projector in this rig: it was calibrated without a pattern." } }
-        @if rig.views.is_empty() { p.note { "The rig names no photographs of a sheet." } }
-        @if rig.camera.sigma.is_none() { p.note { "The rig does not state the ± of its numbers." } }
+        @if rig.projector.is_none() { p.note { "This rig has no projector: it was calibrated without a pattern." } }
+        @if rig.views.is_empty() { p.note { "The rig lists no photographs of a sheet." } }
+        @if rig.camera.sigma.is_none() { p.note { "The rig states no ± for its numbers." } }
         p.note {
-            "“fixed” means assumed, not estimated. Pixel centres have integer coordinates. Method: " (rig.method) "."
+            "± is one standard deviation; “fixed” means assumed, not estimated. Pixel centres have integer coordinates. Method: " (rig.method) "."
         }
     };
-    Section { id: "parameters", title: "What was found", content }
+    Section { id: "parameters", title: "Parameters", content }
 }
 
 fn device(path: &str, title: &str, device: &Device) -> Markup {
@@ -46,7 +47,7 @@ fn device(path: &str, title: &str, device: &Device) -> Markup {
     };
     let fov = [degrees(size[0], k.fx, k.cx), degrees(size[1], k.fy, k.cy)];
     let d = model.distortion.to_array();
-    let bends = d.iter().chain(sigma.iter().flat_map(|s| &s.distortion)).any(|c| *c != 0.0);
+    let distorts = d.iter().chain(sigma.iter().flat_map(|s| &s.distortion)).any(|c| *c != 0.0);
     html! {
         tbody {
             tr.group { th scope="rowgroup" colspan="3" { (title) } }
@@ -69,7 +70,7 @@ fn device(path: &str, title: &str, device: &Device) -> Markup {
             (row("Principal point, x", &measured(&at("K.0.2"), k.cx, sigma.map(|s| (at("sigma.cx_px"), s.cx_px))), "px"))
             (row("Principal point, y", &measured(&at("K.1.2"), k.cy, sigma.map(|s| (at("sigma.cy_px"), s.cy_px))), "px"))
             @if k.skew != 0.0 { (row("Skew", &field(&at("K.0.1"), k.skew, &significant(k.skew, 4)), "px")) }
-            @if bends {
+            @if distorts {
                 @for (i, name) in COEFFICIENTS.iter().enumerate() {
                     (row(&format!("Distortion {name}"), &measured(
                         &at(&format!("distortion.{i}")), d[i],
@@ -83,41 +84,61 @@ fn device(path: &str, title: &str, device: &Device) -> Markup {
     }
 }
 
-fn between(rig: &Rig, stereo: &StereoPose) -> Markup {
+/// Where the projector is, as somebody behind the camera sees it.
+fn position(rig: &Rig, stereo: &StereoPose) -> Markup {
     let pose = &stereo.pose;
-    let baseline = pose.translation.norm();
-    let sigma = rig.baseline_sigma_mm();
-    let decimals = sigma.map_or(1, decimals_of);
-    let turn = pose.rotation.angle().to_degrees();
-    let turn_sigma = rig.rotation_sigma_rad().map(f64::to_degrees);
+    let (centre, centre_sigma) = (pose.centre(), rig.projector_centre_sigma_mm());
+    let rotation = (pose.rotation.angle().to_degrees(), rig.rotation_sigma_rad().map(f64::to_degrees));
+    let sides = [("to the left", "to the right"), ("above", "below"), ("behind", "in front")];
     html! {
         tbody {
-            tr.group { th scope="rowgroup" colspan="3" { "From camera to projector" } }
-            (row("Baseline: distance of the lenses", &html! {
-                (derived("baseline_mm", baseline, &fixed(baseline, decimals)))
-                @if let Some(s) = sigma { " ± " (derived("baseline_sigma_mm", s, &significant(s, 2))) }
-            }, "mm"))
-            @for (i, axis) in ["right", "down", "forward"].into_iter().enumerate() {
-                (row(&format!("Translation, {axis}"), &measured(
-                    &format!("projector_from_camera.t.{i}"), pose.translation[i],
-                    stereo.sigma_t_mm.map(|s| (format!("projector_from_camera.sigma_t_mm.{i}"), s[i])),
-                ), "mm"))
+            tr.group { th scope="rowgroup" colspan="3" { "Projector relative to the camera" } }
+            (row("Baseline: distance of the optical centres", &computed("baseline", pose.translation.norm(), rig.baseline_sigma_mm()), "mm"))
+            @for (i, (negative, positive)) in sides.into_iter().enumerate() {
+                (row(
+                    if centre[i] < 0.0 { negative } else { positive },
+                    &computed(["centre_x", "centre_y", "centre_z"][i], centre[i].abs(), centre_sigma.map(|s| s[i])),
+                    "mm",
+                ))
             }
-            (row("Turned against each other by", &html! {
-                (derived("turn_deg", turn, &fixed(turn, turn_sigma.map_or(2, decimals_of).min(4))))
-                @if let Some(s) = turn_sigma.filter(|s| *s > 0.0) { " ± " (derived("turn_sigma_deg", s, &significant(s, 2))) }
-            }, "°"))
+            (row("Rotation angle", &computed("rotation", rotation.0, rotation.1), "°"))
         }
     }
 }
 
-/// The sheet in every photograph, a line each.
+/// The transform as programs use it.
+fn transform(stereo: &StereoPose) -> Markup {
+    html! {
+        details {
+            summary { "Transform from camera to projector, as in rig.json" }
+            p { "X" sub { "projector" } " = R · X" sub { "camera" } " + t; x right, y down, z forward." }
+            div.scroll { table.parameters { tbody {
+                @for i in 0..3 {
+                    (row(["t, x", "t, y", "t, z"][i], &measured(
+                        &format!("projector_from_camera.t.{i}"), stereo.pose.translation[i],
+                        stereo.sigma_t_mm.map(|s| (format!("projector_from_camera.sigma_t_mm.{i}"), s[i])),
+                    ), "mm"))
+                }
+                @for i in 0..3 {
+                    (row(["R, row 1", "R, row 2", "R, row 3"][i], &html! {
+                        @for j in 0..3 {
+                            @let r = stereo.pose.rotation[(i, j)];
+                            (field(&format!("projector_from_camera.R.{i}.{j}"), r, &fixed(r, 4))) " "
+                        }
+                    }, ""))
+                }
+            } } }
+        }
+    }
+}
+
+/// A row for the sheet in each photograph.
 fn poses(rig: &Rig) -> Markup {
     html! {
         h3 { "The sheet" }
         div.scroll { table {
             thead { tr {
-                th scope="col" { "Photograph" } th.number scope="col" { "size given, mm" } th.number scope="col" { "away, mm" }
+                th scope="col" { "Photograph" } th.number scope="col" { "given size, mm" } th.number scope="col" { "distance, mm" }
                 th.number scope="col" { "tilt, °" }
             } }
             tbody { @for (i, view) in rig.views.iter().enumerate() { (pose(rig, i, view)) } }
@@ -149,6 +170,15 @@ fn measured(path: &str, value: f64, sigma: Option<(String, f64)>) -> Markup {
             (field(path, value, &fixed(value, decimals_of(s)))) " ± " (field(&sigma_path, s, &significant(s, 2)))
         },
         Some((sigma_path, s)) => html! { (plain()) " " (field(&sigma_path, s, "fixed")) },
+    }
+}
+
+/// A value that is computed from the rig, with its σ where that is known.
+fn computed(name: &str, value: f64, sigma: Option<f64>) -> Markup {
+    let sigma = sigma.filter(|s| *s > 0.0);
+    html! {
+        (derived(name, value, &fixed(value, sigma.map_or(1, decimals_of).min(4))))
+        @if let Some(s) = sigma { " ± " (derived(&format!("{name}_sigma"), s, &significant(s, 2))) }
     }
 }
 

@@ -1,4 +1,4 @@
-//! The photographs with what was measured in them, and where the rig expects it.
+//! The photographs with the measured points and their residuals.
 
 use maud::{Markup, PreEscaped, html};
 use slcal_core::{Rig, View};
@@ -39,14 +39,14 @@ pub(super) fn section(page: &RigPage) -> Option<Section> {
         @if missing > 0 {
             p.note {
                 (if shown == 0 { "The photographs are not shown" } else { "Some photographs are not shown" })
-                ": they are not at hand. " code { "slcal report --photo" } " takes them."
+                ": their files were not found. Give them with " code { "slcal report --photo" } "."
             }
         }
     };
-    Some(Section { id: "photographs", title: "What was seen", content })
+    Some(Section { id: "photographs", title: "Photographs", content })
 }
 
-/// What is known of each view.
+/// Observations and residuals of each view, where they are known.
 fn fits<'a>(page: &'a RigPage) -> Vec<Option<MeasuredView<'a>>> {
     let misses = page.residuals.as_ref().ok();
     let fit = |(i, view): (usize, &'a View)| {
@@ -56,7 +56,7 @@ fn fits<'a>(page: &'a RigPage) -> Vec<Option<MeasuredView<'a>>> {
     page.rig.views.iter().enumerate().map(fit).collect()
 }
 
-/// Pages show photographs smaller than screens do, the smaller the more there are.
+/// A drawing with coarser lines, as the page shows photographs small.
 fn drawing(rig: &Rig, title: &str) -> Drawing {
     let coarser = if rig.views.len() > 1 { COARSER_AMONG_OTHERS } else { COARSER_ALONE };
     Drawing::new([rig.camera.model.width, rig.camera.model.height], title).coarser(coarser)
@@ -71,7 +71,7 @@ fn shot(
     factor: f64,
 ) -> Markup {
     let name = photo_name(rig, i);
-    let mut drawing = drawing(rig, &format!("{name}: the sheet and what was measured on it"));
+    let mut drawing = drawing(rig, &format!("{name}: the sheet and the points measured on it"));
     match fit {
         Some(fit) => residual_drawing::draw(&mut drawing, fit, factor),
         None => sheet::draw_outline(&mut drawing, &view.corners_px),
@@ -83,9 +83,8 @@ fn shot(
             figcaption {
                 strong.file { (name) }
                 @if let Some(rms) = &view.rms_px {
-                    ": sides of the sheet " (significant(rms.edges, 2)) " px"
+                    ": rms residuals: sheet edges " (significant(rms.edges, 2)) " px"
                     @if let Some(corners) = rms.corners { ", projected corners " (significant(corners, 2)) " px" }
-                    " off (rms)"
                 }
                 @if odd { " " span.flag { "⚠ " (odd_words(fit.map(|f| f.residuals))) } }
             }
@@ -93,7 +92,7 @@ fn shot(
     }
 }
 
-/// What the marks mean, in the colours of the drawings.
+/// The legend, in the colours of the drawings.
 fn legend(rig: &Rig, fits: &[Option<MeasuredView<'_>>], factor: f64) -> Markup {
     let any = |of: fn(&MeasuredView<'_>) -> bool| fits.iter().flatten().any(of);
     let fitted = fits.iter().any(Option::is_some);
@@ -101,20 +100,20 @@ fn legend(rig: &Rig, fits: &[Option<MeasuredView<'_>>], factor: f64) -> Markup {
         any(|f| f.residuals.sheet.iter().chain(f.residuals.pairs.iter().map(|p| &p.camera)).any(|p| !p.kept));
     html! {
         ul.legend {
-            li { (key(html! { line x1="2" y1="8" x2="26" y2="8" stroke="#56b4e9" stroke-width="2"; })) "the sheet, its corners named" }
+            li { (key(html! { line x1="2" y1="8" x2="26" y2="8" stroke="#56b4e9" stroke-width="2"; })) "the sheet" }
             @if fitted {
                 li { (key(html! { circle cx="8" cy="8" r="2" fill="#f0e442"; circle cx="20" cy="8" r="2" fill="#f0e442"; }))
-                    "points measured on its sides" }
+                    "measured edge points" }
                 @if any(|f| !f.observed.pairs.is_empty()) {
                     li { (key(html! { circle cx="14" cy="8" r="4.5" fill="none" stroke="#e69f00" stroke-width="1.6"; }))
-                        "corners of the projected pattern" }
+                        "projected corners" }
                     li { (key(html! { circle cx="14" cy="8" r="4.5" fill="none" stroke="#e08cbe" stroke-width="2"; }))
-                        "the first of them" }
+                        "the first projected corner" }
                 }
                 li { (key(html! { path d="M3 8H22M17 4l6 4l-6 4" fill="none" stroke="#00b282" stroke-width="2"; }))
-                    "to where the rig expects them, " (significant(factor, 2)) " times as long" }
+                    "residuals, to the predicted position, enlarged " (significant(factor, 2)) " times" }
                 @if outliers {
-                    li { (key(html! { path d="M10 4l8 8M18 4l-8 8" stroke="#ec680a" stroke-width="2"; })) "left out, too far off" }
+                    li { (key(html! { path d="M10 4l8 8M18 4l-8 8" stroke="#ec680a" stroke-width="2"; })) "outliers, left out" }
                 }
                 li { (key(html! { path d="M2 8H26" stroke="#e08cbe" stroke-width="1.5" stroke-dasharray="5 4"; }))
                     (vanishing(rig)) }
@@ -128,11 +127,11 @@ fn key(mark: Markup) -> Markup {
     html! { svg.key viewBox="0 0 28 16" aria-hidden="true" { rect width="28" height="16" rx="3" fill="#33383f" {} (mark) } " " }
 }
 
-/// Where parallel sides meet; nearly parallel ones meet far away.
+/// Only vanishing points near the frame are drawn.
 fn vanishing(rig: &Rig) -> &'static str {
     if rig.views.len() == 1 {
-        "to a vanishing point, where it is near"
+        "to a vanishing point near the frame"
     } else {
-        "to vanishing points, where they are near"
+        "to vanishing points near the frame"
     }
 }

@@ -8,6 +8,7 @@ use super::figure::{Figures, flat_layout};
 use super::number::{field, significant};
 use super::page::Section;
 use super::rig_page::{RigPage, photo_name};
+use crate::picture::vector_scale::round_down;
 
 /// More arrows than this hide each other.
 const MAX_ARROWS: usize = 1500;
@@ -42,7 +43,7 @@ fn over_image(rig: &Rig, views: &[ViewResiduals], figures: &mut Figures) -> Mark
     let sheet = || views.iter().flat_map(|v| &v.sheet);
     let pairs = || views.iter().flat_map(|v| &v.pairs).map(|p| &p.camera);
     let scale = magnification(sheet().chain(pairs()), ARROW_SHARE * w);
-    let bar = nice(0.12 * w / scale);
+    let bar = round_down(0.12 * w / scale);
     let mut traces = Vec::new();
     let kinds: [(&str, &str, Vec<&PointResidual>); 2] = [
         ("sides of the sheet", "$sheet", sheet().collect()),
@@ -103,7 +104,7 @@ fn crosses(points: &[&PointResidual]) -> Value {
     let step = points.len().div_ceil(MAX_ARROWS).max(1);
     let shown = || points.iter().step_by(step);
     json!({
-        "type": "scatter", "mode": "markers", "name": "left out", "hoverinfo": "skip",
+        "type": "scatter", "mode": "markers", "name": "outliers, left out", "hoverinfo": "skip",
         "x": shown().map(|p| rounded(p.seen.x)).collect::<Vec<_>>(), "y": shown().map(|p| rounded(p.seen.y)).collect::<Vec<_>>(),
         "marker": { "symbol": "x-thin", "size": 6, "line": { "width": 1.25, "color": "$ink" } },
     })
@@ -120,14 +121,7 @@ fn magnification<'a>(points: impl Iterator<Item = &'a PointResidual>, length_px:
         points.filter(|p| p.kept).map(|p| p.vector_px().norm()).filter(|x| x.is_finite()).collect();
     all.sort_by(f64::total_cmp);
     let long = all.get(all.len() * 19 / 20).copied().unwrap_or_default();
-    if long > 1e-9 { nice(length_px / long).max(1.0) } else { 1.0 }
-}
-
-/// The largest of 1, 2, 5, 10, 20 … that is not above a number.
-fn nice(x: f64) -> f64 {
-    let power = 10f64.powf(x.log10().floor());
-    let digit = [5.0, 2.0, 1.0].into_iter().find(|d| d * power <= x * (1.0 + 1e-9)).unwrap_or(1.0);
-    digit * power
+    if long > 1e-9 { round_down(length_px / long).max(1.0) } else { 1.0 }
 }
 
 /// The residuals in units of their noise, and the normal distribution.
@@ -192,19 +186,19 @@ fn across(p: &PointResidual) -> f64 {
     v.norm().copysign(larger) / p.sigma_px
 }
 
-/// View by view: how far, how many, and whether one is the odd one out.
+/// The rms residuals of each view, and whether one fits worse than the others.
 fn table(rig: &Rig, views: Option<&Vec<ViewResiduals>>) -> Markup {
     if rig.views.iter().all(|v| v.rms_px.is_none()) {
         return html! { p.note { "The rig does not state the residuals of its photographs." } };
     }
     let number = |path: String, x: Option<f64>| html! { @match x { Some(x) => (field(&path, x, &significant(x, 2))), None => "–" } };
     html! {
-        h3 { "Root mean square, px" }
+        h3 { "Rms residuals, px" }
         div.scroll { table {
             thead { tr {
                 th scope="col" { "Photograph" }
-                th.number scope="col" { "sheet" } th.number scope="col" { "pattern" } th.number scope="col" { "on the panel" }
-                @if views.is_some() { th.number scope="col" { "left out" } }
+                th.number scope="col" { "sheet edges" } th.number scope="col" { "projected corners" } th.number scope="col" { "on the projector" }
+                @if views.is_some() { th.number scope="col" { "outliers" } }
             } }
             tbody { @for (i, view) in rig.views.iter().enumerate() {
                 @let own = views.and_then(|v| v.get(i));
@@ -224,26 +218,14 @@ fn table(rig: &Rig, views: Option<&Vec<ViewResiduals>>) -> Markup {
     }
 }
 
-/// Why a photograph is the odd one.
+/// How a photograph that fits badly compares with the others.
 pub(super) fn odd_words(view: Option<&ViewResiduals>) -> String {
     let times = view.and_then(|v| v.times_others).unwrap_or_default();
-    format!("fits {} times worse than the others: another sheet, a bump, blur?", significant(times, 2))
+    format!("fits {} times worse than the others: another sheet, a bent sheet, blur?", significant(times, 2))
 }
 
 fn left_out(view: &ViewResiduals) -> String {
     let all = view.sheet.len() + view.pairs.len();
     let out = view.sheet.iter().chain(view.pairs.iter().map(|p| &p.camera)).filter(|p| !p.kept).count();
     format!("{out} of {all}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn magnifications_are_round_and_not_too_large() {
-        for (x, rounded) in [(1234.0, 1000.0), (0.5, 0.5), (4.999, 2.0), (5.0, 5.0), (20.0, 20.0)] {
-            assert!((nice(x) / rounded - 1.0).abs() < 1e-9, "{x}: {}", nice(x));
-        }
-    }
 }

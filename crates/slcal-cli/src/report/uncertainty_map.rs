@@ -1,4 +1,4 @@
-//! How sure a point would be over the working volume: a slice seen from above, and along the depth.
+//! The expected uncertainty of points over the working volume: a slice seen from above, and a curve over the depth.
 
 use maud::{Markup, html};
 use nalgebra::{Point2, Point3};
@@ -21,7 +21,7 @@ const ROWS: usize = 46;
 /// Points of the curve.
 const DEPTHS: usize = 91;
 
-/// The section on what is foretold there.
+/// The section with both plots.
 pub(super) fn section(
     page: &RigPage,
     working: slcal_core::Result<Option<WorkingVolume>>,
@@ -32,14 +32,14 @@ pub(super) fn section(
     let content = match working {
         Ok(Some(mut working)) => html! {
             p {
-                "How far a single point is expected to lie from its true place, along the camera’s line of sight (1σ), if the centre of \
-                 a stripe is found to " (Match::DEFAULT_SIGMA_PX) " px, under " (stripes(working.axis)) ". "
+                "The expected error of a single point along the camera’s line of sight (1σ), if the centre of a stripe is located to "
+                (Match::DEFAULT_SIGMA_PX) " px, with " (stripes(working.axis)) ". "
                 @if !working.knows_rig {
-                    "What is not known of the rig itself is not in these numbers, as the rig has no covariance: they are the noise, which \
-                     differs from point to point and makes a surface rough."
+                    "The rig has no covariance, so these numbers are the noise alone. It differs from point to point and makes a surface \
+                     rough."
                 } @else if working.rig_mm() > working.sigma.noise_mm {
-                    "Most of the total is common to all points: it moves and scales them together. What differs from point to point, and \
-                     makes a surface rough, is the noise."
+                    "Most of the total is common to all points: it shifts and scales them together. The noise differs from point to point \
+                     and makes a surface rough."
                 } @else {
                     "Most of the total is noise: it differs from point to point and makes a surface rough."
                 }
@@ -50,15 +50,15 @@ pub(super) fn section(
             p.note {
                 "Not shown: at the distance of "
                 @if rig.views.is_empty() { "a few baselines" } @else { "the sheet" }
-                " no place was found that the camera sees and the projector lights from far enough aside to tell its depth."
+                " no place is visible to the camera and lit by the projector at an angle that determines its depth."
             }
         },
         Err(error) => html! { p.note { "Not shown: " (error) "." } },
     };
-    Some(Section { id: "expected", title: "How sure a point will be", content })
+    Some(Section { id: "expected", title: "Expected uncertainty", content })
 }
 
-/// How it is drawn.
+/// The plots.
 impl WorkingVolume {
     /// σ seen from above.
     fn slice(&mut self, rig: &Rig, figures: &mut Figures) -> Markup {
@@ -102,21 +102,21 @@ impl WorkingVolume {
             json!({ "title": { "text": "to the right of the camera, mm" }, "zeroline": false, "constrain": "domain", "range": [left, right] }),
             json!({ "title": { "text": "depth, mm" }, "zeroline": false, "constrain": "domain", "range": depths, "scaleanchor": "x" }),
         );
-        let alt = "Expected σ of a point over a slice of the working volume, seen from above; it grows with the depth.";
+        let alt =
+            "Expected σ of a point over a slice of the working volume, seen from above; it grows with depth.";
         html! {
             figure {
                 (figures.chosen("expected-slice", alt, traces, layout, "Which error", choices))
                 figcaption {
-                    "Seen from above: camera and projector at the bottom, in colour what both reach at some height"
+                    "Seen from above: camera and projector at the bottom, and in colour where their fields of view overlap at some height"
                     @if !rig.views.is_empty() { ", " @if rig.views.len() == 1 { "the sheet as a black line" } @else { "the sheets as black lines" } }
-                    ". Every σ is that of the height nearest to the middle of the image that is lit there. The lighter, the surer; lines \
-                     join places of the same σ."
+                    ". Each σ is for the lit image row nearest to the middle. Lighter is more certain; lines connect equal σ."
                 }
             }
         }
     }
 
-    /// σ along the line of sight through the sheet's middle, or another place.
+    /// σ along the line of sight through the middle of the sheet, or another place.
     fn depths(&mut self, figures: &mut Figures) -> Markup {
         let depth =
             |i: usize| (NEAREST + (FARTHEST - NEAREST) * i as f64 / (DEPTHS - 1) as f64) * self.distance_mm;

@@ -73,7 +73,7 @@ fn expected_uncertainty(layout: &mut TextLayout, rig: &Rig) {
         format!("± {sigma:.2} mm along the line of sight at the sheet's distance {distance}{shared}{remedy}"),
     );
     if let Some((length, [across, along])) = volume.and_then(|v| lengths(rig, v.axis)) {
-        let [across, along] = [across, along].map(|s| rounded(s, 1));
+        let [across, along] = [across, along].map(|s| rounded(s, if s < 1.0 { 2 } else { 1 }));
         layout.line(
             "lengths",
             format!(

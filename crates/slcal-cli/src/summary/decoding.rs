@@ -38,32 +38,8 @@ pub(super) fn add_counts(layout: &mut TextLayout, report: &DecodeReport) {
         format!("median width {:.1} px", report.stripe_width_px),
     ];
     layout.line("stripes", parts.map(|p| unbroken(&p)).join(" "));
-    let parts = rejected(report).map(|(reason, count, _)| unbroken(&format!("{reason} {count}")));
-    layout.line("rejected", parts.join(", "));
-}
-
-/// Rejected crossings: the reason, how many, and what it means.
-pub(crate) fn rejected(report: &DecodeReport) -> [(&'static str, usize, &'static str); 5] {
-    let r = &report.rejected;
-    [
-        ("low contrast", r.low_contrast, "contrast too low for the noise, or an edge is missing"),
-        (
-            "ambiguous",
-            r.ambiguous,
-            "the scanlines of its stripe do not agree on a slit, or too few were decoded",
-        ),
-        (
-            "duplicate",
-            r.duplicate,
-            "its neighbour on the scanline has the same slit and at least as much support",
-        ),
-        (
-            "truncated",
-            r.truncated,
-            "cut by an outline or a shadow, so that the centre of its slit is unknown",
-        ),
-        ("low confidence", r.low_confidence, "too few neighbouring scanlines confirm its slit"),
-    ]
+    let reasons = report.rejected.reasons().map(|(reason, count)| unbroken(&format!("{reason} {count}")));
+    layout.line("rejected", reasons.join(", "));
 }
 
 /// Warnings and notes.

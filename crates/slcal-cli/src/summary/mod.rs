@@ -14,7 +14,7 @@ pub(crate) mod working_volume;
 pub(crate) use advice::advice;
 pub(crate) use calibration::{calibration, holds_while};
 pub(crate) use cloud::{cloud, cloud_in_a_line, left_out, reconstruction};
-pub(crate) use decoding::{decoding, rejected, remarks};
+pub(crate) use decoding::{decoding, remarks};
 pub(crate) use noise_experiment::noise_experiment;
 pub(crate) use number::unsigned;
 pub(crate) use surface_fit::{plane_fit, sphere_fit};

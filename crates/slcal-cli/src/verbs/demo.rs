@@ -1,4 +1,4 @@
-//! `slcal demo`: the whole chain on built-in photographs, explained to somebody who sees it for the first time.
+//! `slcal demo`: the whole chain on built-in photographs, explained for first-time users.
 
 use image::DynamicImage;
 use slcal_core::detect::Detection;
@@ -29,7 +29,7 @@ const HEAD: &[u8] = include_bytes!("../../demo/head.jpg");
 /// The rig that took them, known exactly since they are rendered.
 const TRUTH: &[u8] = include_bytes!("../../demo/truth_rig.json");
 
-/// What may be typed in the folder; each fits a line.
+/// Commands to run in the folder; each fits on a line.
 const BY_HAND: [&str; 2] = [
     "slcal calibrate sheet.jpg --size 594x420mm --pattern checker.json -o my.json",
     "slcal reconstruct --rig my.json --pattern stripes.json head.jpg -o my.ply",
@@ -127,7 +127,7 @@ fn draw_sheet(
     drawing.over(photo)
 }
 
-/// The calibration and the head, to look at.
+/// The report on the calibration, with the head.
 fn report(
     photo: &DynamicImage,
     rig: &Rig,
@@ -155,7 +155,7 @@ fn cloud(rig: &Rig, stripes: &StripePattern, photo: &DynamicImage) -> Outcome<Re
     Ok(reconstructor.take_last())
 }
 
-/// What was done, how close it came to the truth, and what each file is.
+/// The steps, their errors against the truth, and the files.
 fn story(
     args: &DemoArgs,
     calibration: &Calibration,
@@ -166,14 +166,14 @@ fn story(
     let rig = &calibration.rig;
     let mut layout = TextLayout::new();
     layout.paragraph(format!(
-        "A projector and a camera look at a sheet of paper of {} x {} mm, then at a board and at a head. The photographs are \
-         rendered, so that everything about them is known.",
+        "A projector and a camera see a sheet of paper of {} x {} mm, then a board and a head. The photographs are rendered, so \
+         their true parameters are known.",
         SHEET_SIZE_MM[0], SHEET_SIZE_MM[1]
     ));
     layout.gap();
     layout.paragraph(styled(BOLD, &unbroken("1. Calibration from one photograph, sheet.jpg")));
     layout.paragraph(format!(
-        "The sheet's four sides and {} of {} corners of the projected checkerboard were measured (drawn in sheet_found.png).",
+        "The sheet's four edges and {} of {} corners of the projected checkerboard were measured (see sheet_found.png).",
         detection.observation.pairs.len(),
         detection.pattern_corners
     ));
@@ -181,8 +181,9 @@ fn story(
     layout.table(&against_truth(rig)?);
     layout.gap();
     layout.paragraph(format!(
-        "Verdict: {}. The ± is far larger than the error because one photograph cannot tell where the lens's axis meets the \
-         sensor; here it does so exactly in the middle, as slcal assumes until told otherwise.",
+        "Verdict: {}. ± is one standard deviation. It is far larger than the error here, because one photograph does not determine \
+         where the lens's axis meets the sensor (the principal point). In these photographs it is exactly the centre, which slcal \
+         takes as its starting value; with a real camera it is not.",
         rig.quality.as_ref().map_or("none".to_owned(), |q| summary::verdict(q.verdict))
     ));
     layout.gap();
@@ -193,7 +194,7 @@ fn story(
     layout.line(
         "board.jpg",
         format!(
-            "{} points; a flat board comes out flat to {:.3} mm, {:.4} % of its distance",
+            "{} points; mean distance from a fitted plane {:.3} mm, {:.4} % of the distance from the camera",
             flatness.points, flatness.mean_mm, flatness.mean_percent
         ),
     );
@@ -214,17 +215,17 @@ fn story(
     layout.table(&files());
     layout.paragraph("MeshLab, CloudCompare and Blender show the .ply files.");
     layout.gap();
-    layout.paragraph(styled(BOLD, &unbroken("The same by hand, in that folder")));
+    layout.paragraph(styled(BOLD, &unbroken("To run the same steps yourself, in that folder")));
     for command in BY_HAND {
         layout.paragraph(unbroken(&format!("  {command}")));
     }
     Ok(layout.into_text())
 }
 
-/// What was found, beside what is true.
+/// Found and true parameters.
 fn against_truth(rig: &Rig) -> Outcome<Table> {
     let truth = read_rig(TRUTH)?;
-    let mut table = Table::new(["", ">found", ">true", ">off by"]);
+    let mut table = Table::new(["", ">found", ">true", ">error"]);
     let mut row = |label: &str, (found, sigma): (f64, Option<f64>), truth: f64| {
         let with_sigma = sigma.map_or(format!("{found:.1}"), |s| format!("{found:.1} ± {s:.1}"));
         table.row([label.to_owned(), with_sigma, format!("{truth:.1}"), format!("{:.2}", found - truth)]);
@@ -236,9 +237,9 @@ fn against_truth(rig: &Rig) -> Outcome<Table> {
     row("camera: focal length, px", focal(&camera), focal(&true_camera).0);
     row("projector: focal length, px", focal(&projector), focal(&true_projector).0);
     let shift = |d: &Device| (d.model.intrinsics.cy, d.sigma.map(|s| s.cy_px));
-    row("projector: principal point, row, px", shift(&projector), shift(&true_projector).0);
+    row("projector: principal point, y, px", shift(&projector), shift(&true_projector).0);
     if let Some((found, true_value)) = rig.baseline_mm().zip(truth.baseline_mm()) {
-        row("camera to projector, mm", (found, rig.baseline_sigma_mm()), true_value);
+        row("baseline, mm", (found, rig.baseline_sigma_mm()), true_value);
     }
     Ok(table)
 }
@@ -246,13 +247,13 @@ fn against_truth(rig: &Rig) -> Outcome<Table> {
 fn files() -> Table {
     let mut table = Table::new(["", ""]);
     for row in [
-        ["  report.html", "open it in a browser: how good, why, what next"],
+        ["  report.html", "open it in a browser: verdict, reason, next step"],
         ["  checker.png, checker.json", "the pattern for calibration"],
         ["  stripes.png, stripes.json", "the pattern for reconstruction"],
         ["  sheet.jpg, board.jpg, head.jpg", "the photographs"],
         ["  rig.json", "the calibrated camera and projector"],
-        ["  board.ply, cloud.ply", "the board and the head, each before its wall"],
-        ["  sheet_found.png, head_found.png", "what was found in the photographs"],
+        ["  board.ply, cloud.ply", "point clouds of the board and the head"],
+        ["  sheet_found.png, head_found.png", "the measured points in the photographs"],
     ] {
         table.row(row);
     }

@@ -80,7 +80,19 @@ impl Rejected {
     /// Number of rejected crossings.
     #[must_use]
     pub fn total(&self) -> usize {
-        self.low_contrast + self.ambiguous + self.duplicate + self.truncated + self.low_confidence
+        self.reasons().iter().map(|(_, count)| count).sum()
+    }
+
+    /// The reasons in words, each with its number of crossings.
+    #[must_use]
+    pub fn reasons(&self) -> [(&'static str, usize); 5] {
+        [
+            ("low contrast", self.low_contrast),
+            ("ambiguous", self.ambiguous),
+            ("duplicate", self.duplicate),
+            ("truncated", self.truncated),
+            ("low confidence", self.low_confidence),
+        ]
     }
 }
 

@@ -1,4 +1,4 @@
-//! The devices, the sheets and the cloud in space, as a plot that turns.
+//! Devices, sheets and cloud as a 3D plot.
 
 mod point_cloud;
 
@@ -14,9 +14,9 @@ use super::page::Section;
 use super::rig_page::ShownCloud;
 use crate::summary::working_volume::sheet_distance_mm;
 
-/// Length of the drawn pyramids as a share of the distance of what they look at.
+/// Length of the drawn pyramids as a share of the distance of the sheet or cloud.
 const PYRAMID: f64 = 0.22;
-/// Distance that is assumed where a rig shows nothing, mm.
+/// Assumed distance where there is neither a sheet nor a cloud, mm.
 const NOTHING_SEEN_MM: f64 = 1000.0;
 
 pub(super) fn section(rig: &Rig, beside: Option<&ShownCloud>, figures: &mut Figures) -> Section {
@@ -26,16 +26,17 @@ pub(super) fn section(rig: &Rig, beside: Option<&ShownCloud>, figures: &mut Figu
         (true, Some(cloud)) => cloud.median_depth_mm().unwrap_or(NOTHING_SEEN_MM),
         (true, None) => rig.baseline_mm().map_or(NOTHING_SEEN_MM, |b| 3.0 * b),
     };
-    let mut traces = pyramid("camera", "$camera", &rig.camera.model, &Pose::identity(), PYRAMID * distance);
+    let length = PYRAMID * distance;
+    let projector_below = rig.projector.is_some_and(|p| p.from_camera.pose.centre().y > 0.0);
+    // Names above and below, so that neither covers the other device.
+    let [camera_label, projector_label] =
+        if projector_below { ["top center", "bottom center"] } else { ["bottom center", "top center"] };
+    let mut traces =
+        pyramid(("camera", "$camera", camera_label), &rig.camera.model, &Pose::identity(), length);
     if let Some(Projector { device, from_camera }) = &rig.projector {
         let camera_from_projector = from_camera.pose.inverse();
-        traces.extend(pyramid(
-            "projector",
-            "$projector",
-            &device.model,
-            &camera_from_projector,
-            PYRAMID * distance,
-        ));
+        let style = ("projector", "$projector", projector_label);
+        traces.extend(pyramid(style, &device.model, &camera_from_projector, length));
         let centre = from_camera.pose.centre();
         traces.push(lines("baseline", "$ink", &[vec![Point3::origin(), centre]], "dash"));
     }
@@ -46,16 +47,16 @@ pub(super) fn section(rig: &Rig, beside: Option<&ShownCloud>, figures: &mut Figu
     if let Some(shown) = &shown {
         choices = shown.add_to(&mut traces);
     }
-    // The devices alone fill the view to its corners; with what they see it is long and narrow.
+    // Devices alone fill the view to its corners; with sheet or cloud the scene is long and narrow.
     let away = if rig.views.is_empty() && beside.is_none() { 1.6 } else { 1.0 };
     let alt = alt(rig, beside);
     let plot = figures.space("space", &alt, traces, layout(away), choices);
     let content = html! {
-        p { (alt) span.screen-only { " Drag, or press the arrow keys, to turn; scroll, pinch or press + and − to come nearer or go away; double-click to turn back." } }
+        p { (alt) span.screen-only { " Drag or press the arrow keys to rotate; scroll, pinch or press + and − to zoom; double-click to reset." } }
         (plot)
         @if let (Some(shown), Some(cloud)) = (&shown, beside) { p.note { (shown.note(&cloud.name)) } }
     };
-    Section { id: "in-space", title: "In space", content }
+    Section { id: "in-space", title: "3D view", content }
 }
 
 fn alt(rig: &Rig, beside: Option<&ShownCloud>) -> String {
@@ -99,8 +100,13 @@ fn lines(name: &str, colour: &str, all: &[Vec<Point3<f64>>], dash: &str) -> Valu
     })
 }
 
-/// What a device sees or lights: a pyramid from its centre to its image.
-fn pyramid(name: &str, colour: &str, model: &Camera, camera_from_device: &Pose, length: f64) -> Vec<Value> {
+/// The field of view of a device: a pyramid from its centre to its image.
+fn pyramid(
+    (name, colour, label_at): (&str, &str, &str),
+    model: &Camera,
+    camera_from_device: &Pose,
+    length: f64,
+) -> Vec<Value> {
     let (w, h) = (f64::from(model.width) - 0.5, f64::from(model.height) - 0.5);
     let corners = [(-0.5, -0.5), (w, -0.5), (w, h), (-0.5, h)].map(|(u, v)| {
         // Without distortion: far outside, that of some lenses has no inverse.
@@ -109,7 +115,7 @@ fn pyramid(name: &str, colour: &str, model: &Camera, camera_from_device: &Pose, 
     });
     let centre = camera_from_device.transform(&Point3::origin());
     let [a, b, c, d] = corners;
-    // The top side is drawn twice as a small roof, so that up can be told.
+    // A small roof marks the top side.
     let roof = a + (b - a) / 2.0 + (a - d) * 0.25;
     let outline = vec![a, b, c, d, a, roof, b];
     let edges = [vec![centre, a], vec![centre, b], vec![centre, c], vec![centre, d]];
@@ -120,13 +126,13 @@ fn pyramid(name: &str, colour: &str, model: &Camera, camera_from_device: &Pose, 
         lines(name, colour, &all, "solid"),
         json!({
             "type": "scatter3d", "mode": "markers+text", "name": name, "showlegend": false, "hoverinfo": "name",
-            "x": [label[0]], "y": [label[1]], "z": [label[2]], "text": [name], "textposition": "bottom center",
+            "x": [label[0]], "y": [label[1]], "z": [label[2]], "text": [name], "textposition": label_at,
             "textfont": { "color": colour, "size": 13 }, "marker": { "color": colour, "size": 4 },
         }),
     ]
 }
 
-/// The sheet of a view, with its top side marked as the first.
+/// The sheet of a view.
 fn sheet(i: usize, view: &View) -> Vec<Value> {
     let corners: Vec<Point3<f64>> = view
         .size

@@ -1,4 +1,4 @@
-//! The cloud: thinned to what a browser turns smoothly, coloured as the reader likes.
+//! The cloud, thinned so that a browser rotates it smoothly, with a choice of colours.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
