@@ -189,7 +189,7 @@ pub(crate) fn view_distance_mm(view: &View) -> f64 {
 
 /// A sheet's centre in the camera's frame.
 fn sheet_centre(view: &View) -> Point3<f64> {
-    view.camera_from_sheet.transform(&Point3::new(view.size.width_mm / 2.0, view.size.height_mm / 2.0, 0.0))
+    view.camera_from_sheet.lift(view.size.centre())
 }
 
 #[cfg(test)]
