@@ -11,6 +11,7 @@ mod io;
 mod name;
 mod output;
 mod picture;
+mod quantile;
 mod report;
 mod similar;
 mod summary;

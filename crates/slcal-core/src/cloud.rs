@@ -49,3 +49,10 @@ pub struct PointCloud {
     /// The camera's centre in these coordinates, mm.
     pub camera_centre: Point3<f64>,
 }
+
+impl PointCloud {
+    /// The points' distances from the camera, mm.
+    pub fn distances_mm(&self) -> impl Iterator<Item = f64> {
+        self.points.iter().map(|p| (p.position - self.camera_centre).norm())
+    }
+}

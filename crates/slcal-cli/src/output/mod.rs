@@ -16,7 +16,7 @@ pub(crate) use self::text_layout::{
 };
 use crate::exit::{Exit, Failure, Outcome};
 
-/// How much is said on stderr.
+/// How much is printed on stderr.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Verbosity {
     /// Errors only.
@@ -27,7 +27,7 @@ pub(crate) enum Verbosity {
     Verbose,
 }
 
-/// Messages of work that is done beside other work: kept until it is their turn to be printed.
+/// Messages of parallel work, kept until it is their turn to be printed.
 #[derive(Debug, Default)]
 pub(crate) struct Remarks(Vec<(Verbosity, String)>);
 
@@ -64,31 +64,31 @@ impl Printer {
         self.to_stderr(Verbosity::Verbose, "", &sanitized(&message.to_string()));
     }
 
-    /// Why the run ended; always said.
+    /// Why the run failed; always printed.
     pub(crate) fn error(self, message: impl Display) {
         let label = format!("{} ", styled(BAD, "slcal:"));
         self.to_stderr(Verbosity::Quiet, &label, &sanitized(&message.to_string()));
     }
 
-    /// A result that makes way for another one on stdout.
+    /// A summary on stderr, when stdout carries other results.
     pub(crate) fn result(self, text: &str) {
         self.to_stderr(Verbosity::Normal, "", text.trim_end());
     }
 
-    /// What was kept for later.
+    /// Messages that were kept.
     pub(crate) fn remarks(self, remarks: &Remarks) {
         for (from, message) in &remarks.0 {
             self.to_stderr(*from, "", &sanitized(message));
         }
     }
 
-    /// How far `count` of something have come ("frames"), where their number is known, on a terminal. Shown after a
-    /// moment, and cleared when it is dropped.
+    /// Progress over items ("frames"), with their number where it is known. Shown on a terminal after a moment, and cleared
+    /// when dropped.
     pub(crate) fn progress(self, of: &str, count: Option<usize>) -> Progress {
         Progress::counting(self.is_quiet(), of, count)
     }
 
-    /// That something is being done ("decoding a.jpg"): the same without a number.
+    /// Progress of one piece of work ("decoding a.jpg").
     pub(crate) fn busy(self, doing: impl Into<String>) -> Progress {
         Progress::busy(self.is_quiet(), doing.into())
     }
@@ -123,7 +123,7 @@ pub(crate) fn print_json(value: &impl Serialize) -> Outcome {
     to_stdout(|out| writeln!(out, "{text}"))
 }
 
-/// Writes to stdout, byte by byte; a reader that has gone away ends the run quietly.
+/// Writes bytes to stdout; a closed pipe ends the run quietly.
 pub(crate) fn to_stdout(write: impl FnOnce(&mut io::StdoutLock<'_>) -> io::Result<()>) -> Outcome {
     progress::suspended(|| {
         let mut out = io::stdout().lock();

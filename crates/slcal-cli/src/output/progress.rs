@@ -1,4 +1,4 @@
-//! What is going on, on a terminal, while it lasts.
+//! Progress on a terminal.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -10,20 +10,20 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::text_layout::sanitized;
 
-/// What is done sooner shows nothing, so that nothing flickers.
+/// Shorter work shows nothing, so that nothing flickers.
 const PATIENCE: Duration = Duration::from_millis(400);
-/// How often it is drawn anew while nothing happens.
+/// Interval of redrawing.
 const TICK: Duration = Duration::from_millis(120);
 
-/// Letters of a message; the rest of a line of 80 columns is for the bar.
+/// Greatest length of a message, characters; the rest of the 80 columns is for the bar.
 const LONGEST: usize = 36;
-/// To the line's beginning, and all of it empty.
+/// Returns to the start of the line and clears it.
 const CLEAR_LINE: &[u8] = b"\r\x1b[2K";
 
-/// The one that is shown: what is printed meanwhile goes above it.
+/// The bar that is shown; other output goes above it.
 static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
-/// Runs what prints, with what is shown out of its way.
+/// Prints while the bar is hidden.
 pub(super) fn suspended<T>(print: impl FnOnce() -> T) -> T {
     let shown = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).clone();
     match shown {
@@ -32,16 +32,16 @@ pub(super) fn suspended<T>(print: impl FnOnce() -> T) -> T {
     }
 }
 
-/// Leaves a clean line before the process ends.
+/// Clears the bar before the process ends.
 pub(crate) fn clear_on_interrupt() {
-    // Not waited for: the run may end while a line is printed.
+    // No waiting for the lock: the run may end while a line is being printed.
     if SHOWN.try_lock().is_ok_and(|shown| shown.is_some()) {
-        // Not through the bar, whose lock is held while something is printed into a pipe that nobody empties.
+        // Not through the bar: its lock may be held by a print into a full pipe.
         let _ = std::io::stderr().write_all(CLEAR_LINE);
     }
 }
 
-/// Something that is going on. Cleared when dropped.
+/// Work in progress. Cleared when dropped.
 #[derive(Debug)]
 pub(crate) struct Progress {
     bar: ProgressBar,
@@ -86,17 +86,17 @@ impl Progress {
         Self { bar, done: Some(done), waiting }
     }
 
-    /// What is being done now.
+    /// Sets the message.
     pub(crate) fn say(&self, doing: impl Into<String>) {
         self.bar.set_message(shortened(&doing.into()));
     }
 
-    /// One more is done.
+    /// Counts one item.
     pub(crate) fn step(&self) {
         self.bar.inc(1);
     }
 
-    /// So many are done.
+    /// Sets the number of items done.
     pub(crate) fn reached(&self, done: usize) {
         self.bar.set_position(done as u64);
     }
@@ -106,7 +106,7 @@ impl Drop for Progress {
     fn drop(&mut self) {
         drop(self.done.take());
         if let Some(waiting) = self.waiting.take() {
-            // It panics nowhere, and if it did, the work itself is well.
+            // The thread does not panic; if it did, the work itself would be unaffected.
             if waiting.join().unwrap_or(false) {
                 SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take();
             }
@@ -115,13 +115,13 @@ impl Drop for Progress {
     }
 }
 
-/// Shows what is still going on when patience is over; whether it came to that.
+/// Shows the bar if the work is not done after [`PATIENCE`]; returns whether it was shown.
 fn show_later(bar: &ProgressBar, wait: &Receiver<()>) -> bool {
     if wait.recv_timeout(PATIENCE) != Err(RecvTimeoutError::Timeout) {
         return false;
     }
     let mut shown = SHOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    // Work within work is not shown beside it.
+    // Nested work is not shown.
     let first = shown.is_none();
     if first {
         bar.set_draw_target(ProgressDrawTarget::stderr());
@@ -131,7 +131,7 @@ fn show_later(bar: &ProgressBar, wait: &Receiver<()>) -> bool {
     first
 }
 
-/// A message without its middle where it is long, so that the line does not wrap.
+/// A message that is shortened in the middle, so that the line does not wrap.
 fn shortened(message: &str) -> String {
     let letters: Vec<char> = sanitized(message).chars().collect();
     if letters.len() <= LONGEST {
@@ -142,7 +142,7 @@ fn shortened(message: &str) -> String {
     ends.map(|part| part.iter().collect::<String>()).join("…")
 }
 
-/// Whether stderr is a terminal on which a line can be drawn over.
+/// Whether stderr is a terminal that can redraw a line.
 fn terminal() -> bool {
     std::io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|t| t != "dumb")
 }

@@ -1,6 +1,5 @@
-//! Colours. Texts are painted always, and the paint is taken off where they are printed: where the stream is no terminal, or
-//! `--color`, `NO_COLOR`, `CLICOLOR`, `CLICOLOR_FORCE` or `TERM` say so, of stdout and stderr each by itself. Nothing is said by colour
-//! alone.
+//! Colours. Texts always carry their style. Printing strips it, for stdout and stderr separately, where the stream is no terminal or
+//! where `--color`, `NO_COLOR`, `CLICOLOR`, `CLICOLOR_FORCE` or `TERM` ask for that. Colour never carries information by itself.
 
 use std::ffi::OsString;
 
@@ -9,18 +8,18 @@ use anstyle::{AnsiColor, Effects, Style};
 use clap::ValueEnum;
 use clap::builder::Styles;
 
-/// What is as it should be.
+/// A good result.
 pub(crate) const GOOD: Style = AnsiColor::Green.on_default().effects(Effects::BOLD);
-/// What wants attention. Bold, as yellow alone is hard to read on white.
+/// A warning. Bold, as yellow alone is hard to read on white.
 pub(crate) const FAIR: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
-/// What is wrong.
+/// An error or a bad result.
 pub(crate) const BAD: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
 /// Labels and headings.
 pub(crate) const BOLD: Style = Style::new().effects(Effects::BOLD);
-/// What is there to be looked up.
+/// Secondary text.
 pub(crate) const DIM: Style = Style::new().effects(Effects::DIMMED);
 
-/// Of `--help` and wrong command lines.
+/// Styles of `--help` and of command line errors.
 pub(crate) const HELP: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().effects(Effects::BOLD))
     .usage(AnsiColor::Green.on_default().effects(Effects::BOLD))
@@ -42,7 +41,7 @@ pub(crate) enum ColorArg {
 }
 
 impl ColorArg {
-    /// As it stands on a command line that may be wrong otherwise.
+    /// The value on a command line that may be invalid otherwise.
     pub(crate) fn of(args: &[OsString]) -> Self {
         let words = args.iter().map(|a| a.to_str().unwrap_or_default()).take_while(|a| *a != "--");
         let words: Vec<&str> = words.collect();
@@ -53,7 +52,7 @@ impl ColorArg {
         value.and_then(|v| Self::from_str(v, false).ok()).unwrap_or(Self::Auto)
     }
 
-    /// For clap's own messages.
+    /// The choice for clap's own messages.
     pub(crate) fn for_clap(self) -> clap::ColorChoice {
         match self {
             Self::Auto => clap::ColorChoice::Auto,
@@ -63,7 +62,7 @@ impl ColorArg {
     }
 }
 
-/// Decides for everything that is printed from here on.
+/// Sets the choice for everything that is printed afterwards.
 pub(crate) fn set_color(color: ColorArg) {
     match color {
         ColorArg::Auto => ColorChoice::Auto,

@@ -8,20 +8,20 @@ use unicode_width::UnicodeWidthChar as _;
 
 use super::style::{BOLD, DIM, styled};
 
-/// As wide as a text gets, and as wide as it is where there is no terminal: what a pipe gets is the same everywhere.
+/// The greatest width of a text, and the width where there is no terminal, so that pipes get the same text everywhere.
 pub(crate) const MAX_WIDTH: usize = 80;
-/// Narrower terminals are not followed: columns would be torn apart.
+/// Least width: narrower terminals would break columns.
 const MIN_WIDTH: usize = 40;
-/// What labels take, with the space that follows.
+/// Width of the label column, including the space after it.
 const LABEL: usize = 11;
 /// Between the columns of a table.
 const GAP: usize = 2;
-/// Stands for a space at which no line is broken. No text holds it, as [`shown`] removes control characters.
+/// A space at which no line breaks. No text contains it, as [`sanitized`] removes control characters.
 const GLUE: char = '\u{1f}';
-/// Begins a sequence that paints.
+/// Begins a style sequence.
 const ESCAPE: char = '\u{1b}';
 
-/// The columns of stdout.
+/// The width of stdout, columns.
 pub(crate) fn width() -> usize {
     let out = std::io::stdout();
     let columns = if out.is_terminal() { terminal_size_of(&out) } else { None };
@@ -29,11 +29,11 @@ pub(crate) fn width() -> usize {
 }
 
 fn fitting(columns: u16) -> usize {
-    // A terminal that does not know its size says zero.
+    // A terminal that does not know its size reports zero.
     if columns == 0 { MAX_WIDTH } else { usize::from(columns).clamp(MIN_WIDTH, MAX_WIDTH) }
 }
 
-/// A message as it is to appear on stderr: one line for programs, broken between words on a terminal.
+/// A message for stderr: one line for programs, wrapped on a terminal.
 pub(super) fn for_stderr(label: &str, message: &str) -> String {
     let out = std::io::stderr();
     let columns = if out.is_terminal() { terminal_size_of(&out) } else { None };
@@ -41,7 +41,7 @@ pub(super) fn for_stderr(label: &str, message: &str) -> String {
     let indent = display_width(label);
     let lines: Vec<String> = message
         .split('\n')
-        // What is laid out already stays so.
+        // Lines that fit keep their layout.
         .map(|line| {
             if display_width(line) + indent <= usize::from(columns) {
                 line.to_owned()
@@ -53,30 +53,30 @@ pub(super) fn for_stderr(label: &str, message: &str) -> String {
     format!("{label}{}", lines.join("\n"))
 }
 
-/// A text from outside, a file's name for instance, without what would move a terminal's cursor.
+/// A text from outside, such as a file's name, without control characters, which could move the terminal's cursor.
 pub(crate) fn sanitized(text: &str) -> String {
     text.chars().map(|c| if c.is_control() && c != '\n' { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
-/// A text without its style, for other places than a terminal.
+/// A text without style sequences, for places other than a terminal.
 pub(crate) fn without_style(text: &str) -> String {
     // First, since glue is a control character, which would be stripped.
     anstream::adapter::strip_str(&text.replace(GLUE, " ")).to_string()
 }
 
-/// A text that is not broken at its spaces.
+/// A text whose spaces do not break.
 pub(crate) fn unbroken(text: &str) -> String {
     text.replace(' ', &GLUE.to_string())
 }
 
-/// The columns that a text takes on a terminal.
+/// The width of a text on a terminal, columns.
 pub(crate) fn display_width(text: &str) -> usize {
     let mut columns = 0;
-    let mut painting = false;
+    let mut in_style = false;
     for c in text.chars() {
         match c {
-            ESCAPE => painting = true,
-            _ if painting => painting = c != 'm',
+            ESCAPE => in_style = true,
+            _ if in_style => in_style = c != 'm',
             GLUE => columns += 1,
             _ => columns += c.width().unwrap_or(0),
         }
@@ -84,10 +84,10 @@ pub(crate) fn display_width(text: &str) -> usize {
     columns
 }
 
-/// What belongs to the number before it.
+/// Words that stay with the number before them.
 const UNITS: [&str; 9] = ["%", "mm", "mm²", "px", "σ", "ms", "s", "±", "x"];
 
-/// Whether a line may not end between two words: a number stays with its unit and its ±.
+/// Whether no line may break between two words: a number stays with its unit and its ±.
 fn belong(word: &str, next: &str) -> bool {
     let number =
         |w: &str| w.trim_start_matches(['(', '-', '+', '"']).starts_with(|c: char| c.is_ascii_digit());
@@ -95,7 +95,7 @@ fn belong(word: &str, next: &str) -> bool {
     (number(word) && UNITS.contains(&unit)) || (["±", "x"].contains(&word) && number(next))
 }
 
-/// Breaks a text between words, all lines but the first indented; a word that is longer than a line stays whole.
+/// Wraps a text between words and indents all lines but the first. A word longer than a line stays whole.
 pub(crate) fn wrapped(text: &str, width: usize, indent: usize) -> String {
     let words: Vec<&str> = text.split(' ').filter(|w| !w.is_empty()).collect();
     let (mut out, mut at) = (String::new(), indent);
@@ -116,7 +116,7 @@ pub(crate) fn wrapped(text: &str, width: usize, indent: usize) -> String {
     out.replace(GLUE, " ")
 }
 
-/// A text that is built from above.
+/// A text built from top to bottom.
 #[derive(Debug)]
 pub(crate) struct TextLayout {
     text: String,
@@ -129,12 +129,12 @@ impl TextLayout {
         Self { text: String::new(), width: width() }
     }
 
-    /// A label and what it stands for; lines without a label belong to the one above.
+    /// A label and its content. A line without a label belongs to the line above.
     pub(crate) fn line(&mut self, label: &str, content: impl AsRef<str>) {
         self.styled_line(BOLD, label, content);
     }
 
-    /// The same with the label in a style of its own.
+    /// The same with a style for the label.
     pub(crate) fn styled_line(&mut self, style: Style, label: &str, content: impl AsRef<str>) {
         if !label.is_empty() {
             self.text.push_str(&styled(style, label));
@@ -145,7 +145,7 @@ impl TextLayout {
         self.text.push('\n');
     }
 
-    /// Sentences from the margin on.
+    /// A paragraph at the left margin.
     pub(crate) fn paragraph(&mut self, content: impl AsRef<str>) {
         self.text.push_str(&wrapped(content.as_ref(), self.width, 0));
         self.text.push('\n');
@@ -166,8 +166,8 @@ impl TextLayout {
     }
 }
 
-/// Rows of cells under headings, aligned by the columns that they take on a terminal. The first column holds labels; a last column
-/// that does not fit, such as one of long names, goes beneath, row by row.
+/// Rows of cells under headings, aligned by their width on a terminal. The first column holds labels. A last column that does not fit,
+/// such as long names, goes below each row.
 #[derive(Debug)]
 pub(crate) struct Table {
     heads: Vec<String>,
@@ -177,7 +177,7 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Headings; one that begins with `>` has its column aligned to the right. That of the first column is for labels.
+    /// Headings. One that begins with `>` aligns its column to the right.
     pub(crate) fn new<'a>(heads: impl IntoIterator<Item = &'a str>) -> Self {
         let heads: Vec<&str> = heads.into_iter().collect();
         let right = heads.iter().map(|h| h.starts_with('>')).collect();
@@ -185,7 +185,7 @@ impl Table {
         Self { heads, right, gap: GAP, rows: Vec::new() }
     }
 
-    /// With columns as close to each other as can be.
+    /// With a gap of one space between columns.
     pub(crate) fn tight(mut self) -> Self {
         self.gap = 1;
         self

@@ -1,4 +1,4 @@
-//! Several photographs on one sheet, each with its drawing and its name.
+//! Several photographs on one picture, each with its drawing and its name.
 
 use image::{DynamicImage, GenericImage as _, Rgb, RgbImage};
 use nalgebra::{Point2, Vector2};
@@ -10,24 +10,24 @@ use super::drawing::legend_placement;
 use super::drawing::{Anchor, Drawing, Pen};
 use crate::exit::{Exit, Failure, Outcome};
 
-/// The longer side of the whole, about, px: what a large screen shows.
+/// Approximate longer side of the picture, px: a large screen.
 const WHOLE_PX: u32 = 2400;
-/// But each photograph has at least this width, px, however many there are.
+/// Least width of each photograph, px.
 const LEAST_WIDTH_PX: u32 = 320;
 const GREY: Color = [34, 34, 34];
-/// Between and around the photographs, as a share of their width.
+/// Gap between and around the photographs, as a share of their width.
 const GAP_SHARE: f64 = 0.02;
-/// Letters under a photograph as a share of its width.
+/// Size of captions as a share of the width of a photograph.
 const TEXT_SHARE: f64 = 0.034;
-/// More lines than this would hide the next photograph.
+/// Most lines of a caption.
 const LINES: usize = 4;
 const LEADING: f64 = 1.35;
 
 /// A photograph on the sheet.
 pub(crate) struct Tile {
-    /// With its drawing upon it; all tiles have one size.
+    /// With its drawing; all tiles have the same size.
     pub(crate) picture: DynamicImage,
-    /// What stands beneath: name, residuals.
+    /// The caption below: name, residuals.
     pub(crate) caption: Vec<String>,
     /// Why this one stands out, when it does.
     pub(crate) odd: Option<String>,

@@ -1,4 +1,4 @@
-//! How far the points of a cloud lie from a surface that was fitted to them, as the camera sees them.
+//! The deviation of a cloud from a fitted surface, as the camera sees the points.
 
 use image::DynamicImage;
 use nalgebra::{Point2, Point3, Vector3};
@@ -9,7 +9,7 @@ use super::drawing::color::{Color, mix};
 use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Drawing, Pen};
 use super::stripes::thousands;
-use super::vector_scale::{plain, round_up};
+use super::vector_scale::{plain, round_up, two_digits};
 use crate::exit::Outcome;
 use crate::name::short;
 
@@ -18,20 +18,20 @@ const SIDE_PX: f64 = 1600.0;
 const MARGIN_SHARE: f64 = 0.06;
 /// Neither side is less than this share of the other: a cloud that is a line is still a picture with a legend.
 const LEAST_SIDE_SHARE: f64 = 0.6;
-/// From behind to before the surface: dark, grey and light for eyes that see no hue, blue and orange for others.
+/// From behind to in front of the surface: blue, grey, orange, which also differ in brightness.
 const BEHIND: Color = [40, 110, 225];
 const ON: Color = [200, 200, 200];
 const BEFORE: Color = [255, 160, 30];
 const OUTLIER: Color = [84, 84, 84];
 /// Colours that are told apart, and how many of them the legend shows.
 const SHADES: i32 = 12;
-/// A dot as a share of the distance between neighbours, were they spread evenly, and its bounds, units.
+/// Size of a dot as a share of the mean distance between neighbours, and its bounds, units.
 const DOT_SHARE: f64 = 0.45;
 const DOT_UNITS: [f64; 2] = [0.5, 4.0];
 /// The colours span this many rms.
 const SPAN_RMS: f64 = 2.0;
 
-/// A fit in words and numbers.
+/// A fitted surface and the deviations of the points.
 pub(crate) struct DeviationMap<'a> {
     /// Of the cloud's file.
     pub(crate) name: &'a str,
@@ -55,7 +55,7 @@ pub(crate) fn picture(cloud: &PointCloud, map: &DeviationMap<'_>) -> Outcome<Dyn
         "{}: {} points lie {} mm (rms) from a {}",
         short(map.name),
         thousands(map.report.inliers),
-        digits(rms),
+        two_digits(rms),
         map.what
     );
     let mut drawing = Drawing::new(size, title.clone());
@@ -73,7 +73,7 @@ pub(crate) fn picture(cloud: &PointCloud, map: &DeviationMap<'_>) -> Outcome<Dyn
     let outliers = by_shade.pop().unwrap_or_default();
     let left_out = map.report.points.saturating_sub(map.report.inliers);
     drawing.dots(outliers, 0.7 * radius, Pen::new(OUTLIER).plain());
-    // The farther ones on top, on either side alike.
+    // The largest deviations on top, on both sides.
     let mut shades: Vec<_> = (-SHADES..=SHADES).zip(by_shade).collect();
     shades.sort_by_key(|(shade, _)| shade.abs());
     for (shade, points) in shades {
@@ -84,7 +84,7 @@ pub(crate) fn picture(cloud: &PointCloud, map: &DeviationMap<'_>) -> Outcome<Dyn
     let mut legend = Legend::new(title)
         .entry(Swatch::Colors(colors), format!("{} mm {below} … {} mm {above}", plain(span), plain(span)));
     if left_out > 0 {
-        let text = format!("{} points more than {} mm off, left out", thousands(left_out), digits(limit));
+        let text = format!("{} points more than {} mm off, left out", thousands(left_out), two_digits(limit));
         legend = legend.entry(Swatch::Dot(Pen::new(OUTLIER).plain()), text);
     }
     drawing.legend = Some(legend);
@@ -94,12 +94,6 @@ pub(crate) fn picture(cloud: &PointCloud, map: &DeviationMap<'_>) -> Outcome<Dyn
 fn color(shade: i32) -> Color {
     let end = if shade < 0 { BEHIND } else { BEFORE };
     mix(ON, end, f64::from(shade.abs()) / f64::from(SHADES))
-}
-
-/// A length with two digits, mm.
-fn digits(x: f64) -> String {
-    let decimals = if x > 0.0 { (1.0 - x.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
-    format!("{x:.decimals$}")
 }
 
 /// Where the points stand before a camera at the cloud's own that looks at the middle of the inliers, in focal lengths;

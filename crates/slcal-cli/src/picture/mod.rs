@@ -1,5 +1,5 @@
-//! Pictures of what was found and how well it fits. `drawing` draws upon a photograph; `sheet`, `residual_drawing`, `stripes` and
-//! `verification` say what is drawn, `contact_sheet` puts several photographs on one sheet, `deviation_map` shows a cloud.
+//! Pictures of detections and residuals. `drawing` draws over a photograph; `sheet`, `residual_drawing`, `stripes` and `verification`
+//! choose what is drawn; `contact_sheet` puts several photographs on one picture; `deviation_map` shows a cloud.
 
 pub(crate) mod contact_sheet;
 pub(crate) mod deviation_map;

@@ -2,11 +2,12 @@
 
 use nalgebra::{Point2, Vector2};
 use slcal_core::geometry::ProjectivePoint;
-use slcal_core::{PointResidual, View, ViewObservation, ViewResiduals};
+use slcal_core::{View, ViewObservation, ViewResiduals};
 
 use super::drawing::color::{GREEN, PINK, VERMILLION};
 use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Anchor, Drawing, Pen};
+use super::vector_scale::two_digits;
 use super::{sheet, vector_scale};
 use crate::name::short;
 
@@ -34,25 +35,21 @@ fn pencil_pen() -> Pen {
 }
 
 impl MeasuredView<'_> {
-    fn points(&self) -> impl Iterator<Item = &PointResidual> {
-        self.residuals.sheet.iter().chain(self.residuals.pairs.iter().map(|p| &p.camera))
-    }
-
     /// Number of points.
     pub(crate) fn count(&self) -> usize {
-        self.points().count()
+        self.residuals.points().count()
     }
 
     /// Number of outliers, which the calibration left out.
     pub(crate) fn outliers(&self) -> usize {
-        self.points().filter(|p| !p.kept).count()
+        self.residuals.points().filter(|p| !p.kept).count()
     }
 
     /// The rms residuals in words; empty when the rig does not state them.
     pub(crate) fn in_words(&self) -> String {
         let Some(rms) = self.view.rms_px else { return String::new() };
-        let corners = rms.corners.map_or(String::new(), |c| format!(", corners {}", pixels(c)));
-        format!("rms residuals: edges {}{corners}", pixels(rms.edges))
+        let corners = rms.corners.map_or(String::new(), |c| format!(", corners {} px", two_digits(c)));
+        format!("rms residuals: edges {} px{corners}", two_digits(rms.edges))
     }
 
     /// How this view compares with the others, when it fits worse.
@@ -66,19 +63,13 @@ impl MeasuredView<'_> {
     }
 }
 
-/// A length with two digits, px.
-fn pixels(x: f64) -> String {
-    let decimals = if x > 0.0 { (1.0 - x.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
-    format!("{x:.decimals$} px")
-}
-
 /// The common enlargement of the residuals of several views, so that they can be compared.
 pub(crate) fn magnification<'a>(fits: impl IntoIterator<Item = MeasuredView<'a>>, unit: f64) -> f64 {
     let mut lengths = Vec::new();
     for fit in fits {
-        lengths.extend(fit.points().filter(|p| p.kept).map(|p| p.vector_px().norm()));
+        lengths.extend(fit.residuals.points().filter(|p| p.kept).map(|p| p.vector_px().norm()));
     }
-    vector_scale::factor(lengths, unit)
+    vector_scale::factor(lengths, vector_scale::SHOWN * unit)
 }
 
 /// A photograph called `name` with the residuals of the calibration, and a legend whose first line is `title`.
@@ -94,12 +85,13 @@ pub(crate) fn drawing(size: [u32; 2], name: &str, title: &str, fit: MeasuredView
 pub(crate) fn draw(drawing: &mut Drawing, fit: MeasuredView<'_>, factor: f64) {
     draw_vanishing_points(drawing, fit.view);
     sheet::draw_sheet(drawing, fit.observed);
-    let kept = fit.points().filter(|p| p.kept);
+    let kept = fit.residuals.points().filter(|p| p.kept);
     let arrows: Vec<_> = kept.map(|p| (p.seen, vector_scale::end(p.seen, p.vector_px(), factor))).collect();
     drawing.arrows(arrows, arrow_pen());
     sheet::draw_marks(drawing, fit.observed);
     let arm = CROSS * drawing.unit();
     let crosses: Vec<_> = fit
+        .residuals
         .points()
         .filter(|p| !p.kept)
         .flat_map(|p| [Vector2::new(arm, arm), Vector2::new(arm, -arm)].map(|d| [p.seen - d, p.seen + d]))
@@ -116,12 +108,8 @@ pub(crate) fn legend<'a>(
 ) -> Legend {
     let fits: Vec<_> = fits.into_iter().collect();
     let mut legend = sheet::legend(title.to_owned(), fits.iter().map(|f| f.observed));
-    let enlarged =
-        if factor > 1.0 { format!(", enlarged ×{}", vector_scale::plain(factor)) } else { String::new() };
-    let (bar, length) = vector_scale::scale(drawing, factor, arrow_pen());
-    legend = legend
-        .entry(Swatch::Arrow(arrow_pen()), format!("residual, to the predicted position{enlarged}"))
-        .entry(bar, format!("{length} in the photograph"));
+    let what = "residual, to the predicted position";
+    legend = vector_scale::explained(legend, drawing, factor, arrow_pen(), what);
     let outliers: usize = fits.iter().map(MeasuredView::outliers).sum();
     if outliers > 0 {
         let plural = if outliers == 1 { "" } else { "s" };
@@ -190,7 +178,7 @@ fn draw_vanishing_points(drawing: &mut Drawing, view: &View) {
 mod tests {
     use nalgebra::Vector3;
     use slcal_core::geometry::{Pose, RectangleSize, VanishingPoints};
-    use slcal_core::{CornerPair, PairResidual, SheetObservation, ViewRms};
+    use slcal_core::{CornerPair, PairResidual, PointResidual, SheetObservation, ViewRms};
 
     use super::*;
     use crate::picture::drawing::primitive::Primitive;

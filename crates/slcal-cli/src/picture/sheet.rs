@@ -47,14 +47,14 @@ pub(crate) fn found_in_words(detection: &Detection) -> String {
     }
 }
 
-/// What there is to see where not everything was found.
+/// What can be shown when not everything was found.
 #[derive(Debug, Clone, Default)]
 pub(crate) enum Partly {
     #[default]
     Nothing,
     /// The corners that were given by hand.
     Given([Point2<f64>; 4]),
-    /// The sheet that would be taken without a pattern.
+    /// The sheet that was found without the pattern.
     Sheet(ViewObservation),
 }
 

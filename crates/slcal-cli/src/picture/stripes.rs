@@ -10,6 +10,7 @@ use super::drawing::color::{Color, WHITE, ramp, slit_color};
 use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Anchor, Drawing, Pen};
 use crate::name::short;
+use crate::quantile::Sorted;
 
 /// Points of one slit are joined over this many lines of the photograph at most, so that small gaps close and others show.
 const JOINED_LINES: i64 = 3;
@@ -56,8 +57,7 @@ pub(crate) fn decoded(size: [u32; 2], name: &str, decoding: &Decoding) -> Drawin
 pub(crate) fn reconstructed(size: [u32; 2], name: &str, result: &Reconstruction) -> Drawing {
     let (name, cloud) = (short(name), &result.cloud);
     let mut drawing = dimmed(size, format!("{name}: reconstructed points"));
-    let distances = distances(cloud);
-    let (near, far) = range(&distances);
+    let [near, far] = reach_mm(cloud);
     let shade = |d: f64| {
         let share = if far > near { (d - near) / (far - near) } else { 0.5 };
         (share.clamp(0.0, 1.0) * f64::from(SHADES - 1)).round() / f64::from(SHADES - 1)
@@ -67,8 +67,8 @@ pub(crate) fn reconstructed(size: [u32; 2], name: &str, result: &Reconstruction)
     let points: Vec<_> = cloud
         .points
         .iter()
-        .zip(&distances)
-        .map(|(p, d)| Mark { at: p.pixel, slit: p.slit.unwrap_or(0), color: color(*d) })
+        .zip(cloud.distances_mm())
+        .map(|(p, d)| Mark { at: p.pixel, slit: p.slit.unwrap_or(0), color: color(d) })
         .collect();
     draw_curves(&mut drawing, &points);
     let mut legend = Legend::new(format!("{name}: {} points", thousands(cloud.points.len())));
@@ -124,25 +124,10 @@ pub(crate) fn thousands(n: usize) -> String {
     text
 }
 
-fn distances(cloud: &PointCloud) -> Vec<f64> {
-    cloud.points.iter().map(|p| (p.position - cloud.camera_centre).norm()).collect()
-}
-
 /// Distances of the nearest and the farthest points of a cloud from the camera, without strays: what the colours of
 /// [`reconstructed`] reach from and to.
-pub(crate) fn reach_mm(cloud: &PointCloud) -> (f64, f64) {
-    range(&distances(cloud))
-}
-
-/// From the nearest to the farthest, without strays.
-fn range(distances: &[f64]) -> (f64, f64) {
-    let mut sorted: Vec<f64> = distances.iter().copied().filter(|d| d.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let i = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
-        sorted.get(i).copied().unwrap_or(0.0)
-    };
-    (at(STRAY_SHARE), at(1.0 - STRAY_SHARE))
+pub(crate) fn reach_mm(cloud: &PointCloud) -> [f64; 2] {
+    Sorted::new(cloud.distances_mm()).range([STRAY_SHARE, 1.0 - STRAY_SHARE])
 }
 
 /// A point of a stripe.

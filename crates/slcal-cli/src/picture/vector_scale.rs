@@ -2,11 +2,12 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::drawing::legend::Swatch;
+use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Drawing, Pen};
+use crate::quantile::Sorted;
 
-/// Length that long vectors are drawn with, units.
-const SHOWN: f64 = 24.0;
+/// Length that long vectors are drawn with in photographs, units.
+pub(crate) const SHOWN: f64 = 24.0;
 /// The quantile of lengths that counts as long.
 const LONGER_ONES: f64 = 0.9;
 /// A larger factor would show rounding errors.
@@ -14,13 +15,11 @@ const MOST: f64 = 1e5;
 /// Length of the scale bar, units, before it is rounded.
 const BAR: f64 = 40.0;
 
-/// The enlargement of vectors (px of the photograph): a round number, never below 1.
-pub(crate) fn factor(lengths_px: impl IntoIterator<Item = f64>, unit: f64) -> f64 {
-    let mut lengths: Vec<f64> = lengths_px.into_iter().filter(|l| l.is_finite() && *l > 0.0).collect();
-    lengths.sort_by(f64::total_cmp);
-    let at = (LONGER_ONES * lengths.len() as f64) as usize;
-    let Some(length) = lengths.get(at.min(lengths.len().saturating_sub(1))) else { return 1.0 };
-    round_down(SHOWN * unit / length).clamp(1.0, MOST)
+/// The enlargement of vectors (px of the photograph) at which the long ones become `shown`: a round number, never below 1.
+pub(crate) fn factor(lengths_px: impl IntoIterator<Item = f64>, shown: f64) -> f64 {
+    let lengths = Sorted::new(lengths_px.into_iter().filter(|l| *l > 0.0));
+    let Some(length) = lengths.at(LONGER_ONES) else { return 1.0 };
+    round_down(shown / length).clamp(1.0, MOST)
 }
 
 /// The number 1, 2 or 5 times a power of ten that is no larger.
@@ -47,11 +46,26 @@ pub(crate) fn end(from: Point2<f64>, vector: Vector2<f64>, factor: f64) -> Point
     from + vector * factor
 }
 
+/// A legend with an arrow that means `what`, its enlargement, and the scale bar.
+pub(crate) fn explained(legend: Legend, drawing: &Drawing, factor: f64, pen: Pen, what: &str) -> Legend {
+    let enlarged = if factor > 1.0 { format!(", enlarged ×{}", plain(factor)) } else { String::new() };
+    let (bar, length) = scale(drawing, factor, pen);
+    legend
+        .entry(Swatch::Arrow(pen), format!("{what}{enlarged}"))
+        .entry(bar, format!("{length} in the photograph"))
+}
+
 /// The scale bar, and the length that it stands for in words.
-pub(crate) fn scale(drawing: &Drawing, factor: f64, pen: Pen) -> (Swatch, String) {
+fn scale(drawing: &Drawing, factor: f64, pen: Pen) -> (Swatch, String) {
     let length = round_down(BAR * drawing.unit() / factor * 1.3);
     let words = format!("{} px", plain(length));
     (Swatch::Bar(pen, length * factor), words)
+}
+
+/// A length with two significant digits.
+pub(crate) fn two_digits(x: f64) -> String {
+    let decimals = if x > 0.0 { (1.0 - x.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
+    format!("{x:.decimals$}")
 }
 
 /// A round number in plain decimals.
@@ -67,13 +81,13 @@ mod tests {
     #[test]
     fn the_factor_is_round_and_makes_the_vectors_seen() {
         for (length, expected) in [(0.05, 200.0), (0.11, 200.0), (0.13, 100.0), (24.0, 1.0), (900.0, 1.0)] {
-            assert_eq!(factor([length; 20], 1.0), expected, "{length}");
+            assert_eq!(factor([length; 20], SHOWN), expected, "{length}");
         }
         // A lone outlier does not shrink the others.
-        assert_eq!(factor([0.05; 19].into_iter().chain([50.0]), 1.0), 200.0);
-        assert_eq!(factor([], 1.0), 1.0);
-        assert_eq!(factor([f64::NAN, 0.0, f64::INFINITY], 1.0), 1.0);
-        assert_eq!(factor([1e-300], 1.0), MOST);
+        assert_eq!(factor([0.05; 19].into_iter().chain([50.0]), SHOWN), 200.0);
+        assert_eq!(factor([], SHOWN), 1.0);
+        assert_eq!(factor([f64::NAN, 0.0, f64::INFINITY], SHOWN), 1.0);
+        assert_eq!(factor([1e-300], SHOWN), MOST);
     }
 
     #[test]

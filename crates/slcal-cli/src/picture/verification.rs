@@ -6,7 +6,6 @@ use slcal_core::detect::Detection;
 use slcal_core::verify::{Verification, expected_corner};
 
 use super::drawing::color::GREEN;
-use super::drawing::legend::Swatch;
 use super::drawing::{Drawing, Pen};
 use super::{sheet, vector_scale};
 use crate::name::short;
@@ -29,8 +28,8 @@ pub(crate) fn drawing(
         .iter()
         .filter_map(|p| Some((p.camera, expected_corner(rig, pose, p.projector)?)))
         .collect();
-    let factor =
-        vector_scale::factor(pairs.iter().map(|(seen, there)| (there - seen).norm()), drawing.unit());
+    let shown = vector_scale::SHOWN * drawing.unit();
+    let factor = vector_scale::factor(pairs.iter().map(|(seen, there)| (there - seen).norm()), shown);
     let pen = Pen::new(GREEN).width(1.3);
     drawing.arrows(
         pairs.iter().map(|(seen, there)| (*seen, vector_scale::end(*seen, there - seen, factor))),
@@ -39,15 +38,8 @@ pub(crate) fn drawing(
     sheet::draw_marks(&mut drawing, view);
     let mut legend = sheet::legend(format!("{name}: {verdict}"), [view]);
     if !pairs.is_empty() {
-        let enlarged = if factor > 1.0 {
-            format!(", enlarged ×{}", vector_scale::plain(factor))
-        } else {
-            String::new()
-        };
-        let (bar, length) = vector_scale::scale(&drawing, factor, pen);
-        legend = legend
-            .entry(Swatch::Arrow(pen), format!("to the predicted position of each corner{enlarged}"))
-            .entry(bar, format!("{length} in the photograph"));
+        let what = "to the predicted position of each corner";
+        legend = vector_scale::explained(legend, &drawing, factor, pen, what);
     }
     drawing.legend = Some(legend);
     drawing

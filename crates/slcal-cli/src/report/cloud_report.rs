@@ -66,7 +66,7 @@ fn head(page: &CloudPage) -> Markup {
                     li { span.value { (derived("decoded_percent", share, &fixed(share, 0))) " %" } span.label { "of the stripe crossings decoded" } }
                 }
                 @if !cloud.points.is_empty() {
-                    @let (near, far) = stripes::reach_mm(cloud);
+                    @let [near, far] = stripes::reach_mm(cloud);
                     li {
                         span.value { (derived("nearest_mm", near, &fixed(near, 0))) "–" (derived("farthest_mm", far, &fixed(far, 0))) " mm" }
                         span.label { "from the camera" }
@@ -120,7 +120,7 @@ fn photograph(page: &CloudPage, photo: &Photo) -> Section {
             figcaption {
                 "The stripes where they became points, coloured by their distance from the camera: light is near, dark is far"
                 @if !cloud.points.is_empty() {
-                    @let (near, far) = stripes::reach_mm(cloud);
+                    @let [near, far] = stripes::reach_mm(cloud);
                     " (" (fixed(near, 0)) " to " (fixed(far, 0)) " mm)"
                 }
                 ". "

@@ -1,4 +1,4 @@
-//! Command lines as one would type them.
+//! Command lines as text.
 
 use std::ffi::OsString;
 
@@ -19,7 +19,7 @@ impl CommandLine {
     }
 }
 
-/// A word for a POSIX shell: as it is where no sign in it means anything there, else between single quotes.
+/// A word for a POSIX shell: unchanged where no character in it is special, else in single quotes.
 pub(crate) fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "_-./,:=+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {

@@ -1,4 +1,4 @@
-//! Plots: what plotly.js draws once the page is shown, and the texts that stand for it.
+//! Plots for plotly.js, with their text alternatives.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -13,7 +13,7 @@ pub(super) struct Figure {
     id: &'static str,
     data: Vec<Value>,
     layout: Value,
-    /// Whether it is in space: such plots turn, zoom and are printed as pictures.
+    /// Whether it is a 3D plot: those rotate, zoom and are printed as pictures.
     space: bool,
     /// What the reader may choose between.
     choices: Vec<Choice>,
@@ -21,7 +21,7 @@ pub(super) struct Figure {
     choices_title: &'static str,
 }
 
-/// Something that the reader may choose: what changes about which traces.
+/// A choice of the reader: a change to some traces.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Choice {
     pub(super) label: &'static str,
@@ -41,7 +41,7 @@ impl Figures {
         self.chosen(id, alt, data, layout, "", Vec::new())
     }
 
-    /// The same with what the reader may choose, and what that is about.
+    /// The same with choices and their title.
     pub(super) fn chosen(
         &mut self,
         id: &'static str,
@@ -54,7 +54,7 @@ impl Figures {
         self.add(Figure { id, data, layout, space: false, choices, choices_title }, alt)
     }
 
-    /// The same for a plot in space, with what the reader may choose.
+    /// The same for a 3D plot.
     pub(super) fn space(
         &mut self,
         id: &'static str,
@@ -95,8 +95,8 @@ impl Figures {
     }
 }
 
-/// Numbers for the eye: 16 bits each between the smallest and the largest, a fifth of their size as text. What is not
-/// finite is left out of the range and shown as a gap.
+/// Numbers for plots: 16 bits each between the smallest and the largest, a fifth of their size as text. Numbers that are not finite
+/// become gaps.
 pub(super) fn packed(values: &[f64]) -> Value {
     const STEPS: f64 = 65_534.0;
     /// Stands for "no number".

@@ -11,7 +11,7 @@ use super::rig_page::{RigPage, photo_name};
 use crate::picture::residual_drawing::{self, MeasuredView};
 use crate::picture::{Drawing, sheet};
 
-/// How much coarser lines and words are than in a picture of its own: pages are narrower than screens, and two columns more so.
+/// How much coarser lines and words are than in a separate picture, since pages show photographs smaller.
 const COARSER_ALONE: f64 = 1.3;
 const COARSER_AMONG_OTHERS: f64 = 2.0;
 
@@ -96,8 +96,7 @@ fn shot(
 fn legend(rig: &Rig, fits: &[Option<MeasuredView<'_>>], factor: f64) -> Markup {
     let any = |of: fn(&MeasuredView<'_>) -> bool| fits.iter().flatten().any(of);
     let fitted = fits.iter().any(Option::is_some);
-    let outliers =
-        any(|f| f.residuals.sheet.iter().chain(f.residuals.pairs.iter().map(|p| &p.camera)).any(|p| !p.kept));
+    let outliers = any(|f| f.outliers() > 0);
     html! {
         ul.legend {
             li { (key(html! { line x1="2" y1="8" x2="26" y2="8" stroke="#56b4e9" stroke-width="2"; })) "the sheet" }

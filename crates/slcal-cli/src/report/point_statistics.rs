@@ -9,6 +9,7 @@ use super::figure::{Figures, flat_layout};
 use super::number::{derived, fixed, significant};
 use super::page::Section;
 use crate::picture::stripes::thousands;
+use crate::quantile::Sorted;
 use crate::summary;
 
 /// Bars of a histogram.
@@ -23,8 +24,7 @@ pub(crate) enum FittedSurface {
 /// Distances and noise of the points, and what was left out.
 pub(super) fn section(result: &Reconstruction, figures: &mut Figures) -> Section {
     let cloud = &result.cloud;
-    let distances: Vec<f64> =
-        cloud.points.iter().map(|p| (p.position - cloud.camera_centre).norm()).collect();
+    let distances: Vec<f64> = cloud.distances_mm().collect();
     let noise: Vec<f64> = cloud.points.iter().map(|p| p.noise_mm).collect();
     let left_out = summary::left_out(result);
     let content = html! {
@@ -136,16 +136,11 @@ fn histogram(
     title: &str,
     colour: &str,
 ) -> Markup {
-    let mut all: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
-    all.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        all.get((all.len().saturating_sub(1) as f64 * share) as usize).copied().unwrap_or_default()
-    };
     // Outliers would squeeze all other values into one bar.
-    let (low, high) = (at(0.001), at(0.999));
+    let [low, high] = Sorted::new(values.iter().copied()).range([0.001, 0.999]);
     let wide = ((high - low) / BARS as f64).max(f64::MIN_POSITIVE);
     let mut counts = vec![0usize; BARS];
-    for x in all.iter().filter(|x| (low..=high).contains(*x)) {
+    for x in values.iter().filter(|x| (low..=high).contains(*x)) {
         counts[(((x - low) / wide) as usize).min(BARS - 1)] += 1;
     }
     let middles: Vec<f64> = (0..BARS).map(|i| low + (i as f64 + 0.5) * wide).collect();

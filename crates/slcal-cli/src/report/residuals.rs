@@ -8,11 +8,11 @@ use super::figure::{Figures, flat_layout};
 use super::number::{field, significant};
 use super::page::Section;
 use super::rig_page::{RigPage, photo_name};
-use crate::picture::vector_scale::round_down;
+use crate::picture::vector_scale::{self, round_down};
 
 /// More arrows than this hide each other.
 const MAX_ARROWS: usize = 1500;
-/// Length at which a long residual (the 95th percentile) is drawn, as a share of the image's width.
+/// Length at which a long residual is drawn, as a share of the image's width.
 const ARROW_SHARE: f64 = 0.05;
 /// Bars of the histogram: their width and reach in σ.
 const BAR: f64 = 0.25;
@@ -42,7 +42,8 @@ fn over_image(rig: &Rig, views: &[ViewResiduals], figures: &mut Figures) -> Mark
     let [w, h] = [rig.camera.model.width, rig.camera.model.height].map(f64::from);
     let sheet = || views.iter().flat_map(|v| &v.sheet);
     let pairs = || views.iter().flat_map(|v| &v.pairs).map(|p| &p.camera);
-    let scale = magnification(sheet().chain(pairs()), ARROW_SHARE * w);
+    let kept = views.iter().flat_map(ViewResiduals::points).filter(|p| p.kept);
+    let scale = vector_scale::factor(kept.map(|p| p.vector_px().norm()), ARROW_SHARE * w);
     let bar = round_down(0.12 * w / scale);
     let mut traces = Vec::new();
     let kinds: [(&str, &str, Vec<&PointResidual>); 2] = [
@@ -113,15 +114,6 @@ fn crosses(points: &[&PointResidual]) -> Value {
 /// To hundredths of a pixel, which are enough for a plot.
 fn rounded(x: f64) -> f64 {
     (x * 100.0).round() / 100.0
-}
-
-/// The enlargement at which a long residual has the given length, rounded down to 1, 2, 5 times a power of ten.
-fn magnification<'a>(points: impl Iterator<Item = &'a PointResidual>, length_px: f64) -> f64 {
-    let mut all: Vec<f64> =
-        points.filter(|p| p.kept).map(|p| p.vector_px().norm()).filter(|x| x.is_finite()).collect();
-    all.sort_by(f64::total_cmp);
-    let long = all.get(all.len() * 19 / 20).copied().unwrap_or_default();
-    if long > 1e-9 { round_down(length_px / long).max(1.0) } else { 1.0 }
 }
 
 /// The residuals in units of their noise, and the normal distribution.
@@ -225,7 +217,5 @@ pub(super) fn odd_words(view: Option<&ViewResiduals>) -> String {
 }
 
 fn left_out(view: &ViewResiduals) -> String {
-    let all = view.sheet.len() + view.pairs.len();
-    let out = view.sheet.iter().chain(view.pairs.iter().map(|p| &p.camera)).filter(|p| !p.kept).count();
-    format!("{out} of {all}")
+    format!("{} of {}", view.points().filter(|p| !p.kept).count(), view.points().count())
 }

@@ -1,25 +1,25 @@
-//! What a report is about.
+//! The content of a report on a rig.
 
 use slcal_core::{Observations, PointCloud, Rig, ViewResiduals};
 
 use super::photo::Photo;
 use crate::name::name_among;
 
-/// What a report is about. Names are those that the reader knows: as they were typed.
+/// The content of a report on a rig. Names are as they were typed.
 pub(crate) struct RigPage<'a> {
     pub(crate) rig: &'a Rig,
     /// The rig's file; empty when it has none.
     pub(crate) rig_name: String,
-    /// One entry per view, where it is at hand.
+    /// One entry per view, where the photograph is available.
     pub(crate) photos: Vec<Option<Photo>>,
     /// What was measured in them.
     pub(crate) observations: Option<&'a Observations>,
-    /// How far the measurements lie from the rig, or why that is not known.
+    /// The residuals, or why they are not known.
     pub(crate) residuals: Result<Vec<ViewResiduals>, String>,
     /// The checkerboard's file, for the commands to run next.
     pub(crate) checker_name: Option<String>,
     pub(crate) cloud: Option<ShownCloud<'a>>,
-    /// The commands that led here, the last one last.
+    /// The commands that created the rig, in order.
     pub(crate) made_by: Vec<String>,
 }
 

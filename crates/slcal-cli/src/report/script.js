@@ -1,4 +1,4 @@
-// Draws the plots of the page once it is shown: unpacks numbers, puts in the page's colours, draws one after the other.
+// Draws the plots after the page is shown: unpacks numbers, inserts the page's colours, draws one plot after the other.
 (() => {
   "use strict";
   const figures = JSON.parse(document.getElementById("figures").textContent);
@@ -35,7 +35,7 @@
     const style = getComputedStyle(root);
     return (name) => style.getPropertyValue("--" + name).trim();
   };
-  // A change is for each of its traces alike, unless it is a list of as many values; plotly wants a list.
+  // A change applies to all of its traces, unless it is a list with one value each; plotly expects a list.
   const listed = (change) =>
     Object.fromEntries(Object.entries(change).map(([k, v]) =>
       [k, k === "visible" && Array.isArray(v) ? v : Array.isArray(v) || ArrayBuffer.isView(v) ? [v] : v]));
@@ -50,7 +50,7 @@
     }
     return Plotly.restyle(div, listed(ready(choice.change, colours())), choice.traces);
   };
-  // What is in space turns by the arrow keys as by the mouse; + and - go nearer and away.
+  // 3D plots rotate with the arrow keys as with the mouse; + and - zoom.
   const AXES = ["x", "y", "z"];
   const TURN = Math.PI / 18;
   const HIGHEST = (80 * Math.PI) / 180;
@@ -95,7 +95,7 @@
     const colour = colours();
     const layout = ready(figure.layout, colour);
     if (figure.space) {
-      // In a narrow window the same things are seen from further away.
+      // A narrow window shows the scene from farther away.
       const away = Math.max(1, 720 / Math.max(div.clientWidth, 200)) ** 0.8;
       const eye = layout.scene.camera.eye;
       for (const axis of AXES) eye[axis] *= away;
@@ -117,13 +117,13 @@
       const div = drawn.get(figure.id);
       if (!div) continue;
       const layout = ready(figure.layout, colours());
-      // As the reader has turned it.
+      // Keep the reader's view.
       if (figure.space) layout.scene.camera = div._fullLayout.scene.camera;
       Plotly.react(div, ready(figure.data, colours()), layout, settings);
       if (figure.chosen) choose(figure, figure.chosen);
     }
   };
-  // Paper is light and narrow, and has no canvas that is drawn anew: what is in space is printed as a picture.
+  // Paper is light and narrow, and canvases are not redrawn for it: 3D plots are printed as pictures.
   const PAPER_PX = 660;
   const printed = () => {
     root.classList.add("on-paper");
@@ -157,7 +157,7 @@
     recolour();
   };
   const pause = () => new Promise((next) => requestAnimationFrame(() => setTimeout(next)));
-  // The library is long: the page shall be there to read before it is.
+  // The library is large: show the page before loading it.
   const load = () => {
     const library = document.createElement("script");
     library.textContent = document.getElementById("plotly").textContent;
@@ -171,7 +171,7 @@
   const all = async () => {
     await pause();
     load();
-    // Plots in space take longest; those that are flat shall not wait for them. What is looked at comes first of all.
+    // Flat plots first, as 3D plots take longest; but plots in view come before all others.
     const left = [...figures].sort((a, b) => a.space - b.space);
     while (left.length) {
       const [figure] = left.splice(Math.max(0, left.findIndex(seen)), 1);

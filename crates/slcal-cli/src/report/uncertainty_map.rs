@@ -10,6 +10,8 @@ use super::figure::{Choice, Figures, flat_layout};
 use super::number::significant;
 use super::page::Section;
 use super::rig_page::RigPage;
+use crate::picture::vector_scale::round_up;
+use crate::quantile::Sorted;
 use crate::summary::working_volume::{WorkingVolume, slopes, stripes};
 
 /// The slice reaches from and to these shares of the sheet's distance.
@@ -238,15 +240,11 @@ fn choice(label: &'static str, values: &[Vec<Option<f64>>], [start, end, size]: 
 
 /// First, last and distance of the contours: round numbers over nearly all values.
 fn contours(values: &[Vec<Option<f64>>]) -> [f64; 3] {
-    let mut all: Vec<f64> = values.iter().flatten().flatten().copied().filter(|x| x.is_finite()).collect();
-    all.sort_by(f64::total_cmp);
-    let (Some(low), Some(high)) = (all.first(), all.get(all.len() * 97 / 100)) else {
+    let all = Sorted::new(values.iter().flatten().flatten().copied());
+    let (Some(low), Some(high)) = (all.at(0.0), all.at(0.97)) else {
         return [0.0, 1.0, 0.1];
     };
-    let rough = ((high - low) / 9.0).max(high * 1e-3).max(1e-9);
-    let power = 10f64.powf(rough.log10().floor());
-    let size =
-        [1.0, 2.0, 5.0, 10.0].into_iter().map(|d| d * power).find(|s| *s >= rough * 0.999).unwrap_or(rough);
+    let size = round_up(0.999 * ((high - low) / 9.0).max(high * 1e-3).max(1e-9));
     [(low / size).floor() * size, (high / size).ceil() * size, size]
 }
 

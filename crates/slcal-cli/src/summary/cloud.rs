@@ -6,6 +6,7 @@ use slcal_core::{PointCloud, Reconstruction};
 
 use super::decoding::{add_counts, add_remarks, decoded_percent};
 use crate::output::{TextLayout, unbroken};
+use crate::quantile::Sorted;
 
 /// One cloud of many: points and decoding in one line, then warnings and notes.
 pub(crate) fn cloud_in_a_line(result: &Reconstruction) -> String {
@@ -88,7 +89,6 @@ fn listed(parts: &[String]) -> String {
 
 /// Nearest, median and farthest distance of the points from the camera, mm.
 fn distances(cloud: &PointCloud) -> Option<(f64, f64, f64)> {
-    let mut all: Vec<f64> = cloud.points.iter().map(|p| (p.position - cloud.camera_centre).norm()).collect();
-    all.sort_by(f64::total_cmp);
-    Some((*all.first()?, *all.get(all.len() / 2)?, *all.last()?))
+    let all = Sorted::new(cloud.distances_mm());
+    Some((all.at(0.0)?, all.at(0.5)?, all.at(1.0)?))
 }

@@ -1,7 +1,7 @@
-//! A drawing upon a photograph: made once as vectors, written twice.
+//! A vector drawing over a photograph, written as SVG or as pixels.
 //!
-//! A [`Drawing`] (`canvas`) holds `shape`s and a `legend`, which says what they mean; `layout` puts that into lines, `legend_placement`
-//! where it hides least. `svg` writes all of it for pages, `raster` paints it upon the photograph.
+//! A [`Drawing`] (`canvas`) holds `primitive`s and a `legend`. `legend_layout` arranges the legend, `legend_placement` puts it where it
+//! covers least. `svg` writes the drawing for pages, `raster` paints it over the photograph.
 
 mod appearance;
 mod canvas;

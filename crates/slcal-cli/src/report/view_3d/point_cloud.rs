@@ -9,6 +9,7 @@ use slcal_core::geometry::Pose;
 use slcal_core::{PointCloud, Rig};
 
 use super::super::figure::{Choice, packed, packed_colours, packed_indices};
+use crate::quantile::Sorted;
 
 /// More points than this are thinned: enough for a shape, and a report that opens at once and stays small.
 const MAX_SHOWN: usize = 20_000;
@@ -62,9 +63,7 @@ impl ShownPoints {
 
     /// Half of the points are nearer than this.
     pub(super) fn median_depth_mm(&self) -> Option<f64> {
-        let mut depths: Vec<f64> = self.positions.iter().map(|p| p.z).collect();
-        depths.sort_by(f64::total_cmp);
-        depths.get(depths.len() / 2).copied()
+        Sorted::new(self.positions.iter().map(|p| p.z)).at(0.5)
     }
 
     /// Adds the cloud to a plot; gives the choices of its colour.
@@ -240,11 +239,7 @@ fn thinned(triangles: &[[u32; 3]], place: &[Option<u32>]) -> Vec<[u32; 3]> {
 
 /// The range of colours: nearly all values, so that a few far ones do not make the rest alike.
 fn bulk(values: &[f64]) -> [f64; 2] {
-    let mut all: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
-    all.sort_by(f64::total_cmp);
-    let at =
-        |share: f64| all.get(((all.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or_default();
-    [at(0.02), at(0.98)]
+    Sorted::new(values.iter().copied()).range([0.02, 0.98])
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::path::Path;
 use image::DynamicImage;
 use image::imageops::FilterType;
 use slcal_core::detect::Detection;
-use slcal_core::{Observations, Rig, Verdict, ViewResiduals};
+use slcal_core::{Observations, Quality, Rig, ViewResiduals};
 
 use crate::exit::{Failure, Outcome};
 use crate::io::{Destination, input_name, png_bytes, write_all};
@@ -157,14 +157,9 @@ impl Shot {
 }
 
 /// How good the calibration is, as a part of a headline.
-fn verdict(rig: &Rig) -> &'static str {
-    match rig.quality.as_ref().map(|q| q.verdict) {
-        Some(Verdict::Good) => "a good calibration",
-        Some(Verdict::Fair) => "a fair calibration",
-        Some(Verdict::Weak) => "a weak calibration",
-        Some(Verdict::Degenerate) => "a degenerate calibration",
-        None => "calibrated",
-    }
+fn verdict(rig: &Rig) -> String {
+    let name = |q: &Quality| format!("a {} calibration", q.verdict.name());
+    rig.quality.as_ref().map_or_else(|| "calibrated".to_owned(), name)
 }
 
 /// All photographs on one sheet.

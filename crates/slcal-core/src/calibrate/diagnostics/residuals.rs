@@ -64,6 +64,11 @@ pub struct ViewResiduals {
 }
 
 impl ViewResiduals {
+    /// All points in the photograph: those of the sheet, then the projected corners.
+    pub fn points(&self) -> impl Iterator<Item = &PointResidual> {
+        self.sheet.iter().chain(self.pairs.iter().map(|p| &p.camera))
+    }
+
     /// Whether this view fits far worse than the others do: another sheet, a bump, a blurred photograph.
     #[must_use]
     pub fn is_odd(&self) -> bool {
