@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use slcal_core::advise::{Advice, CameraPlan, advise_first, advise_next};
-use slcal_core::{CalibrateConfig, PrincipalPointRule};
+use slcal_core::{CalibrateConfig, DistortionModel, PrincipalPointRule};
 
 use crate::convert::object::{object, optional};
 use crate::convert::option;
@@ -78,9 +78,9 @@ fn advise<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = size_mm.py();
     let config = CalibrateConfig {
-        camera_pp: option::principal_point(camera_pp, "camera_pp", PrincipalPointRule::Prior)?,
-        projector_pp: option::principal_point(projector_pp, "projector_pp", PrincipalPointRule::Shift)?,
-        distortion: option::distortion(distortion, "distortion")?,
+        camera_pp: option::parsed_or(camera_pp, "camera_pp", PrincipalPointRule::Prior)?,
+        projector_pp: option::parsed_or(projector_pp, "projector_pp", PrincipalPointRule::Shift)?,
+        distortion: option::parsed_or(distortion, "distortion", DistortionModel::Auto)?,
         ..CalibrateConfig::default()
     };
     config.validate().raise(py, Stage::Detect)?;

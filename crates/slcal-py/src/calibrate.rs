@@ -1,7 +1,10 @@
 //! Photographs, or the observations of any detector, in; rig out.
 
 use pyo3::prelude::*;
-use slcal_core::{CalibrateConfig, ExternalObservations, FocalPrior, PrincipalPointRule, calibrate_external};
+use slcal_core::{
+    CalibrateConfig, DistortionModel, ExternalObservations, FocalPrior, PrincipalPointRule,
+    calibrate_external,
+};
 
 use crate::convert::object::optional;
 use crate::convert::option;
@@ -19,7 +22,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 
 /// What the keyword arguments of both functions say.
 struct Options<'a, 'py> {
-    camera: Option<&'a Bound<'py, PyAny>>,
+    camera: Option<&'a Camera>,
     camera_pp: Option<&'a Bound<'py, PyAny>>,
     projector_pp: Option<&'a Bound<'py, PyAny>>,
     distortion: Option<&'a Bound<'py, PyAny>>,
@@ -34,15 +37,15 @@ impl Options<'_, '_> {
     fn config(&self) -> PyResult<CalibrateConfig> {
         let default = CalibrateConfig::default();
         Ok(CalibrateConfig {
-            camera_pp: option::principal_point(self.camera_pp, "camera_pp", PrincipalPointRule::Prior)?,
-            projector_pp: option::principal_point(
-                self.projector_pp,
-                "projector_pp",
-                PrincipalPointRule::Shift,
+            camera_pp: option::parsed_or(self.camera_pp, "camera_pp", PrincipalPointRule::Prior)?,
+            projector_pp: option::parsed_or(self.projector_pp, "projector_pp", PrincipalPointRule::Shift)?,
+            method: option::parsed_or(self.method, "method", default.method)?,
+            distortion: option::parsed_or(self.distortion, "distortion", DistortionModel::Auto)?,
+            projector_distortion: option::parsed_or(
+                self.projector_distortion,
+                "projector_distortion",
+                DistortionModel::Auto,
             )?,
-            method: option::method(self.method)?,
-            distortion: option::distortion(self.distortion, "distortion")?,
-            projector_distortion: option::distortion(self.projector_distortion, "projector_distortion")?,
             allow_degenerate: self.allow_degenerate,
             ..default
         })
@@ -50,8 +53,7 @@ impl Options<'_, '_> {
 
     fn rig(&self, py: Python<'_>, mut config: CalibrateConfig, seen: &ExternalObservations) -> PyResult<Rig> {
         let size = seen.observations.camera;
-        let camera = optional::<Camera>(self.camera, "camera")?;
-        config.known_camera = camera.map(|c| of_size(py, c.get(), size)).transpose()?;
+        config.known_camera = self.camera.map(|c| of_size(py, c, size)).transpose()?;
         config.focal_prior = self.focal_35mm.map(|mm| FocalPrior::from_35mm_equivalent(mm, size));
         config.validate().raise(py, Stage::Detect)?;
         let done = py.detach(|| calibrate_external(seen, &config)).raise(py, Stage::Detect)?;
@@ -164,7 +166,7 @@ fn calibrate(
 ) -> PyResult<Rig> {
     let py = photos.py();
     let options = Options {
-        camera,
+        camera: optional::<Camera>(camera, "camera")?.map(Bound::get),
         camera_pp,
         projector_pp,
         distortion,
@@ -223,7 +225,7 @@ fn calibrate_observations(
     allow_degenerate: bool,
 ) -> PyResult<Rig> {
     let options = Options {
-        camera,
+        camera: optional::<Camera>(camera, "camera")?.map(Bound::get),
         camera_pp,
         projector_pp,
         distortion,

@@ -2,6 +2,7 @@
 
 use pyo3::prelude::*;
 use slcal_core::decode::{DecodeConfig, DecodeInput, decode_frames};
+use slcal_core::photo::Encoding;
 use slcal_core::{Error, Result};
 
 use crate::convert::image::Photo;
@@ -81,7 +82,11 @@ fn blue_first(error: Error) -> Error {
 
 /// How photographs are read.
 pub(crate) fn config(gamma: Option<&Bound<'_, PyAny>>, min_confidence: f64) -> PyResult<DecodeConfig> {
-    Ok(DecodeConfig { encoding: option::gamma(gamma)?, min_confidence, ..DecodeConfig::default() })
+    Ok(DecodeConfig {
+        encoding: option::parsed_or(gamma, "gamma", Encoding::default())?,
+        min_confidence,
+        ..DecodeConfig::default()
+    })
 }
 
 /// Finds the stripes of a photograph and says which slit each is.

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 use slcal_core::detect::{DetectConfig, observe as observe_one};
-use slcal_core::photo::PhotoView;
+use slcal_core::photo::{Encoding, PhotoView};
 use slcal_core::{ExternalObservations, Unstated};
 
 use crate::convert::array::Numbers;
@@ -92,7 +92,7 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservati
     let photos = photos_of(asked.photos, "photos")?;
     let size = option::sheet_size(asked.size_mm)?;
     let plain = asked.plain.map_or(Ok(Vec::new()), |p| photos_of(p, "plain"))?;
-    let encoding = option::gamma(asked.gamma)?;
+    let encoding = option::parsed_or(asked.gamma, "gamma", Encoding::default())?;
     let n = photos.len();
     if n == 0 {
         return Err(errors::invalid(py, "photos", "at least one", "none"));

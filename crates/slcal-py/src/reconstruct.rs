@@ -3,7 +3,9 @@
 use pyo3::prelude::*;
 use slcal_core::decode::DecodeConfig;
 use slcal_core::reconstruct::{CullRule, TriangulateConfig};
-use slcal_core::{ReconstructConfig, Reconstruction, Reconstructor, Rig as CoreRig, cloud_from_matches};
+use slcal_core::{
+    Frame, ReconstructConfig, Reconstruction, Reconstructor, Rig as CoreRig, cloud_from_matches,
+};
 
 use crate::cloud::PointCloud;
 use crate::convert::object::{object, refused};
@@ -37,9 +39,9 @@ impl CloudOptions<'_, '_> {
     pub(crate) fn config(&self, decode: DecodeConfig, cull: CullRule) -> PyResult<ReconstructConfig> {
         Ok(ReconstructConfig {
             decode,
-            frame: option::frame(self.frame)?,
+            frame: option::parsed_or(self.frame, "frame", Frame::Camera)?,
             mesh: self.mesh,
-            cull: option::cull(self.cull, cull)?,
+            cull: option::parsed_or(self.cull, "cull", cull)?,
             triangulate: TriangulateConfig {
                 near_mm: self.near,
                 far_mm: self.far,

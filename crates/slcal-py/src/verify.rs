@@ -1,6 +1,7 @@
 //! Rig + photograph → how square the projection is, and whether the rig has moved.
 
 use pyo3::prelude::*;
+use slcal_core::photo::Encoding;
 use slcal_core::{VerifyPhotoConfig, verify_photo};
 
 use crate::convert::image::Photo;
@@ -69,7 +70,7 @@ impl Rig {
         let config = VerifyPhotoConfig {
             size: size_mm.map(option::sheet_size).transpose()?,
             as_drawn,
-            encoding: option::gamma(gamma)?,
+            encoding: option::parsed_or(gamma, "gamma", Encoding::default())?,
             corners: corners.map(|c| four_corners(c, "corners")).transpose()?,
             significance,
         };

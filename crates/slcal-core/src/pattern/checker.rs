@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::panel::check_panel;
 use crate::error::{Error, ErrorSubject, Result};
+use crate::named::named;
 
 /// Colour of a square or of the background.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -15,6 +16,8 @@ pub enum SquareColor {
     /// Full light.
     White,
 }
+
+named!(SquareColor, "colour", { Black => "black", White => "white" });
 
 /// A checkerboard on a projector's panel.
 ///

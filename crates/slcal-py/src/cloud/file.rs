@@ -5,21 +5,9 @@ use pyo3::types::PyBytes;
 use slcal_core::format::{CloudFormat, read_ply};
 
 use super::PointCloud;
-use crate::convert::option;
+use crate::convert::option::{parsed, parsed_or};
 use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::files;
-
-const FORMATS: [(&str, CloudFormat); 5] = [
-    ("ply", CloudFormat::Ply),
-    ("pcd", CloudFormat::Pcd),
-    ("xyz", CloudFormat::Xyz),
-    ("obj", CloudFormat::Obj),
-    ("glb", CloudFormat::Glb),
-];
-
-fn format_named(name: &Bound<'_, PyAny>) -> PyResult<CloudFormat> {
-    option::one_of(name, "format", &FORMATS)
-}
 
 /// By the extension of a path; PLY for file objects.
 fn format_of(file: &Bound<'_, PyAny>) -> PyResult<CloudFormat> {
@@ -60,7 +48,7 @@ impl PointCloud {
     #[pyo3(signature = (file, *, format=None))]
     fn save(&self, file: &Bound<'_, PyAny>, format: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let py = file.py();
-        let format = format.map_or_else(|| format_of(file), format_named)?;
+        let format = format.map_or_else(|| format_of(file), |f| parsed(f, "format"))?;
         let bytes = py.detach(|| bytes_as(format, &self.cloud)).raise(py, Stage::Decode)?;
         files::write(file, &bytes, format.is_text())
     }
@@ -107,7 +95,7 @@ impl PointCloud {
         py: Python<'py>,
         format: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let format = format.map_or(Ok(CloudFormat::Ply), format_named)?;
+        let format = parsed_or(format, "format", CloudFormat::Ply)?;
         let bytes = py.detach(|| bytes_as(format, &self.cloud)).raise(py, Stage::Decode)?;
         Ok(PyBytes::new(py, &bytes))
     }

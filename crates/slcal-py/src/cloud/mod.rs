@@ -17,7 +17,7 @@ use slcal_core::{CloudPoint, Frame};
 use crate::convert::array::{Numbers, column, rows, rows_of, shape_in_words, vector_of};
 use crate::convert::columns::{as_many, colors_of, integers_of, within};
 use crate::convert::object::{self, Argument};
-use crate::convert::option;
+use crate::convert::option::{parsed, parsed_or};
 use crate::convert::report::Reported;
 use crate::errors;
 
@@ -196,7 +196,7 @@ impl PointCloud {
             confidence: confidence.as_ref().map_or(1.0, |c| c[i]),
         };
         let points = points.into_iter().enumerate().map(point).collect();
-        let (frame, camera_centre) = (option::frame(frame)?, Point3::from(camera_centre));
+        let (frame, camera_centre) = (parsed_or(frame, "frame", Frame::Camera)?, Point3::from(camera_centre));
         Ok(slcal_core::PointCloud { points, triangles, frame, camera_centre }.into())
     }
 
@@ -251,10 +251,7 @@ impl PointCloud {
     /// Whose coordinates these are: "camera", or "plane" for the sheet of the rig's first view.
     #[getter]
     fn frame(&self) -> &'static str {
-        match self.cloud.frame {
-            Frame::Camera => "camera",
-            Frame::Plane => "plane",
-        }
+        self.cloud.frame.name()
     }
 
     /// Where the camera stands in these coordinates: (3,) float64, mm.
@@ -332,7 +329,7 @@ impl PointCloud {
         let cloud = slcal_core::PointCloud {
             points,
             triangles: triangles_of(triangles, n)?,
-            frame: option::frame(Some(frame))?,
+            frame: parsed(frame, "frame")?,
             camera_centre: Point3::from(camera_centre),
         };
         Ok(Self { cloud, report: Reported::restored(py, report) })

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use slcal_core::photo::{Layout, PhotoView, Samples};
 
 use crate::errors::{self, Raise as _, Stage};
+use crate::files;
 
 /// An array that is a photograph.
 pub(crate) enum Photo<'py> {
@@ -82,8 +83,9 @@ pub(crate) fn photos_of<'py>(photos: &Bound<'py, PyAny>, what: &str) -> PyResult
     {
         return Ok(vec![Photo::of(photos, what)?]);
     }
-    let Ok(items) = photos.try_iter() else {
-        return Err(errors::wrong_type(what, "a sequence of images", &described(photos)?));
+    let items = match photos.try_iter() {
+        Ok(items) if files::path_of(photos)?.is_none() => items,
+        _ => return Err(errors::wrong_type(what, "a sequence of images", &described(photos)?)),
     };
     items.enumerate().map(|(i, photo)| Photo::of(&photo?, &format!("{what}[{i}]"))).collect()
 }
@@ -92,7 +94,7 @@ fn described(object: &Bound<'_, PyAny>) -> PyResult<String> {
     let name = object.get_type().name()?.to_string();
     Ok(if object.is_none() {
         "None (cv2.imread returns None for a file that it cannot read)".to_owned()
-    } else if crate::files::path_of(object).is_ok_and(|p| p.is_some()) {
+    } else if files::path_of(object).is_ok_and(|p| p.is_some()) {
         format!("{name}; read the file first: slcal.read_image(path)")
     } else if name == "Scene" {
         "a Scene; its photograph is scene.photo".to_owned()

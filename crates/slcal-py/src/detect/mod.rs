@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use slcal_core::detect::{self, DetectConfig};
 
 pub(crate) use found::{CornerDetection, Detection, SheetDetection};
+use slcal_core::photo::Encoding;
 
 use crate::convert::image::Photo;
 use crate::convert::object::{object, optional};
@@ -25,7 +26,11 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 
 fn config(corners: Option<&Bound<'_, PyAny>>, gamma: Option<&Bound<'_, PyAny>>) -> PyResult<DetectConfig> {
     let corners = corners.map(|c| four_corners(c, "corners")).transpose()?;
-    Ok(DetectConfig { encoding: option::gamma(gamma)?, corners, ..DetectConfig::default() })
+    Ok(DetectConfig {
+        encoding: option::parsed_or(gamma, "gamma", Encoding::default())?,
+        corners,
+        ..DetectConfig::default()
+    })
 }
 
 /// Finds the sheet, and the pattern when there is one, in a photograph.

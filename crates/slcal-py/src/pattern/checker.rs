@@ -5,10 +5,10 @@ use std::path::Path;
 use pyo3::prelude::*;
 use slcal_core::pattern::{self, CheckerConfig, Pattern};
 
-use super::file::{COLORS, from_file, json, named, parse, picture};
+use super::file::{from_file, json, parse, picture};
 use crate::convert::array::rows;
 use crate::convert::object::{self, Argument};
-use crate::convert::option::{one_of, whole_pair};
+use crate::convert::option::{parsed, whole_pair};
 use crate::errors::{self, Raise as _, Stage};
 use crate::files;
 
@@ -95,10 +95,10 @@ impl CheckerPattern {
             );
         }
         if let Some(color) = first_square {
-            config.first_square = one_of(color, "first_square", &COLORS)?;
+            config.first_square = parsed(color, "first_square")?;
         }
         if let Some(color) = background {
-            config.background = one_of(color, "background", &COLORS)?;
+            config.background = parsed(color, "background")?;
         }
         let panel = whole_pair(projector, "projector")?;
         pattern::CheckerPattern::new(panel, &config).map(Self).raise(py, Stage::Detect)
@@ -131,13 +131,13 @@ impl CheckerPattern {
     /// The colour of the top-left square.
     #[getter]
     fn first_square(&self) -> &'static str {
-        named(self.0.first_square, &COLORS)
+        self.0.first_square.name()
     }
 
     /// The colour around the board.
     #[getter]
     fn background(&self) -> &'static str {
-        named(self.0.background, &COLORS)
+        self.0.background.name()
     }
 
     /// The corners between four squares, row by row.

@@ -1,20 +1,12 @@
-//! Pattern files, names of colours and axes, and drawn patterns as arrays.
+//! Pattern files, and drawn patterns as arrays.
 
 use pyo3::prelude::*;
 use slcal_core::format::{read_pattern, write_pattern};
-use slcal_core::pattern::{Axis, Pattern, SquareColor};
+use slcal_core::pattern::Pattern;
 
 use crate::convert::array::shaped;
 use crate::errors::{Raise as _, Stage, raised_from};
 use crate::files;
-
-pub(super) const COLORS: [(&str, SquareColor); 2] =
-    [("black", SquareColor::Black), ("white", SquareColor::White)];
-pub(super) const AXES: [(&str, Axis); 2] = [("columns", Axis::Columns), ("rows", Axis::Rows)];
-
-pub(super) fn named<T: PartialEq + Copy>(value: T, names: &[(&'static str, T)]) -> &'static str {
-    names.iter().find(|(_, v)| *v == value).map_or("", |(n, _)| n)
-}
 
 /// A drawn pattern as an array of (H, W, 3).
 pub(super) fn picture<'py>(

@@ -5,11 +5,11 @@ use std::path::Path;
 use pyo3::prelude::*;
 use slcal_core::pattern::{self, Axis, Pattern, StripeConfig};
 
-use super::file::{AXES, from_file, json, named, parse, picture};
+use super::file::{from_file, json, parse, picture};
 use crate::convert::array::{column, rows};
 use crate::convert::columns::{bytes_of, column_of, integers_of};
 use crate::convert::object::{self, Argument};
-use crate::convert::option::{one_of, whole_pair};
+use crate::convert::option::{parsed_or, whole_pair};
 use crate::errors::{self, Raise as _, Stage};
 use crate::files;
 
@@ -93,7 +93,7 @@ impl StripePattern {
             hues: count("hues", hues)?,
             order: count("order", order)?,
             slits: slits.map(|n| count("slits", n)).transpose()?,
-            axis: axis.map_or(Ok(Axis::Columns), |a| one_of(a, "axis", &AXES))?,
+            axis: parsed_or(axis, "axis", Axis::Columns)?,
             ..StripeConfig::default()
         };
         let panel = whole_pair(projector, "projector")?;
@@ -141,7 +141,7 @@ impl StripePattern {
             integers_of(sequence, "sequence", [0, 255])?.into_iter().map(|i| i as u8).collect();
         let made = pattern::StripePattern {
             projector: whole_pair(projector, "projector")?,
-            axis: axis.map_or(Ok(Axis::Columns), |a| one_of(a, "axis", &AXES))?,
+            axis: parsed_or(axis, "axis", Axis::Columns)?,
             palette: bytes_of(palette, "palette")?,
             centres_px: column_of(centres_px, sequence.len(), "centres_px", true)?,
             sequence,
@@ -161,7 +161,7 @@ impl StripePattern {
     /// Whether slits are counted along the panel's columns (they stand upright) or rows.
     #[getter]
     fn axis(&self) -> &'static str {
-        named(self.0.axis, &AXES)
+        self.0.axis.name()
     }
 
     /// The colours: (hues, 3) uint8, sRGB.

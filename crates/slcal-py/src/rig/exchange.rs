@@ -7,13 +7,9 @@ use slcal_core::Rig as CoreRig;
 use slcal_core::format::{ExchangeFormat, ExportConfig, ImportConfig, NamedBytes, export_rig, import_rig};
 
 use super::Rig;
-use crate::convert::option::{one_of, shown, whole_pair};
+use crate::convert::option::{parsed, shown, whole_pair};
 use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::files;
-
-fn format_of(value: &Bound<'_, PyAny>, what: &str) -> PyResult<ExchangeFormat> {
-    one_of(value, what, &ExchangeFormat::ALL.map(|f| (f.name(), f)))
-}
 
 fn path_of(file: &Bound<'_, PyAny>, what: &str) -> PyResult<PathBuf> {
     files::path_of(file)?.ok_or_else(|| errors::wrong_type(what, "a path", &shown(file)))
@@ -27,7 +23,7 @@ fn export_to(
     lossy: bool,
 ) -> PyResult<Vec<String>> {
     let py = path.py();
-    let (path, format) = (path_of(path, "path")?, format_of(to, "to")?);
+    let (path, format) = (path_of(path, "path")?, parsed::<ExchangeFormat>(to, "to")?);
     let storage = match format {
         ExchangeFormat::OpenCv => slcal_cli::files::storage_of(&path).raise(py, Stage::Detect)?,
         _ => ExportConfig::default().storage,
@@ -53,7 +49,7 @@ fn import_from(
     projector_size: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<CoreRig> {
     let py = paths.py();
-    let format = format.map(|f| format_of(f, "format")).transpose()?;
+    let format = format.map(|f| parsed::<ExchangeFormat>(f, "format")).transpose()?;
     let config = ImportConfig {
         camera_size: camera_size.map(|s| whole_pair(s, "camera_size")).transpose()?,
         projector_size: projector_size.map(|s| whole_pair(s, "projector_size")).transpose()?,

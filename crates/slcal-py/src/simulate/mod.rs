@@ -11,8 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use slcal_core::ExternalObservations;
 use slcal_core::simulate::{
-    Draws, NoiseConfig, NoiseExperiment, NoiseModel, PoseConfig, PrincipalPoints, SceneSetup, SpreadConfig,
-    spread_poses,
+    Draws, NoiseConfig, NoiseExperiment, NoiseModel, PoseConfig, SceneSetup, SpreadConfig, spread_poses,
 };
 
 use self::options::{
@@ -22,7 +21,7 @@ use self::options::{
 use self::scene::Scene;
 use crate::convert::array::{Numbers, vector_of};
 use crate::convert::object::object;
-use crate::convert::option::one_of;
+use crate::convert::option::parsed;
 use crate::convert::report::{Reported, record};
 use crate::errors::{Raise as _, Stage};
 use crate::observations::Observations;
@@ -101,8 +100,6 @@ fn simulate_views(options: &Bound<'_, PyDict>) -> PyResult<(Observations, Rig)> 
 #[pyfunction]
 #[pyo3(signature = (options, /))]
 fn simulate_noise<'py>(options: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {
-    const TOLD: [(&str, PrincipalPoints); 2] =
-        [("exact", PrincipalPoints::Exact), ("prior", PrincipalPoints::Prior)];
     let py = options.py();
     let options = Options(options);
     let mut config = NoiseConfig { rig: rig_config(&options)?, ..NoiseConfig::default() };
@@ -115,8 +112,7 @@ fn simulate_noise<'py>(options: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAn
     })?;
     options.whole("draws", &mut config.draws)?;
     options.whole("seed", &mut config.seed)?;
-    options
-        .set("principal_points", &mut config.principal_points, |v| one_of(v, "principal_points", &TOLD))?;
+    options.set("principal_points", &mut config.principal_points, |v| parsed(v, "principal_points"))?;
     config.cube_mm = options.get("cube")?.map(|c| number(&c, "cube")).transpose()?;
     let mut interrupted = None;
     #[allow(clippy::redundant_closure_for_method_calls, reason = "the method is not general enough")]

@@ -6,6 +6,7 @@ use pyo3::types::PyDict;
 use slcal_core::PointCloud as CoreCloud;
 use slcal_core::format::{read_obj, read_ply};
 use slcal_core::pattern::Pattern;
+use slcal_core::photo::Encoding;
 use slcal_core::simulate::{
     PatternKind, PoseConfig, RenderConfig, RigConfig, SurfaceKind, TriangleMesh, WallKind,
 };
@@ -126,7 +127,7 @@ pub(super) fn render_config(options: &Options<'_, '_>) -> PyResult<RenderConfig>
     options.set("ambient", &mut render.ambient, |v| channels(v, "ambient"))?;
     options.number("exposure", &mut render.exposure)?;
     options.whole("seed", &mut render.seed)?;
-    render.encoding = option::gamma(options.get("gamma")?.as_ref())?;
+    render.encoding = option::parsed_or(options.get("gamma")?.as_ref(), "gamma", Encoding::default())?;
     Ok(render)
 }
 
