@@ -3,8 +3,8 @@
     python examples/ray_folder.py 'scan/*.png' rig.json stripes.json clouds
     python examples/ray_folder.py s3://bucket/scan rig.json stripes.json s3://bucket/clouds --address auto
 
-Photographs that cannot be reconstructed are listed at the end, and the exit code is 1 then. Run it again to do what is
-missing; what is finished stays as it is.
+Photographs that cannot be reconstructed are listed at the end, and the exit code is 1. A second run does only what is
+missing; finished clouds stay as they are.
 """
 
 from __future__ import annotations

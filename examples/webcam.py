@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Calibrates a webcam and a projector, then scans what stands before them.
+"""Calibrates a webcam and a projector, then scans objects in front of them.
 
-    pip install slcal opencv-python
-    python webcam.py --size 297x210 --projector 1920x1080 --screen-at 1920,0
+    pip install ./crates/slcal-py opencv-python
+    python examples/webcam.py --size 297x210 --projector 1920x1080 --screen-at 1920,0
 
-The projector is a second display whose top-left pixel --screen-at names; it shows its pictures full screen,
-at its native resolution, keystone correction off. In the window "camera", press SPACE to take a photograph
-and Q to go on: first photographs of the sheet under the checkerboard, until the calibration is good, then
-objects under the stripes, as many as you like. Keep zoom and focus of both devices fixed from the first
-photograph on.
+The projector is a second display; --screen-at is the position of its top-left pixel. It shows pictures full
+screen, at its native resolution, with keystone correction off. In the window "camera", press SPACE to take a
+photograph and Q to continue. First photograph the sheet under the checkerboard until the calibration is good,
+then as many objects under the stripes as you like. From the first photograph on, camera and projector must
+not move, and their zoom and focus must not change.
 
-With --images DIR photographs are read from a folder instead, sheet*.* and then scan*.* by name, and nothing
-is shown; show the pictures that `slcal pattern` draws while you take them.
+With --images DIR photographs are read from a folder instead, first sheet*.*, then scan*.*, in order of their
+names. Nothing is shown then; project the pictures that `slcal pattern` draws while you take the photographs.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ import slcal
 
 Image = NDArray[np.uint8]
 
-MOST_CLIPPED = 0.02  # Of the stripes; colours cannot be told where a channel is full.
-AVERAGED = 5  # Frames: webcams are noisy, and the scene stands still.
-STALE = 10  # Frames that a driver may have taken before the projector's picture had changed.
+MOST_SATURATED = 0.02  # Of the stripes; a saturated channel hides the colour.
+AVERAGED = 5  # Frames; webcams are noisy, and the scene does not move.
+STALE = 10  # Frames that a driver may have buffered before the projector's picture changed.
 
 
 class Folder:
-    """Photographs that were taken before."""
+    """Photographs from a folder."""
 
     def __init__(self, folder: Path) -> None:
         if not folder.is_dir():
             raise SystemExit(
-                f"{folder} is no folder; --images takes one with sheet1.jpg, ..., scan1.jpg, ..."
+                f"{folder} is no folder; --images takes a folder with sheet1.jpg, ..., scan1.jpg, ..."
             )
         self.folder = folder
 
@@ -49,13 +49,13 @@ class Folder:
         for path in sorted(self.folder.glob(f"{kind}*")):
             bgr = cv2.imread(str(path))
             if bgr is None:
-                print(f"{path.name}: OpenCV cannot read it; left out", file=sys.stderr)
+                print(f"{path.name}: OpenCV cannot read it; skipped", file=sys.stderr)
                 continue
             yield path.stem, bgr[..., ::-1].astype(np.uint8, copy=False)  # OpenCV has blue first, slcal red.
 
 
 class Webcam:
-    """A camera, and the display before which it stands."""
+    """A camera and the projector's display."""
 
     def __init__(self, index: int, screen_at: tuple[int, int], exposure: float | None) -> None:
         self.camera = cv2.VideoCapture(index)
@@ -104,7 +104,7 @@ class Webcam:
 def calibrate(
     photos: Folder | Webcam, checker: slcal.CheckerPattern, size_mm: tuple[float, float]
 ) -> slcal.Rig | None:
-    """One photograph of the sheet after another, until another one is not worth taking."""
+    """Takes photographs of the sheet until another one would improve little."""
     views: list[slcal.Detection] = []
     rig = None
     for name, photo in photos.of("sheet", checker.image()):
@@ -115,23 +115,22 @@ def calibrate(
             rig = slcal.calibrate_observations(observations)
         except (
             slcal.CalibrationError
-        ) as error:  # For example seen face-on; beside other views it still counts.
-            print(f"{name}: {error}\n  Tilt the sheet, and take another one.")
+        ) as error:  # For example seen face-on; together with other views it is still useful.
+            print(f"{name}: {error}\n  Tilt the sheet and take another photograph.")
             views.append(seen)
             continue
-        except slcal.Error as error:  # No sheet or no pattern in it: says why, and what to do.
-            print(f"{name}: {error}\n  Take another one.{hint(photo)}")
+        except slcal.Error as error:  # Sheet or pattern not found: says why and what to do.
+            print(f"{name}: {error}\n  Take another photograph.{hint(photo)}")
             continue
         views.append(seen)
         print(f"{name}: {rig}")
         for note in seen.notes:
             print(f"  note: {note}")
-        assert rig.quality is not None, "a rig that was calibrated here says how good it is"
         for warning in rig.quality.warnings:
             print(f"  {warning.message}; {warning.advice}")
         advice = rig.advise(checker)
         if rig.quality.verdict == "good" and not advice.worth_it:
-            print("Another photograph would bring little: calibrated.")
+            print("Another photograph would improve little: calibrated.")
             break
         if advice.next is not None:
             print(f"  next: {advice.next.in_words}")
@@ -139,29 +138,29 @@ def calibrate(
 
 
 def hint(photo: Image) -> str:
-    """What the light has to do with a photograph in which nothing is found."""
+    """Advice on exposure for a photograph in which nothing is found."""
     if np.percentile(photo, 90) < 60:
-        return " It is dark: more light, or a longer exposure."
+        return " It is dark: use more light or a longer exposure."
     if (photo == 255).all(axis=2).mean() > 0.2:
-        return " Much of it is clipped: less light, or a shorter exposure."
+        return " Much of it is saturated: use less light or a shorter exposure."
     return ""
 
 
 def scan(photos: Folder | Webcam, rig: slcal.Rig, stripes: slcal.StripePattern, out: Path) -> int:
-    """Turns every photograph of stripes into a cloud; how many there were."""
+    """Turns every photograph of stripes into a cloud; returns their number."""
     clouds = 0
     for name, photo in photos.of("scan", stripes.image()):
         try:
             cloud = rig.reconstruct(photo, stripes)
         except slcal.Error as error:
-            print(f"{name}: {error}\n  Take another one.{hint(photo)}")
+            print(f"{name}: {error}\n  Take another photograph.{hint(photo)}")
             continue
         cloud.save(out / f"{name}.ply")
         clouds += 1
         print(f"{name}: {len(cloud)} points, sigma {np.median(cloud.sigma):.2f} mm (median)")
-        decoded = cloud.report.decode if cloud.report is not None else None
-        if decoded is not None and decoded.saturated > MOST_CLIPPED:
-            print(f"  {decoded.saturated:.0%} of the stripes are clipped: use a shorter exposure")
+        saturated = cloud.report.decode.saturated
+        if saturated > MOST_SATURATED:
+            print(f"  {saturated:.0%} of the stripes are saturated: use a shorter exposure")
     return clouds
 
 

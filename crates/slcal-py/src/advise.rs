@@ -16,23 +16,23 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(advise, module)?)
 }
 
-fn recorded<'py>(py: Python<'py>, advice: slcal_core::Result<Advice>) -> PyResult<Bound<'py, PyAny>> {
+fn advice_record<'py>(py: Python<'py>, advice: slcal_core::Result<Advice>) -> PyResult<Bound<'py, PyAny>> {
     record(py, "Advice", &advice.raise(py, Stage::Detect)?.to_json())
 }
 
-/// How to hold the sheet for the first photographs, and what they will bring: σ of the focal lengths against tilt.
+/// Plans the first photographs: how to hold the sheet, and the expected σ of the focal lengths against its tilt.
 ///
 /// Parameters
 /// ----------
 /// camera : Camera
-///     Roughly: see `Camera.from_fov` and `Camera.from_35mm`.
-/// size_mm : (float, float)
-///     Width and height of the sheet, mm.
+///     Approximate intrinsics: see `Camera.from_fov` and `Camera.from_35mm`.
+/// size_mm : (float, float) or str
+///     Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm".
 /// projector : Camera, optional
-///     Roughly: see `Camera.from_throw`; without it, the camera alone. It is taken to stand a quarter of the distance to the
-///     camera's right.
+///     Approximate intrinsics: see `Camera.from_throw`. Without a projector the plan is for the camera alone. The projector
+///     is assumed to stand to the right of the camera, at a quarter of the distance.
 /// distance_mm : float, optional
-///     From the camera to the sheet's middle; so that the sheet fills 60 % of the frame unless given.
+///     Distance from the camera to the sheet's centre. By default the sheet fills 60 % of the image.
 /// noise_px : float, default 0.05
 ///     1σ of a corner of the sheet and of the pattern in the photograph, px.
 /// camera_pp : {"prior", "centre", "free", "shift"} or (float, float), default "prior"
@@ -92,17 +92,17 @@ fn advise<'py>(
         noise_px: [noise_px; 2],
         config,
     };
-    recorded(py, py.detach(|| advise_first(&plan)))
+    advice_record(py, py.detach(|| advise_first(&plan)))
 }
 
 #[pymethods]
 impl Rig {
-    /// What one more photograph would bring, and which to take.
+    /// Predicts what one more photograph would improve, and says which one to take.
     ///
     /// Parameters
     /// ----------
     /// pattern : CheckerPattern, optional
-    ///     What will be projected; the default checkerboard for the rig's panel unless given.
+    ///     The pattern that will be projected; by default the standard checkerboard for the rig's panel.
     ///
     /// Returns
     /// -------
@@ -120,6 +120,6 @@ impl Rig {
         pattern: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let pattern = optional::<CheckerPattern>(pattern, "pattern")?.map(|p| &p.get().0);
-        recorded(py, py.detach(|| advise_next(&self.rig, pattern)))
+        advice_record(py, py.detach(|| advise_next(&self.rig, pattern)))
     }
 }

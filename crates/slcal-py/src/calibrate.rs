@@ -83,33 +83,34 @@ fn of_size(py: Python<'_>, camera: &Camera, size: [u32; 2]) -> PyResult<slcal_co
 /// photos : sequence of ndarray, or ndarray
 ///     One photograph per pose of the sheet: (H, W, 3) in RGB order or (H, W), uint8 or uint16, all of one size. One
 ///     photograph of a tilted sheet is enough; two with opposite tilts are far better.
-/// size_mm : (float, float)
-///     Width and height of the sheet, mm. Width is the side that runs most nearly along the image's x axis.
+/// size_mm : (float, float) or str
+///     Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
+///     closest to the image's x axis.
 /// pattern : CheckerPattern, optional
-///     What was projected; without it the camera alone is calibrated.
+///     The projected pattern. Without it only the camera is calibrated.
 /// plain : sequence of ndarray, optional
 ///     Photographs of the same poses without the pattern, in the same order: projector dark or plain white. The sheet's sides
 ///     are then measured in them.
 /// corners : array_like, optional
-///     The sheet's corners TL, TR, BR, BL by hand where it is not found: (4, 2), px, for one photograph, or one of these for
-///     each. They may lie outside the frame.
+///     The sheet's corners TL, TR, BR, BL by hand, where the sheet is not found: (4, 2), px, for one photograph, or one
+///     such array for each. They may lie outside the image.
 /// camera : Camera, optional
-///     Known intrinsics, held fixed; the rest is solved for.
+///     Known intrinsics: they are held fixed, and the rest is estimated.
 /// camera_pp, projector_pp : {"prior", "shift", "centre", "free"} or (float, float)
-///     What is known of the principal points: the centre as a prior; its column as a prior and its row free (lens shift);
-///     exactly the centre; nothing; exactly this pixel.
+///     What is known of the principal points. "prior": near the centre. "shift": its column near the centre, its row free
+///     (lens shift). "centre": exactly the centre. "free": nothing. Two numbers: exactly this pixel.
 /// distortion, projector_distortion : {"auto", "none", "k1", "k1k2", "full"}
-///     Which coefficients are estimated. "auto" estimates k1 and k2 when the photographs show them. Those of the projector
-///     need three photographs.
+///     Which coefficients are estimated. "auto" estimates k1 and k2 where the photographs determine them. Those of the
+///     projector need three photographs.
 /// method : {"ml", "two-vp"}
-///     Maximum likelihood, or the two vanishing points of R. Orghidan et al., "Structured light self-calibration with
-///     vanishing points", Machine Vision and Applications 25:489-500 (2014).
+///     Maximum likelihood, or the method of two vanishing points of R. Orghidan et al., "Structured light self-calibration
+///     with vanishing points", Machine Vision and Applications 25:489-500 (2014).
 /// focal_35mm : float, optional
-///     The camera's focal length as its 35 mm equivalent, as EXIF tags state it: expected, with a σ of some 5 %.
+///     The camera's focal length as its 35 mm equivalent, as EXIF tags state it. It is a prior with a σ of about 5 %.
 /// gamma : {"srgb", "linear"} or float
 ///     The transfer curve of the photographs.
 /// allow_degenerate : bool
-///     Give a rig with the verdict "degenerate" rather than an error.
+///     Return a rig with the verdict "degenerate" instead of raising an error.
 /// names : sequence of str, optional
 ///     Names of the photographs, for the rig's views and for messages.
 /// screen : sequence of ndarray, optional
@@ -127,9 +128,9 @@ fn of_size(py: Python<'_>, camera: &Camera, size: [u32; 2]) -> PyResult<slcal_co
 /// CalibrationError
 ///     When the photographs do not determine the focal lengths, as with a sheet seen face-on.
 /// Error
-///     When values or shapes are not what they should be.
+///     When a value or a shape is invalid.
 /// TypeError
-///     When a photograph is no array of uint8 or uint16.
+///     When a photograph is not an array of uint8 or uint16.
 ///
 /// Examples
 /// --------
@@ -184,13 +185,13 @@ fn calibrate(
     options.rig(py, config, &seen)
 }
 
-/// Calibrates from the observations of any detector: `slcal.observe`, or one's own.
+/// Calibrates from observations: those of `slcal.observe`, or of any other detector.
 ///
 /// Parameters
 /// ----------
 /// observations : Observations or mapping
-///     What was seen; a mapping has the fields of the file (schema slcal-observations/1), with arrays or lists in it. A σ that
-///     is not stated is measured by the residuals, or assumed where there are too few.
+///     A mapping has the fields of the file (schema slcal-observations/1), with arrays or lists. A σ that is not given is
+///     estimated from the residuals, or assumed where there are too few.
 /// camera, camera_pp, projector_pp, distortion, projector_distortion, method, focal_35mm, allow_degenerate
 ///     As for `calibrate`.
 ///
@@ -205,7 +206,7 @@ fn calibrate(
 /// FormatError
 ///     When a mapping does not follow the schema; the message names the field.
 /// Error
-///     When numbers are not finite, corners are collinear, or anything else contradicts itself.
+///     When numbers are not finite, corners are collinear, or values contradict each other.
 #[pyfunction]
 #[pyo3(
     signature = (observations, *, camera=None, camera_pp=None, projector_pp=None, distortion=None,

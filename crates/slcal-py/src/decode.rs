@@ -8,7 +8,7 @@ use slcal_core::{Error, Result};
 use crate::convert::image::Photo;
 use crate::convert::object::object;
 use crate::convert::option;
-use crate::convert::report::Reported;
+use crate::convert::report::LazyReport;
 use crate::errors::{Stage, raised};
 use crate::matches::Matches;
 use crate::pattern::StripePattern;
@@ -59,7 +59,7 @@ impl<'py> Frames<'py> {
         let done = py.detach(|| {
             work(&given).map_err(|error| {
                 let missing = matches!(error, Error::NotFound { .. });
-                if missing && work(&swapped).is_ok() { blue_first(error) } else { error }
+                if missing && work(&swapped).is_ok() { with_channels_swapped(error) } else { error }
             })
         });
         done.map_err(|error| raised(py, &error, Stage::Decode))
@@ -67,7 +67,7 @@ impl<'py> Frames<'py> {
 }
 
 /// The error of a photograph in which the stripes are found once red and blue change places.
-fn blue_first(error: Error) -> Error {
+fn with_channels_swapped(error: Error) -> Error {
     match error {
         Error::NotFound { what, seen, .. } => Error::NotFound {
             what,
@@ -89,42 +89,42 @@ pub(crate) fn config(gamma: Option<&Bound<'_, PyAny>>, min_confidence: f64) -> P
     })
 }
 
-/// Finds the stripes of a photograph and says which slit each is.
+/// Finds the stripes in a photograph and identifies their slits.
 ///
 /// Parameters
 /// ----------
 /// image : ndarray
-///     (H, W, 3), uint8 or uint16, RGB order: what stands before the rig, with the stripes projected.
+///     (H, W, 3), uint8 or uint16, RGB order: the scene with the stripes projected.
 /// pattern : StripePattern
 ///     The stripes.
 /// black, white : ndarray, optional
-///     The same view with a dark projector (the room's light is taken off) and with plain white (the surface's own colours
-///     are divided out).
+///     The same view with the projector dark (ambient light is subtracted) and plain white (surface colours are divided
+///     out).
 /// gamma : {"srgb", "linear"} or float, default "srgb"
-///     How the image's values follow the light.
+///     The transfer curve of the image.
 /// min_confidence : float, default 0.4
-///     Matches below it are left out and counted, 0 to 1.
+///     Matches with a lower confidence are rejected and counted, 0 to 1.
 ///
 /// Returns
 /// -------
 /// Matches
-///     One per slit and image row (column, where the stripes lie across); its `report` says what was seen and why some
-///     of it was left out.
+///     One per slit and image row (image column, where the stripes are horizontal). Its `report` counts what was found, and
+///     what was rejected and why.
 ///
 /// Raises
 /// ------
 /// TypeError
-///     When the image is no array of uint8 or uint16.
+///     When the image is not an array of uint8 or uint16.
 /// Error
-///     When its shape is another one, it is grey, frames differ in size, or an option is out of range.
+///     When the shape is wrong, the image is grey, images differ in size, or an option is out of range.
 /// DecodeError
-///     When there are no stripes in it, or not those of the pattern. The message says so when they are found as soon as red
-///     and blue change places.
+///     When the stripes are not found, or are not those of the pattern. The message says so when they are found with red
+///     and blue swapped.
 ///
 /// Examples
 /// --------
 /// >>> stripes = slcal.StripePattern(projector=(1024, 768))
-/// >>> matches = slcal.decode(stripes.image(), stripes)  # The projector's own picture: what it lights is itself.
+/// >>> matches = slcal.decode(stripes.image(), stripes)  # The projected picture itself.
 /// >>> bool(np.abs(matches.pixels[:, 0] - matches.columns).max() < 0.05)
 /// True
 /// >>> matches.report.slits
@@ -147,6 +147,6 @@ fn decode(
     let frames = Frames::of(image, black, white)?;
     let config = config(gamma, min_confidence)?;
     let decoding = frames.read(py, |input| decode_frames(input, pattern, &config))?;
-    let report = Reported::of("DecodeReport", &decoding.report);
+    let report = LazyReport::of("DecodeReport", &decoding.report);
     Ok(Matches { matches: decoding.matches, report })
 }

@@ -21,15 +21,15 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// A function that fits one shape and gives its record.
 type Fit = for<'py> fn(Python<'py>, &slcal_core::PointCloud) -> PyResult<Bound<'py, PyAny>>;
 
-/// Fits a plane or a sphere to a cloud and says how far its points lie from it, as ``slcal evaluate`` does.
+/// Fits a plane or a sphere to a cloud and reports the distances of its points, as ``slcal evaluate`` does.
 ///
-/// The fit is robust: the cloud may hold other things as well. Points count as inliers within four times their robust σ,
-/// and the figures are those of the inliers.
+/// The fit is robust: the cloud may contain other surfaces as well. Inliers lie within four times the robust σ, and the
+/// report is about the inliers.
 ///
 /// Parameters
 /// ----------
 /// cloud : PointCloud or array_like
-///     The points; of an array (N, 3), mm, in the camera's frame.
+///     The points; an array is (N, 3), mm, in the camera's frame.
 /// shape : {"plane", "sphere"}
 ///     What to fit.
 ///
@@ -40,7 +40,7 @@ type Fit = for<'py> fn(Python<'py>, &slcal_core::PointCloud) -> PyResult<Bound<'
 /// Raises
 /// ------
 /// Error
-///     When there are too few points, they are not finite, or no such shape has points on it.
+///     When there are too few points, they are not finite, or no such shape is found.
 ///
 /// Examples
 /// --------
@@ -73,32 +73,32 @@ fn evaluate<'py>(cloud: &Bound<'py, PyAny>, shape: &Bound<'py, PyAny>) -> PyResu
 
 #[pymethods]
 impl PointCloud {
-    /// Fits a plane to the points, which may hold other things as well.
+    /// Fits a plane to the points, which may contain other surfaces as well.
     ///
     /// Returns
     /// -------
     /// PlaneFit
-    ///     The plane, and how far its inliers lie from it.
+    ///     The plane, and the distances of its inliers.
     ///
     /// Raises
     /// ------
     /// Error
-    ///     When there are fewer than three points, or no plane has points on it.
+    ///     When there are fewer than three points, or no plane is found.
     fn fit_plane<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         plane(py, &self.cloud)
     }
 
-    /// Fits a sphere to the points, which may hold a wall as well.
+    /// Fits a sphere to the points, which may contain a wall as well.
     ///
     /// Returns
     /// -------
     /// SphereFit
-    ///     The sphere, and how far its inliers lie from it.
+    ///     The sphere, and the distances of its inliers.
     ///
     /// Raises
     /// ------
     /// Error
-    ///     When there are fewer than four points, or no sphere that the camera could see has points on it.
+    ///     When there are fewer than four points, or no sphere that the camera could see is found.
     fn fit_sphere<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         sphere(py, &self.cloud)
     }
@@ -123,8 +123,8 @@ fn fitted<'py>(
     shape: &str,
     fit: impl FnOnce(&FitConfig) -> Result<Value> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let mut said = py.detach(|| fit(&FitConfig::default())).raise(py, Stage::Evaluate)?;
-    let mut fields = said.get_mut(shape).map(Value::take).unwrap_or_default();
-    fields["report"] = said;
+    let mut report = py.detach(|| fit(&FitConfig::default())).raise(py, Stage::Evaluate)?;
+    let mut fields = report.get_mut(shape).map(Value::take).unwrap_or_default();
+    fields["report"] = report;
     record(py, class, &fields)
 }

@@ -19,23 +19,24 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(observe, module)?)
 }
 
-/// Finds sheet and pattern in photographs of several poses: what `calibrate` does first.
+/// Finds sheet and pattern in photographs of several poses: the first step of `calibrate`.
 ///
 /// Parameters
 /// ----------
 /// photos : sequence of ndarray, or ndarray
 ///     (H, W, 3) RGB or (H, W), uint8 or uint16, all of one size: the sheet with the pattern projected on it, one for each
 ///     pose.
-/// size_mm : (float, float)
-///     Width and height of the sheet, mm; the width belongs to the sides that run most nearly along the image's x axis.
+/// size_mm : (float, float) or str
+///     Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
+///     closest to the image's x axis.
 /// pattern : CheckerPattern, optional
-///     What is projected; without it the camera alone is calibrated.
+///     The projected pattern. Without it only the camera is calibrated.
 /// plain : sequence of ndarray, optional
 ///     Photographs of the same poses without the pattern, in the same order: projector dark or plain white. The sheet's sides
 ///     are then measured in them.
 /// corners : array_like or sequence of array_like, optional
-///     (4, 2), px, for one photograph, or one such array or None for each: the sheet's corners TL, TR, BR, BL by hand, where
-///     it is not found. They may lie outside the frame.
+///     (4, 2), px, for one photograph, or one such array or None for each: the sheet's corners TL, TR, BR, BL by hand,
+///     where the sheet is not found. They may lie outside the image.
 /// gamma : {"srgb", "linear"} or float, default "srgb"
 ///     The transfer curve of the photographs.
 /// names : sequence of str, optional
@@ -50,11 +51,11 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Raises
 /// ------
 /// DetectionError
-///     When sheet or pattern is not found; the message says in which photograph, what was seen instead and what to do.
+///     When sheet or pattern is not found; the message says in which photograph, what was found instead and what to do.
 /// Error
 ///     When photographs differ in size, or lists in length.
 /// TypeError
-///     When a photograph is no such array.
+///     When a photograph is not such an array.
 #[pyfunction]
 #[pyo3(
     signature = (photos, size_mm, pattern=None, *, plain=None, corners=None, gamma=None, names=None, screen=None),
@@ -80,7 +81,8 @@ pub(crate) struct Request<'a, 'py> {
     pub(crate) photos: &'a Bound<'py, PyAny>,
     pub(crate) size_mm: &'a Bound<'py, PyAny>,
     pub(crate) pattern: Option<&'a slcal_core::pattern::CheckerPattern>,
-    pub(crate) plain: Option<&'a Bound<'py, PyAny>>,
+    /// Photographs without the pattern, and the name of their argument.
+    pub(crate) plain: Option<(&'a Bound<'py, PyAny>, &'static str)>,
     pub(crate) corners: Option<&'a Bound<'py, PyAny>>,
     pub(crate) gamma: Option<&'a Bound<'py, PyAny>>,
     pub(crate) names: Option<&'a Bound<'py, PyAny>>,
@@ -91,7 +93,10 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservati
     let py = asked.photos.py();
     let photos = photos_of(asked.photos, "photos")?;
     let size = option::sheet_size(asked.size_mm)?;
-    let plain = asked.plain.map_or(Ok(Vec::new()), |p| photos_of(p, "plain"))?;
+    let (plain, plain_name) = match asked.plain {
+        Some((given, name)) => (photos_of(given, name)?, name),
+        None => (Vec::new(), "plain"),
+    };
     let encoding = option::parsed_or(asked.gamma, "gamma", Encoding::default())?;
     let n = photos.len();
     if n == 0 {
@@ -105,7 +110,7 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservati
             Err(errors::invalid(py, what, &expected, &found.to_string()))
         }
     };
-    one_each("plain", plain.len())?;
+    one_each(plain_name, plain.len())?;
     let corners = asked.corners.map_or(Ok(Vec::new()), |c| corners_of(c, n))?;
     one_each("corners", corners.len())?;
     let names = asked.names.map_or(Ok(Vec::new()), names_of)?;
@@ -122,7 +127,7 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservati
     let plain_pixels: Vec<Pixels<'_>> = plain.iter().map(Photo::pixels).collect();
     let views = pixels.iter().map(|p| p.view(py)).collect::<PyResult<Vec<_>>>()?;
     let plain = plain_pixels.iter().map(|p| p.view(py)).collect::<PyResult<Vec<_>>>()?;
-    let camera = one_size(py, &views, &plain)?;
+    let camera = one_size(py, [("photos", &views), (plain_name, &plain)])?;
 
     let pattern = asked.pattern;
     let mut seen = Vec::with_capacity(n);
@@ -141,10 +146,11 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservati
     Ok(ExternalObservations { observations, unstated: vec![Unstated::default(); n], photos })
 }
 
-fn one_size(py: Python<'_>, photos: &[PhotoView<'_>], plain: &[PhotoView<'_>]) -> PyResult<[u32; 2]> {
+/// The size of all photographs in lists with their names.
+fn one_size(py: Python<'_>, lists: [(&str, &[PhotoView<'_>]); 2]) -> PyResult<[u32; 2]> {
     let size = |p: &PhotoView<'_>| [p.width() as u32, p.height() as u32];
-    let first = photos.first().map(size).unwrap_or_default();
-    for (what, list) in [("photos", photos), ("plain", plain)] {
+    let first = lists[0].1.first().map(size).unwrap_or_default();
+    for (what, list) in lists {
         if let Some(i) = list.iter().position(|p| size(p) != first) {
             let ([w, h], [fw, fh]) = (size(&list[i]), first);
             return Err(errors::invalid(

@@ -27,7 +27,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// OSError
 ///     When the file cannot be read.
 /// FormatError
-///     When it is no such picture, or not a whole one; the message says how to convert it.
+///     When it is not such a picture, or is incomplete; the message says how to convert it.
 #[pyfunction]
 fn read_image<'py>(file: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let py = file.py();

@@ -10,17 +10,17 @@ use slcal_core::{
 use crate::cloud::PointCloud;
 use crate::convert::object::{object, refused};
 use crate::convert::option;
-use crate::convert::report::Reported;
+use crate::convert::report::LazyReport;
 use crate::decode::{self, Frames};
 use crate::errors::{self, Raise as _, Stage};
 use crate::files;
-use crate::matches::{Given, Matches, matches_of, sigma_of};
+use crate::matches::{MatchArrays, Matches, matches_of, sigma_of};
 use crate::pattern::StripePattern;
 use crate::rig::Rig;
 
 impl From<Reconstruction> for PointCloud {
     fn from(made: Reconstruction) -> Self {
-        let report = Reported::of("CloudReport", &made.report());
+        let report = LazyReport::of("CloudReport", &made.report());
         Self { cloud: made.cloud, report }
     }
 }
@@ -56,7 +56,7 @@ impl CloudOptions<'_, '_> {
 fn triangulate(
     rig: &CoreRig,
     pixels: &Bound<'_, PyAny>,
-    given: Given<'_, '_>,
+    given: MatchArrays<'_, '_>,
     options: CloudOptions<'_, '_>,
 ) -> PyResult<PointCloud> {
     let py = pixels.py();
@@ -93,7 +93,7 @@ fn triangulate(
 
 #[pymethods]
 impl Rig {
-    /// The cloud of one photograph of the stripes on whatever stands before the rig. `Reconstructor` is for many.
+    /// Reconstructs the cloud of one photograph of a scene under the stripes. For many photographs use `Reconstructor`.
     ///
     /// Parameters
     /// ----------
@@ -102,38 +102,37 @@ impl Rig {
     /// pattern : StripePattern
     ///     The stripes, drawn for the rig's projector.
     /// black, white : ndarray, optional
-    ///     The same scene with a dark projector (the room's light is taken off) and with plain white (the surface's own
-    ///     colours are divided out).
+    ///     The same scene with the projector dark (ambient light is subtracted) and plain white (surface colours are
+    ///     divided out).
     /// gamma : {"srgb", "linear"} or float, default "srgb"
-    ///     How the image's values follow the light.
+    ///     The transfer curve of the image.
     /// frame : {"camera", "plane"}, default "camera"
-    ///     Whose coordinates the cloud has: the camera's, or those of the sheet of the rig's first view.
+    ///     The coordinate frame of the cloud: the camera's, or that of the sheet in the rig's first view.
     /// mesh : bool, default False
     ///     Whether the cloud keeps the triangles between its points.
     /// cull : {"auto", "off"} or float, default "auto"
-    ///     Largest area of a triangle that is surface, mm², or how it is chosen; points without such triangles are left
-    ///     out.
+    ///     Largest area of a triangle on a surface, mm², or how this limit is chosen. Points without such a triangle are
+    ///     removed.
     /// min_confidence : float, default 0.4
-    ///     Matches below it are left out, 0 to 1.
+    ///     Matches with a lower confidence are rejected, 0 to 1.
     /// near, far : float, optional
-    ///     Least and greatest depth of a point, mm along the camera's axis; what lies outside is left out and counted in the
-    ///     report.
+    ///     Limits of the depth along the camera's axis, mm. Points outside are removed and counted in the report.
     ///
     /// Returns
     /// -------
     /// PointCloud
-    ///     Its `report` says what was seen and what became of it.
+    ///     Its `report` counts what was found, rejected and removed.
     ///
     /// Raises
     /// ------
     /// TypeError
-    ///     When the image is no array of uint8 or uint16.
+    ///     When the image is not an array of uint8 or uint16.
     /// Error
-    ///     When its shape or size is another one, the rig has no projector (or, for "plane", no view), the pattern is for
-    ///     another panel, or an option is out of range.
+    ///     When its shape or size is wrong, the rig has no projector (or, for "plane", no view), the pattern is for another
+    ///     panel, or an option is out of range.
     /// DecodeError
-    ///     When the stripes are not in it, or cannot be those of this rig. The message says so when they are found as soon
-    ///     as red and blue change places.
+    ///     When the stripes are not found, or cannot be those of this rig. The message says so when they are found with red
+    ///     and blue swapped.
     ///
     /// Examples
     /// --------
@@ -177,42 +176,40 @@ impl Rig {
         Ok(made.into())
     }
 
-    /// Points from camera pixels and the projector columns (or rows) that light them, of whatever decoder.
+    /// Triangulates points from camera pixels and their projector columns or rows, of any decoder.
     ///
     /// Parameters
     /// ----------
     /// pixels : Matches or array_like
     ///     Matches, or (N, 2) camera px.
     /// columns, rows : array_like, optional
-    ///     (N,), projector px, NaN where one is not known; at least one of the two beside an array of pixels.
+    ///     (N,), projector px, NaN where it is not known. With an array of pixels, at least one of the two is needed.
     /// sigma_px : array_like, optional
-    ///     (N,) or one for all: 1σ of the camera position across the stripe, px. Unless given, that of the matches, or 0.1.
+    ///     (N,) or one for all: 1σ of the camera position across the stripe, px. By default that of the matches, or 0.1.
     /// frame : {"camera", "plane"}, default "camera"
-    ///     Whose coordinates the cloud has: the camera's, or those of the sheet of the rig's first view.
+    ///     The coordinate frame of the cloud: the camera's, or that of the sheet in the rig's first view.
     /// mesh : bool, default False
     ///     Whether the cloud keeps the triangles between its points.
     /// cull : {"auto", "off"} or float, default "off"
-    ///     Largest area of a triangle that is surface, mm², or how it is chosen; points without such triangles are left
-    ///     out. With "off" every match that can be a point becomes one, in the order given.
+    ///     Largest area of a triangle on a surface, mm², or how this limit is chosen. Points without such a triangle are
+    ///     removed. With "off" every valid match becomes a point, in the given order.
     /// near, far : float, optional
-    ///     Least and greatest depth of a point, mm along the camera's axis; what lies outside is left out and counted in the
-    ///     report.
+    ///     Limits of the depth along the camera's axis, mm. Points outside are removed and counted in the report.
     ///
     /// Returns
     /// -------
     /// PointCloud
-    ///     Its `report` counts the matches that are no points: without coordinates ("invalid"), behind the devices, lit from
-    ///     outside the panel, and so on.
+    ///     Its `report` counts the matches that gave no point: without coordinates ("invalid"), behind the devices, with a
+    ///     projector coordinate outside the panel, and so on.
     ///
     /// Raises
     /// ------
     /// TypeError
-    ///     When something is no array of numbers.
+    ///     When something is not an array of numbers.
     /// Error
-    ///     When the shapes do not fit each other, pixels are not finite, or the rig has no projector (or, for "plane", no
-    ///     view).
+    ///     When shapes do not match, pixels are not finite, or the rig has no projector (or, for "plane", no view).
     /// DecodeError
-    ///     When no match is a point.
+    ///     When no match gives a point.
     ///
     /// Examples
     /// --------
@@ -243,7 +240,7 @@ impl Rig {
         near: Option<f64>,
         far: Option<f64>,
     ) -> PyResult<PointCloud> {
-        let given = Given { columns, rows, sigma_px, ..Given::default() };
+        let given = MatchArrays { columns, rows, sigma_px, ..MatchArrays::default() };
         triangulate(&self.rig, pixels, given, CloudOptions { frame, mesh, cull, near, far })
     }
 }

@@ -17,10 +17,10 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Reconstructor>()
 }
 
-/// One photograph after another with the same rig and pattern, as of a video: what `Rig.reconstruct` does, with buffers that
-/// are kept from frame to frame.
+/// Reconstructs many photographs with the same rig and pattern, such as the frames of a video. It does what
+/// `Rig.reconstruct` does, and keeps its buffers from frame to frame.
 ///
-/// Several threads may use one, but they wait for each other; for two at a time take two.
+/// Threads that share a Reconstructor wait for each other; use one per thread.
 ///
 /// Parameters
 /// ----------
@@ -29,18 +29,18 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// pattern : StripePattern
 ///     The stripes, drawn for that projector.
 /// gamma : {"srgb", "linear"} or float, default "srgb"
-///     How the values of the images follow the light.
+///     The transfer curve of the images.
 /// frame : {"camera", "plane"}, default "camera"
-///     Whose coordinates the clouds have: the camera's, or those of the sheet of the rig's first view.
+///     The coordinate frame of the clouds: the camera's, or that of the sheet in the rig's first view.
 /// mesh : bool, default False
 ///     Whether the clouds keep the triangles between their points.
 /// cull : {"auto", "off"} or float, default "auto"
-///     Largest area of a triangle that is surface, mm², or how it is chosen; points without such triangles are left out.
+///     Largest area of a triangle on a surface, mm², or how this limit is chosen. Points without such a triangle are
+///     removed.
 /// min_confidence : float, default 0.4
-///     Matches below it are left out, 0 to 1.
+///     Matches with a lower confidence are rejected, 0 to 1.
 /// near, far : float, optional
-///     Least and greatest depth of a point, mm along the camera's axis; what lies outside is left out and counted in the
-///     report.
+///     Limits of the depth along the camera's axis, mm. Points outside are removed and counted in the report.
 ///
 /// Raises
 /// ------
@@ -105,21 +105,21 @@ impl Reconstructor {
     /// image : ndarray
     ///     (H, W, 3), uint8 or uint16, RGB order, of the size of the rig's camera: the scene with the stripes projected.
     /// black, white : ndarray, optional
-    ///     The same scene with a dark projector and with plain white.
+    ///     The same scene with the projector dark and plain white.
     ///
     /// Returns
     /// -------
     /// PointCloud
-    ///     Its own, whatever comes next.
+    ///     Later frames do not change it.
     ///
     /// Raises
     /// ------
     /// TypeError
-    ///     When the image is no array of uint8 or uint16.
+    ///     When the image is not an array of uint8 or uint16.
     /// Error
-    ///     When its shape or size is another one.
+    ///     When its shape or size is wrong.
     /// DecodeError
-    ///     When the stripes are not in it, or cannot be those of this rig.
+    ///     When the stripes are not found, or cannot be those of this rig.
     #[pyo3(signature = (image, *, black=None, white=None))]
     fn reconstruct(
         &self,

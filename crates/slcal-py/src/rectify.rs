@@ -113,7 +113,7 @@ fn place(rig: &CoreRig, source: &Bound<'_, PyAny>, view: i64) -> PyResult<Rectif
     py.detach(place).map(Rectification).raise(py, Stage::Detect)
 }
 
-/// Where a picture is drawn on the projector's panel so that it appears upright on the sheet.
+/// The position of a picture on the projector's panel and on the sheet, where it appears without keystone distortion.
 #[pyclass(frozen, module = "slcal", eq)]
 #[derive(PartialEq)]
 pub(crate) struct Rectification(slcal_core::Rectification);
@@ -123,8 +123,8 @@ type State = ([[f64; 3]; 3], Option<Camera>, [[f64; 2]; 4], [f64; 2], [f64; 2]);
 
 #[pymethods]
 impl Rectification {
-    /// (3, 3) float64: pixels of the source, homogeneous, onto those of a panel whose lens does not distort; `map` goes through
-    /// the lens as well.
+    /// (3, 3) float64: the homography from pixels of the source to pixels of the panel, without lens distortion; `map`
+    /// includes the distortion.
     #[getter]
     fn panel_from_source<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let m = self.0.panel_from_source.homography.0;
@@ -164,7 +164,7 @@ impl Rectification {
     /// Raises
     /// ------
     /// Error
-    ///     For a point that lies at infinity on the panel.
+    ///     When a point lies at infinity on the panel.
     fn map<'py>(&self, pixels: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = pixels.py();
         let mapped = rows_of::<2>(pixels, "pixels")?.into_iter().enumerate().map(|(i, p)| {
@@ -220,7 +220,8 @@ impl Rectification {
 
 #[pymethods]
 impl Rig {
-    /// The picture to project so that a picture appears upright and as large as possible on the sheet.
+    /// Returns the picture to project so that `source` appears without keystone distortion and as large as possible on the
+    /// sheet.
     ///
     /// Parameters
     /// ----------
@@ -228,7 +229,7 @@ impl Rig {
     ///     A checkerboard, drawn with sharp edges and half a square of its background around it, or any picture: (H, W, 3)
     ///     RGB or (H, W), uint8 (uint16 is brought to 8 bits).
     /// view : int, default 0
-    ///     Which of the rig's views tells where the sheet is.
+    ///     Which of the rig's views has the pose of the sheet.
     ///
     /// Returns
     /// -------
@@ -238,17 +239,17 @@ impl Rig {
     /// Raises
     /// ------
     /// Error
-    ///     For a rig without a projector or such a view, and for a pattern for another panel.
+    ///     When the rig has no projector or no such view, or the pattern is for another panel.
     /// CalibrationError
     ///     When the projector does not light the sheet.
     /// TypeError
-    ///     When the source is neither of these.
+    ///     When the source is not one of these.
     #[pyo3(signature = (source, *, view=0))]
     fn rectify<'py>(&self, source: &Bound<'py, PyAny>, view: i64) -> PyResult<Bound<'py, PyAny>> {
         drawn(&self.rig, source, view)
     }
 
-    /// Where `rectify` draws a picture: on the panel, and on the sheet in millimetres.
+    /// The position of the picture that `rectify` draws: on the panel, and on the sheet in millimetres.
     ///
     /// Parameters
     /// ----------

@@ -70,7 +70,7 @@ fn picture(view: PhotoView<'_>) -> DynamicImage {
 
 #[pymethods]
 impl Rig {
-    /// Writes a page that shows the calibration: how good, why, what next. Any browser opens it, without a network.
+    /// Writes an HTML page about the calibration: how good it is, why, and what to do next. It needs no network.
     ///
     /// Parameters
     /// ----------
@@ -79,15 +79,15 @@ impl Rig {
     /// photos : sequence of ndarray, or ndarray, optional
     ///     The photographs that the rig was calibrated from, one for each of its views.
     /// observations : Observations or mapping, optional
-    ///     What was measured in them (`slcal.observe`): sides, corners and residuals are drawn. A σ that is not stated is taken
-    ///     from the residuals themselves.
+    ///     The observations in them (`slcal.observe`): sides, corners and residuals are drawn. A σ that is not given is
+    ///     estimated from the residuals.
     /// cloud : PointCloud, optional
-    ///     Points to show beside the devices.
+    ///     Points to show together with the devices.
     ///
     /// Raises
     /// ------
     /// Error
-    ///     When photographs or observations are not those of the rig: another number of views, other sizes.
+    ///     When photographs or observations do not fit the rig: a different number of views, or other sizes.
     /// OSError
     ///     When the file cannot be written.
     ///

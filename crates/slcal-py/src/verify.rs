@@ -15,24 +15,25 @@ use crate::view_observation::four_corners;
 
 #[pymethods]
 impl Rig {
-    /// How square a projected checkerboard is on the sheet now, and whether projector, camera or sheet have moved.
+    /// Measures the keystone of a projected checkerboard on the sheet, and tests whether projector, camera or sheet have
+    /// moved.
     ///
     /// Parameters
     /// ----------
     /// photo : ndarray
     ///     (H, W, 3) RGB or (H, W), uint8 or uint16, by the rig's camera: the sheet with the pattern projected on it.
     /// pattern : CheckerPattern
-    ///     What is projected, by default as `rectify` draws it for the rig's first view.
-    /// size_mm : (float, float), optional
-    ///     Width and height of the sheet, mm, when it is not that of the rig's first view.
+    ///     The projected pattern, as `rectify` draws it for the rig's first view unless `as_drawn`.
+    /// size_mm : (float, float) or str, optional
+    ///     Size of the sheet, when it is not that of the rig's first view.
     /// as_drawn : bool, default False
-    ///     The pattern is projected as it was drawn, not rectified; the sheet may then stand anywhere.
+    ///     Whether the pattern is projected as it was drawn, not rectified. The sheet may then be anywhere.
     /// corners : array_like, optional
     ///     (4, 2), px: the sheet's corners TL, TR, BR, BL by hand, when it is not found.
     /// gamma : {"srgb", "linear"} or float, default "srgb"
     ///     The transfer curve of the photograph.
     /// significance : float, default 0.001
-    ///     How often a rig that has not moved may be said to have.
+    ///     The false-alarm rate: the probability that an unmoved rig is reported as moved.
     ///
     /// Returns
     /// -------
@@ -44,12 +45,12 @@ impl Rig {
     /// DetectionError
     ///     When sheet or pattern is not found.
     /// CalibrationError
-    ///     When photograph and rig do not go together at all.
+    ///     When photograph and rig do not fit each other at all.
     /// Error
-    ///     For a photograph of another size, a pattern for another panel, a rig without a projector, a rig without views unless
-    ///     `as_drawn` and `size_mm` are given.
+    ///     When the photograph has another size, the pattern is for another panel, the rig has no projector, or it has no
+    ///     views and `as_drawn` and `size_mm` are not given.
     /// TypeError
-    ///     When the photograph is no such array.
+    ///     When the photograph is not such an array.
     #[pyo3(
         signature = (photo, pattern, *, size_mm=None, as_drawn=false, corners=None, gamma=None, significance=0.001),
         text_signature = "($self, photo, pattern, *, size_mm=None, as_drawn=False, corners=None, gamma='srgb', significance=0.001)"

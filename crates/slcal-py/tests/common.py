@@ -9,6 +9,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+import slcal
+
 REPOSITORY = Path(__file__).resolve().parents[3]
 #: Photographs of the demonstration, with the rig that they were rendered with.
 DEMO = REPOSITORY / "crates/slcal-cli/demo"
@@ -17,8 +21,29 @@ RENDERED = Path(os.environ.get("SLCAL_SHARED", REPOSITORY.parent / "shared")) / 
 
 
 def scenes() -> list[Path]:
-    """The rendered scenes; none where they are not at hand."""
-    return sorted(p.parent for p in RENDERED.glob("*/truth_rig.json"))
+    """The rendered scenes with a sheet under and without the pattern; none where they are not at hand."""
+    folders = sorted(p.parent for p in RENDERED.glob("*/truth_rig.json"))
+    return [f for f in folders if (f / "checker.png").exists() and (f / "screen.png").exists()]
+
+
+def check_types(*files: Path) -> None:
+    """Runs ``mypy --strict`` on programs that use the package."""
+    pytest.importorskip("mypy", reason="mypy is not installed: pip install mypy")
+    home, options = Path(slcal.__file__).resolve().parents[1], ["--strict"]
+    environment = dict(os.environ)
+    if home.name != "site-packages":
+        # Out of its folder: mypy needs to be told, and would report on the package itself as well.
+        environment["MYPYPATH"] = str(home)
+        options.append("--follow-imports=silent")
+    target = REPOSITORY / "target"
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", *options, *files],
+        cwd=target if target.is_dir() else files[0].parent,
+        capture_output=True,
+        text=True,
+        env=environment,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def command(*args: str | Path) -> str:

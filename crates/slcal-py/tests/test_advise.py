@@ -96,9 +96,9 @@ def test_advice_on_the_next_photograph():
     with pytest.raises(slcal.Error, match="views"):
         slcal.Rig(rig.camera).advise()
     truth = slcal.Rig.load(DEMO / "truth_rig.json")
-    with pytest.raises(slcal.Error, match="covariance") as told:
+    with pytest.raises(slcal.Error, match="covariance") as caught:
         truth.advise()
-    assert "--" not in str(told.value)
+    assert "--" not in str(caught.value)
 
 
 def test_records_are_values(first, camera):

@@ -96,12 +96,11 @@ def test_an_array_where_an_object_is_wanted(name: str) -> None:
         call(np.eye(3))
 
 
-@pytest.mark.parametrize("name", CALLS)
+@pytest.mark.parametrize("name", [n for n in CALLS if n not in {"Rig.triangulate", "evaluate"}])
 def test_an_object_of_another_class(name: str) -> None:
     call, argument, wanted = CALLS[name]
-    with pytest.raises(TypeError, match=rf"^{argument}: expected .*{wanted}.*, found a set: slcal\.") as told:
-        call({1})
-    assert "slcal." in str(told.value)
+    with pytest.raises(TypeError, match=rf"^{argument}: expected .*{wanted}.*, found a slice: slcal\."):
+        call(slice(1))
 
 
 def test_the_picture_of_a_pattern_leads_to_its_file() -> None:
@@ -141,13 +140,13 @@ def test_a_path_where_a_photograph_is_wanted(call: Callable[[Any], Any], argumen
 
 
 def test_a_scene_is_no_photograph() -> None:
-    scene = simulate.scene("plane", camera=(64, 48), focal=75)
+    scene = simulate.scene("plane", camera=(64, 64), focal=75)
     with pytest.raises(TypeError, match=r"scene\.photo"):
         slcal.detect_sheet(scene)  # type: ignore[arg-type]
 
 
 def test_plain_and_its_older_name() -> None:
-    scene = simulate.scene("sheet", CHECKER, noise=0)
+    scene = simulate.scene("sheet", CHECKER)
     by_plain = slcal.calibrate(scene.photo, SIZE, CHECKER, plain=[scene.white])
     assert slcal.calibrate([scene.photo], SIZE, CHECKER, screen=[scene.white]) == by_plain
     assert slcal.calibrate(scene.photo, SIZE, CHECKER) != by_plain
@@ -157,3 +156,17 @@ def test_plain_and_its_older_name() -> None:
     assert found == slcal.detect(scene.photo, SIZE, CHECKER, screen=scene.white)
     with pytest.raises(slcal.Error, match="screen: expected plain alone"):
         slcal.detect(scene.photo, SIZE, CHECKER, plain=scene.white, screen=scene.white)
+
+
+@pytest.mark.parametrize("size", ["A2-landscape", "594x420mm", "59.4x42cm", " a2-LANDSCAPE ", (594, 420), np.array([594.0, 420])])
+def test_a_sheet_has_its_size_as_numbers_or_as_text(size: Any) -> None:
+    corners = [[100, 90], [1100, 110], [1050, 800], [80, 780]]
+    assert slcal.ViewObservation(size, sheet_corners=corners).size_mm == (594, 420)
+    assert slcal.advise(CAMERA, size).size_mm == (594, 420)
+    assert simulate.views(poses=1, size_mm=size)[0].views[0].size_mm == (594, 420)
+
+
+def test_what_is_no_size() -> None:
+    for size, said in (("594x420", "without a unit"), ("A9", "A0 to A6"), ((594, 420, 1), "in millimetres"), (None, "size_mm")):
+        with pytest.raises(slcal.Error, match=rf"size_mm: expected .*{said}"):
+            slcal.advise(CAMERA, size)  # type: ignore[arg-type]

@@ -112,7 +112,7 @@ def test_black_and_white_frames_are_used(scene: simulate.Scene) -> None:
 
 
 @pytest.mark.parametrize("photo", objects(), ids=lambda p: f"{p.parent.name}-{p.stem}")
-def test_an_image_in_bgr_order_is_told_so(photo: Path) -> None:
+def test_the_error_names_bgr_order(photo: Path) -> None:
     image = slcal.read_image(photo)
     slcal.decode(image, STRIPES)
     swapped = np.ascontiguousarray(image[..., ::-1])
@@ -123,7 +123,7 @@ def test_an_image_in_bgr_order_is_told_so(photo: Path) -> None:
 
 
 @pytest.mark.parametrize("photo", [FIXTURE, DEMO / "head.jpg"], ids=lambda p: p.stem)
-def test_reconstruction_tells_it_as_well(photo: Path) -> None:
+def test_reconstruction_names_bgr_order_too(photo: Path) -> None:
     swapped = np.ascontiguousarray(slcal.read_image(photo)[..., ::-1])
     rig = slcal.Rig.load(DEMO / "truth_rig.json")
     with pytest.raises(slcal.DecodeError, match="red and blue"):
@@ -132,7 +132,7 @@ def test_reconstruction_tells_it_as_well(photo: Path) -> None:
         slcal.Reconstructor(rig, STRIPES).reconstruct(swapped)
 
 
-def test_other_patterns_in_bgr_order_are_told_so() -> None:
+def test_bgr_order_is_named_for_other_patterns() -> None:
     for hues, order in [(2, 6), (3, 4), (5, 3), (6, 2)]:
         drawn = slcal.StripePattern((1024, 768), hues, order, 30)
         image = drawn.image()
@@ -141,7 +141,7 @@ def test_other_patterns_in_bgr_order_are_told_so() -> None:
             slcal.decode(np.ascontiguousarray(image[..., ::-1]), drawn)
 
 
-def test_what_is_not_there_is_not_blamed_on_the_order_of_channels() -> None:
+def test_missing_stripes_are_not_attributed_to_bgr_order() -> None:
     noise = np.random.default_rng(1).integers(0, 255, (300, 400, 3), np.uint8)
     dark = np.zeros((300, 400, 3), np.uint8)
     other = slcal.StripePattern((1024, 768), hues=3, order=3).image()
@@ -182,7 +182,7 @@ def test_what_is_no_image(image: Any, error: type[Exception], words: str) -> Non
 
 
 def test_options_are_checked(scene: simulate.Scene) -> None:
-    for option in ({"gamma": "sRGB"}, {"gamma": -1.0}, {"min_confidence": 2.0}, {"min_confidence": float("nan")}):
+    for option in ({"gamma": "rec709"}, {"gamma": -1.0}, {"min_confidence": 2.0}, {"min_confidence": float("nan")}):
         with pytest.raises(slcal.Error):
             slcal.decode(scene.photo, scene.pattern, **option)  # type: ignore[arg-type]
     with pytest.raises(TypeError):

@@ -10,12 +10,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from common import REPOSITORY
+from common import REPOSITORY, check_types
 
 #: A block of Python; a comment before it may name modules without which it is left out.
 BLOCK = re.compile(r"(?:<!-- needs (?P<needs>[\w., ]+?) -->\n)?^```python\n(?P<code>.*?)^```", re.S | re.M)
 #: Pages whose blocks are one program, and how many there are at least: a page that loses its blocks fails.
-PAGES = {"docs/python.md": 16, "README.md": 1, "crates/slcal-py/README.md": 1}
+PAGES = {"docs/python.md": 18, "README.md": 1, "crates/slcal-py/README.md": 1}
 
 
 def blocks(page: str) -> list[tuple[int, str]]:
@@ -29,26 +29,35 @@ def blocks(page: str) -> list[tuple[int, str]]:
     return found
 
 
-@pytest.mark.parametrize("page", PAGES)
-def test_the_python_of_the_page_runs(page: str, tmp_path: Path) -> None:
+@pytest.fixture(params=PAGES)
+def script(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """The program of a page; each block keeps its lines, so that messages point to the page."""
+    page: str = request.param
     if not (REPOSITORY / page).exists():
-        pytest.skip(f"{page} is not at hand: these tests run outside the repository")
+        pytest.skip(f"{page} is not available: these tests run outside the repository")
     found = blocks(page)
     assert len(found) >= PAGES[page]
-    # At the lines that they have on the page, so that a traceback points there.
     program = ""
     for line, code in found:
         program += "\n" * (line - 1 - program.count("\n")) + code
-    script = tmp_path / "page.py"
-    script.write_text(program, encoding="utf-8")
-    told = subprocess.run(
+    path = tmp_path / "page.py"
+    path.write_text(program, encoding="utf-8")
+    return path
+
+
+def test_types(script: Path) -> None:
+    check_types(script)
+
+
+def test_the_python_of_the_page_runs(script: Path, tmp_path: Path) -> None:
+    done = subprocess.run(
         [sys.executable, "-W", "error", script],
         cwd=tmp_path,
         capture_output=True,
         text=True,
         env={**os.environ, "MPLBACKEND": "Agg"},
     )
-    assert told.returncode == 0, f"{page}, by its lines:\n{told.stderr}"
+    assert done.returncode == 0, done.stderr
 
 
 def test_the_package_page_shows_what_the_readme_shows() -> None:

@@ -113,9 +113,9 @@ def with_examples() -> list[str]:
 @pytest.mark.parametrize("name", with_examples())
 def test_examples_run(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if name.startswith("slcal.viz"):
-        pytest.importorskip("matplotlib", reason="matplotlib is not installed: pip install slcal[viz]")
+        pytest.importorskip("matplotlib", reason="matplotlib is not installed: pip install matplotlib")
         if "rerun" in name:
-            pytest.importorskip("rerun", reason="rerun is not installed: pip install slcal[viz]")
+            pytest.importorskip("rerun", reason="rerun is not installed: pip install rerun-sdk")
     monkeypatch.setenv("MPLBACKEND", "Agg")
     monkeypatch.chdir(tmp_path)
     example = doctest.DocTestParser().get_doctest(
@@ -141,5 +141,5 @@ def test_editors_show_the_docstrings() -> None:
     script = REPOSITORY / "scripts/stub_docs.py"
     if not script.exists():
         pytest.skip("scripts/stub_docs.py is not at hand: these tests run outside the repository")
-    told = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True)
-    assert told.returncode == 0, told.stdout + told.stderr
+    done = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr

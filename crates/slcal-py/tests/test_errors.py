@@ -26,7 +26,7 @@ def test_errors_travel_between_processes():
     assert again.__dict__ == error.__dict__
 
 
-def test_the_first_file_that_is_no_picture(tmp_path):
+def test_files_that_are_not_pictures(tmp_path):
     (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n nonsense")
     (tmp_path / "b.txt").write_text("hello")
     for name in ("a.png", "b.txt"):

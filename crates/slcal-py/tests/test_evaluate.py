@@ -94,6 +94,6 @@ def test_a_fit_is_a_record() -> None:
         (np.zeros((9, 3), complex), "plane", TypeError, "complex"),
     ],
 )
-def test_what_has_no_fit(points: Any, shape: Any, error: type[Exception], words: str) -> None:
+def test_clouds_without_a_fit_are_refused(points: Any, shape: Any, error: type[Exception], words: str) -> None:
     with pytest.raises(error, match=words):
         slcal.evaluate(points, shape)

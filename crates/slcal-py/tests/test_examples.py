@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from common import REPOSITORY
+from common import REPOSITORY, check_types
 from PIL import Image
 
 import slcal
@@ -161,7 +161,7 @@ def test_webcam_with_a_camera(
     assert [p.name for p in out.glob("*.ply")] == ["scan1.ply"]
 
 
-def test_webcam_tells_what_is_wrong(tmp_path: Path) -> None:
+def test_webcam_reports_what_is_wrong(tmp_path: Path) -> None:
     nothing = run("webcam.py", "--size", "594x420", "--images", tmp_path, cwd=tmp_path, code=1)
     assert "No photograph calibrated the rig" in nothing
     assert "is no folder" in run(
@@ -181,10 +181,10 @@ def test_webcam_tells_what_is_wrong(tmp_path: Path) -> None:
 
 def test_tour(tmp_path: Path) -> None:
     said = run("tour.py", cwd=tmp_path)
-    compared = [line for line in said.splitlines() if "truly" in line and "±" in line]
+    compared = [line for line in said.splitlines() if "truth" in line and "±" in line]
     assert len(compared) == 4
     for line in compared:
-        found, sigma, true = (float(x) for x in line.replace("±", " ").replace("truly", " ").split()[-3:])
+        found, sigma, true = (float(x) for x in line.replace("±", " ").replace("truth", " ").split()[-3:])
         assert abs(found - true) < 3 * sigma, line
     assert "verdict: good" in said
     (radius,) = (float(line.split()[1]) for line in said.splitlines() if line.startswith("radius"))
@@ -201,20 +201,4 @@ def test_tour(tmp_path: Path) -> None:
 
 
 def test_types() -> None:
-    """As strictly as mypy can."""
-    if importlib.util.find_spec("mypy") is None:
-        pytest.skip("mypy is not installed")
-    home, options = Path(slcal.__file__).resolve().parents[1], ["--strict"]
-    environment = dict(os.environ)
-    if home.name != "site-packages":
-        # Out of its folder: mypy needs to be told, and would report on the package itself as well.
-        environment["MYPYPATH"] = str(home)
-        options.append("--follow-imports=silent")
-    done = subprocess.run(
-        [sys.executable, "-m", "mypy", *options, *(EXAMPLES / name for name in runnable())],
-        cwd=REPOSITORY / "target" if (REPOSITORY / "target").is_dir() else EXAMPLES,
-        capture_output=True,
-        text=True,
-        env=environment,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    check_types(*(EXAMPLES / name for name in runnable()))

@@ -28,7 +28,7 @@ def test_projection_is_the_plumb_bob_model(camera):
     assert camera.project([[x, y, z]])[0] == pytest.approx(expected, rel=1e-13)
 
 
-def test_there_and_back(camera):
+def test_projection_and_undistortion_round_trip(camera):
     rng = np.random.default_rng(1)
     points = np.stack([*rng.uniform(-300, 300, (2, 50)), rng.uniform(800, 1200, 50)], axis=1)
     seen = camera.project(points)
@@ -48,12 +48,12 @@ def test_points_come_in_any_form_of_numbers(camera):
     assert camera.project(np.zeros((0, 3))).shape == (0, 2)
 
 
-def test_what_has_no_pixel_is_told(camera):
+def test_points_without_a_pixel_are_refused(camera):
     with pytest.raises(slcal.Error, match="row 1"):
         camera.project([[0, 0, 1000], [0, 0, -1000]])
-    with pytest.raises(slcal.Error, match=r"finite.*row 2") as told:
+    with pytest.raises(slcal.Error, match=r"finite.*row 2") as caught:
         camera.project([[0, 0, 1], [0, 0, 1], [0, np.nan, 1]])
-    assert told.value.what == "points"
+    assert caught.value.what == "points"
     with pytest.raises(slcal.Error, match=r"shape \(N, 3\).*shape \(4, 2\)"):
         camera.project(np.ones((4, 2)))
     with pytest.raises(TypeError, match="complex"):

@@ -109,10 +109,10 @@ def bad_pairs(row, column, value):
     ],
 )
 def test_what_is_wrong_is_named(arguments, words):
-    with pytest.raises(slcal.Error, match=words) as told:
+    with pytest.raises(slcal.Error, match=words) as caught:
         slcal.ViewObservation(SIZE, **arguments)
-    assert told.value.what
-    assert told.value.found
+    assert caught.value.what
+    assert caught.value.found
 
 
 def test_wrong_types():
@@ -124,7 +124,7 @@ def test_wrong_types():
     ]:
         with pytest.raises(TypeError, match=words):
             slcal.ViewObservation(SIZE, **arguments)
-    for size in [(0.594, 0.42), (594, -1), "A2"]:
+    for size in [(0.594, 0.42), (594, -1), "A9", "594x420"]:
         with pytest.raises(slcal.Error, match="size_mm"):
             slcal.ViewObservation(size, sheet_corners=CORNERS)
 
@@ -193,7 +193,7 @@ def test_files_and_pickles_give_the_same_bits(tmp_path):
     assert seen != seen.to_json()
 
 
-def test_files_that_do_not_do(tmp_path):
+def test_invalid_files(tmp_path):
     with pytest.raises(FileNotFoundError):
         slcal.Observations.load(tmp_path / "none.json")
     wrong = tmp_path / "wrong.json"
@@ -236,9 +236,9 @@ def test_corners_by_hand_are_for_one_photograph_or_for_each(photo, checker):
 
 def test_what_is_wrong_with_which_photograph(photo, checker):
     dark = np.zeros_like(photo)
-    with pytest.raises(slcal.DetectionError, match=r"^photos\[1\]: checkerboard not found") as told:
+    with pytest.raises(slcal.DetectionError, match=r"^photos\[1\]: checkerboard not found") as caught:
         slcal.observe([photo, dark], SIZE, checker)
-    assert told.value.what == "checkerboard"
+    assert caught.value.what == "checkerboard"
     with pytest.raises(slcal.DetectionError, match=r"^photos\[1\] \(b.jpg\): "):
         slcal.observe([photo, dark], SIZE, checker, names=("a.jpg", "b.jpg"))
     with pytest.raises(slcal.Error, match=r"photos\[1\].*1280x960.*1280x900"):

@@ -60,7 +60,7 @@ def test_json_names_its_schema():
         assert written["projector"] == [800, 600]
 
 
-def test_nonsense_is_a_value_error():
+def test_invalid_patterns_are_value_errors():
     with pytest.raises(ValueError, match="odd"):
         slcal.CheckerPattern((1024, 768), squares=(10, 8))
     with pytest.raises(ValueError):

@@ -36,7 +36,7 @@ def test_importing_slcal_imports_no_ray():
 @pytest.mark.parametrize("module", ["ray", "pyarrow", "fsspec"])
 def test_a_missing_extra_says_how_to_install_it(module):
     said = python(f"import sys; sys.modules[{module!r}] = None; import slcal.ray")
-    assert "ImportError" in said.stderr and "pip install slcal[ray]" in said.stderr
+    assert "ImportError" in said.stderr and "pip install 'ray[data]'" in said.stderr
 
 
 # Names
@@ -190,7 +190,7 @@ def test_a_file_that_is_not_complete_is_not_seen(tmp_path, monkeypatch, step):
     assert store.read("a.ply") == b"old" and names(store) == ["a.ply"]
 
 
-def test_what_dead_workers_leave_is_swept(tmp_path):
+def test_files_of_dead_workers_are_removed(tmp_path):
     store = Store(str(tmp_path))
     store.put("x/a.ply", b"whole")
     (tmp_path / "x" / ".slcal-part-0123").write_bytes(b"ha")

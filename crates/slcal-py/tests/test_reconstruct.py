@@ -104,7 +104,7 @@ def test_what_cannot_be_triangulated(pixels: Any, options: Any, error: type[Exce
         RIG.triangulate(pixels, **options)
 
 
-def test_a_camera_alone_has_no_points() -> None:
+def test_a_rig_without_projector_gives_no_points() -> None:
     with pytest.raises(slcal.Error, match="projector"):
         slcal.Rig(CAMERA).triangulate([[1, 2]], [3])
     with pytest.raises(slcal.Error, match="projector"):
@@ -131,7 +131,7 @@ def test_a_scene_is_reconstructed(scene: simulate.Scene) -> None:
     assert (np.einsum("ij,ij->i", normals, cloud.points[cloud.triangles[:, 0]]) < 0).mean() > 0.99, "they face the camera"
 
 
-def test_the_parts_make_the_whole(scene: simulate.Scene) -> None:
+def test_decode_and_triangulate_equal_reconstruct(scene: simulate.Scene) -> None:
     whole = scene.rig.reconstruct(scene.photo, scene.pattern)
     matches = slcal.decode(scene.photo, scene.pattern)
     assert scene.rig.triangulate(matches, cull="auto") == whole

@@ -56,10 +56,10 @@ def test_files_of_every_kind(rig, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["rig.json"]
 
 
-def test_files_that_do_not_do(rig, tmp_path):
-    with pytest.raises(FileNotFoundError) as told:
+def test_invalid_files(rig, tmp_path):
+    with pytest.raises(FileNotFoundError) as caught:
         slcal.Rig.load(tmp_path / "none.json")
-    assert told.value.filename == str(tmp_path / "none.json")
+    assert caught.value.filename == str(tmp_path / "none.json")
     with pytest.raises(FileNotFoundError):
         rig.save(tmp_path / "none" / "rig.json")
     with pytest.raises(IsADirectoryError):

@@ -132,7 +132,7 @@ def test_meshes(tmp_path: Path) -> None:
         ({"wall": 100}, slcal.Error, "wall"),
         ({"surface": "sphere", "wall": "far"}, slcal.Error, "none"),
         ({"albedo": 2}, slcal.Error, "albedo"),
-        ({"gamma": "sRGB"}, slcal.Error, "gamma"),
+        ({"gamma": "rec709"}, slcal.Error, "gamma"),
         ({"distortion": [3, 0]}, slcal.Error, "distortion"),
         ({"rig": 3}, TypeError, "Rig"),
         ({"pattern": slcal.StripePattern((640, 480))}, slcal.Error, "640x480"),

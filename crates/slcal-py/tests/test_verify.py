@@ -139,7 +139,7 @@ def test_what_is_drawn_is_where_it_is_said_to_be(rig, checker):
     assert (rig.rectify(picture[:, ::-1][:, ::-1], view=0) == shown).all()
 
 
-def test_pictures_and_views_that_do_not_do(rig, checker):
+def test_invalid_pictures_and_views(rig, checker):
     for view in (1, -1):
         with pytest.raises(slcal.Error, match=f"view.*{view} of 1"):
             rig.rectify(checker, view=view)
@@ -160,7 +160,7 @@ def test_pictures_and_views_that_do_not_do(rig, checker):
         alone.rectify(checker)
 
 
-def test_a_rig_that_has_not_moved_is_square(rig, checker):
+def test_an_unmoved_rig_has_no_keystone(rig, checker):
     photo = photographed(rig, rig.rectify(checker), rig.projector_from_camera)
     said = rig.verify(photo, checker)
     assert isinstance(said, slcal.reports.Verification)
@@ -182,7 +182,7 @@ def test_a_rig_that_has_not_moved_is_square(rig, checker):
     assert pickle.loads(pickle.dumps(said)) == said
 
 
-def test_a_projector_that_was_turned_is_noticed(rig, checker):
+def test_a_rotated_projector_is_detected(rig, checker):
     now = turned(rig.projector_from_camera, 1.0)
     photo = photographed(rig, rig.rectify(checker), now)
     said = rig.verify(photo, checker)
@@ -222,7 +222,7 @@ def test_a_pattern_as_it_was_drawn(rig, checker, truth):
     assert said.rig.pattern_off_mm > 3
 
 
-def test_what_does_not_belong_together(rig, checker, truth):
+def test_mismatched_rig_and_photograph_are_refused(rig, checker, truth):
     photo = slcal.read_image(DEMO / "sheet.jpg")
     with pytest.raises(slcal.Error, match="1280x960.*1280x900"):
         rig.verify(photo[:900], checker, as_drawn=True)
@@ -245,7 +245,7 @@ def test_what_does_not_belong_together(rig, checker, truth):
         rig.verify(photo, slcal.StripePattern(PANEL))
 
 
-def test_what_has_changed_is_told(checker):
+def test_the_kind_of_change_is_reported(checker):
     scene = {"pattern": checker, "camera": (1000, 750), "focal": 1200, "lens_shift": 0.5}
     tilts = [(25, 28), (-25, -28), (20, -25)]
     made = [simulate.scene("sheet", tilt=tilt, **scene) for tilt in tilts]

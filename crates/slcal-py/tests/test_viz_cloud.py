@@ -3,7 +3,7 @@ import pytest
 import slcal
 import viz_scene as scene
 
-matplotlib = pytest.importorskip("matplotlib", reason="matplotlib is not installed: pip install slcal[viz]")
+matplotlib = pytest.importorskip("matplotlib", reason="matplotlib is not installed: pip install matplotlib")
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import slcal.viz  # noqa: E402
@@ -75,7 +75,7 @@ def test_colours_stand_for_millimetres(color, label, view):
     assert (np.diff(brightness) >= -0.02).all() and brightness[-1] > brightness[0] + 0.3
 
 
-def test_a_few_wild_values_do_not_take_all_colours():
+def test_outliers_do_not_take_all_colours():
     sigma = np.random.default_rng(6).uniform(0.1, 0.5, 500)
     sigma[:5] = 1e4
     ax = slcal.viz.cloud(board(sigma=sigma), "sigma")
@@ -121,7 +121,7 @@ def test_depth_before_a_sheet_is_called_so():
     assert "behind the sheet" in ax.get_zlabel()
 
 
-def test_of_a_big_cloud_the_same_points_are_drawn_every_time():
+def test_large_clouds_are_sampled_reproducibly():
     cloud = board(3000)
     np.random.seed(1)
     before = np.random.get_state()[1].tolist()
@@ -136,7 +136,7 @@ def test_of_a_big_cloud_the_same_points_are_drawn_every_time():
     assert len(np.asarray(dots_of(slcal.viz.cloud(cloud, view="image", max_points=70)).get_offsets())) == 70
 
 
-def test_wild_points_do_not_shrink_the_others():
+def test_outliers_do_not_shrink_the_others():
     points = board().points
     points[7] = [0, 0, 1e7]
     ax = slcal.viz.cloud(slcal.PointCloud(points))
@@ -161,7 +161,7 @@ def test_axes_given_are_used_and_nothing_else_changes():
     figure.canvas.draw()
 
 
-def test_arguments_that_make_no_sense_are_refused():
+def test_invalid_arguments_are_refused():
     cloud = board()
     bare = slcal.PointCloud(cloud.points)
     for call, kind, said in [

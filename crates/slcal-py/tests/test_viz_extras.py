@@ -36,5 +36,6 @@ except ImportError as error:
     print(error)
 """
     said = run(script)
-    assert "pip install slcal[viz]" in said.stdout, said.stderr
+    package = {"rerun": "rerun-sdk"}.get(library, library)
+    assert f"pip install {package}" in said.stdout, said.stderr
     assert library in said.stdout

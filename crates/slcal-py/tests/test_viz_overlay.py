@@ -4,7 +4,7 @@ import slcal
 import viz_scene as scene
 from common import DEMO
 
-matplotlib = pytest.importorskip("matplotlib", reason="matplotlib is not installed: pip install slcal[viz]")
+matplotlib = pytest.importorskip("matplotlib", reason="matplotlib is not installed: pip install matplotlib")
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import slcal.viz  # noqa: E402
@@ -92,7 +92,7 @@ def test_detections_are_drawn():
     assert ax.get_legend().get_texts()[0].get_text() == f"{len(found)} of 70 corners of the pattern"
 
 
-def test_residuals_are_seen_less_expected():
+def test_residuals_are_observed_minus_predicted():
     offset = np.array([0.3, -0.2])
     seen = observation(pair_offset=offset, edge_offset=0.25)
     ax = slcal.viz.overlay(scene.photo(), seen, rig=scene.rig(), magnify=100.0)
@@ -135,7 +135,7 @@ def test_arrows_point_the_way_they_say():
     assert (tips[:, 0] > 0).all() and (tips[:, 1] < 0).all()  # Display units: up counts up.
 
 
-def test_magnification_is_round_and_said():
+def test_magnification_is_round_and_labelled():
     pairs = observation(pair_offset=np.array([0.03, 0.04])).pairs
     corners = scene.camera_px(scene.CORNERS_MM)
     seen = slcal.ViewObservation(scene.SIZE_MM, sheet_corners=corners, pairs=pairs)
@@ -253,7 +253,7 @@ def test_what_was_found_elsewhere_is_refused():
         slcal.viz.overlay(scene.photo(), slcal.Matches([[1280.0, 3.0]], columns=[5.0]))
 
 
-def test_arguments_that_make_no_sense_are_refused():
+def test_invalid_arguments_are_refused():
     picture, seen, rig = scene.photo(), observation(), scene.rig()
     with pytest.raises(TypeError, match="found: expected"):
         slcal.viz.overlay(picture, seen.pairs)

@@ -3,7 +3,7 @@ import pytest
 import slcal
 import viz_scene as scene
 
-rr = pytest.importorskip("rerun", reason="rerun-sdk is not installed: pip install slcal[viz]")
+rr = pytest.importorskip("rerun", reason="rerun-sdk is not installed: pip install rerun-sdk")
 chunk = pytest.importorskip("rerun.chunk", reason="this version of rerun-sdk does not read recordings back")
 import slcal.viz  # noqa: E402
 
@@ -111,7 +111,7 @@ def test_the_active_recording_is_used(tmp_path):
     assert "/slcal/points" in read(tmp_path / "x.rrd")[0]
 
 
-def test_arguments_that_make_no_sense_are_refused():
+def test_invalid_arguments_are_refused():
     recording = rr.RecordingStream("test")
     for kw, kind, said in [
         ({}, slcal.Error, "nothing to log"),

@@ -3,7 +3,7 @@ import pytest
 import slcal
 import viz_scene as scene
 
-matplotlib = pytest.importorskip("matplotlib", reason="matplotlib is not installed: pip install slcal[viz]")
+matplotlib = pytest.importorskip("matplotlib", reason="matplotlib is not installed: pip install matplotlib")
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import slcal.viz  # noqa: E402
@@ -133,7 +133,7 @@ def test_a_cloud_on_the_sheet_is_brought_before_the_camera():
     assert np.abs(points - cloud().points).max() < 1e-9
 
 
-def test_of_a_big_cloud_the_same_points_are_drawn_every_time():
+def test_large_clouds_are_sampled_reproducibly():
     first, _ = scattered(slcal.viz.rig(scene.rig(), cloud=cloud(), max_points=50))
     again, _ = scattered(slcal.viz.rig(scene.rig(), cloud=cloud(), max_points=50))
     assert len(first) == 50 and (first == again).all()
@@ -166,7 +166,7 @@ def test_axes_given_are_used():
         slcal.viz.rig(scene.rig()).figure.canvas.draw()
 
 
-def test_arguments_that_make_no_sense_are_refused():
+def test_invalid_arguments_are_refused():
     with pytest.raises(TypeError, match="slcal.Rig"):
         slcal.viz.rig(scene.rig().camera)
     with pytest.raises(slcal.Error, match="3-D"):

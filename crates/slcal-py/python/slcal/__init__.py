@@ -1,7 +1,7 @@
 """Projector-camera calibration from one photograph and one-shot structured-light reconstruction.
 
-Arrays in, arrays out, in OpenCV's conventions: x right, y down, z forward; pixels have integer centres; lengths are
-millimetres. Photographs are (H, W, 3) or (H, W) arrays of uint8 or uint16 in RGB order (OpenCV reads BGR: give
+It takes and returns NumPy arrays in OpenCV's conventions: x right, y down, z forward; pixels have integer centres; lengths
+are in millimetres. Photographs are (H, W, 3) or (H, W) arrays of uint8 or uint16 in RGB order (OpenCV reads BGR: pass
 ``image[..., ::-1]``).
 """
 

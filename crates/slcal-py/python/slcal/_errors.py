@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions that can be caught, pickled and asked for their numbers."""
+"""The exceptions of slcal. They can be pickled, and carry their numbers as attributes."""
 
 from __future__ import annotations
 
@@ -6,27 +6,27 @@ from typing import Any
 
 
 class Error(ValueError):
-    """Base of all errors of slcal: a value, a file or a photograph is not what an operation needs.
+    """Base of all errors of slcal: a value, a file or a photograph is not usable.
 
-    The message says what was expected, what was found and what to do. The numbers behind it are attributes; those that
-    do not belong to an error are None.
+    The message says what was expected, what was found and what to do. The same is in attributes; those that do not apply
+    to an error are None.
 
     Attributes
     ----------
     what : str or None
-        What is wrong, was not found or is not determined.
+        What is wrong, not found or not determined.
     expected, found : str or None
-        What values are accepted, and what was given.
+        The accepted values, and the given one.
     seen, advice : str or None
-        What was seen instead of the thing that was looked for, and what to do about it.
+        What was found instead, and what to do about it.
     measure, limit : float or None
-        The number that shows that the geometry does not determine the answer, and the limit that it missed.
+        The number that shows that the geometry does not determine the answer, and its limit.
     device : str or None
-        "camera" or "projector", where the focal length of one is imaginary.
+        "camera" or "projector", whose focal length is imaginary.
     f_squared : float or None
         The negative square of that focal length, px².
     detail : str or None
-        Where and how a file departs from its schema.
+        Where and how a file violates its schema.
     """
 
     what: str | None = None
@@ -53,12 +53,12 @@ class Error(ValueError):
 
 def _again(kind: type[Error], message: str, fields: dict[str, Any]) -> Error:
     error = kind(message)
-    error.__dict__.update(fields)  # With the notes that were added to it.
+    error.__dict__.update(fields)  # Including its notes.
     return error
 
 
 class DetectionError(Error):
-    """The sheet or the checkerboard is not in the photograph."""
+    """The sheet or the checkerboard is not found in the photograph."""
 
 
 class CalibrationError(Error):
@@ -66,8 +66,8 @@ class CalibrationError(Error):
 
 
 class DecodeError(Error):
-    """The stripes are not in the photograph, or are not those of the pattern."""
+    """The stripes are not found in the photograph, or are not those of the pattern."""
 
 
 class FormatError(Error):
-    """A file or a text is not what its schema says."""
+    """A file or a text does not follow its schema."""

@@ -77,16 +77,16 @@ _Frame: TypeAlias = Literal["camera", "plane"]
 
 @final
 class CheckerPattern:
-    """The checkerboard that calibration needs, centred on the projector's panel.
+    """The checkerboard for calibration, centred on the projector's panel.
 
     Parameters
     ----------
     projector : (int, int)
         Width and height of the projector's panel, px: its native resolution.
     squares : (int, int), default (11, 8)
-        Columns and rows of squares; their sum is odd, so that the board differs from itself after half a turn.
+        Columns and rows of squares. Their sum must be odd, so that the board turned by 180° differs from itself.
     square_px : int, optional
-        Side of a square, px; a sixteenth of the panel's height unless given.
+        Side of a square, px; by default a sixteenth of the panel's height.
     first_square : {"black", "white"}, default "black"
         The colour of the top-left square.
     background : {"black", "white"}, default "white"
@@ -142,7 +142,7 @@ class CheckerPattern:
             (N, 2) float64, projector px.
         """
     def image(self) -> NDArray[np.uint8]:
-        """The picture to project, to be shown full screen without scaling.
+        """The picture to project. Show it full screen, without scaling.
 
         Returns
         -------
@@ -170,7 +170,7 @@ class CheckerPattern:
 
 @final
 class StripePattern:
-    """Coloured slits in a De Bruijn sequence: any `order` of them in a row occur once.
+    """Coloured slits in a De Bruijn sequence: every window of `order` neighbouring slits is unique.
 
     Parameters
     ----------
@@ -179,11 +179,11 @@ class StripePattern:
     hues : int, default 4
         Colours.
     order : int, default 3
-        Length of the windows that are unique.
+        Length of the unique windows.
     slits : int, optional
-        Slits; hues to the power of order unless given.
+        Number of slits; by default hues to the power of order.
     axis : {"columns", "rows"}, default "columns"
-        Whether slits are counted along the panel's columns (they stand upright) or rows.
+        "columns" for vertical slits, whose positions are columns of the panel; "rows" for horizontal ones.
 
     Raises
     ------
@@ -219,7 +219,7 @@ class StripePattern:
         axis: Literal["columns", "rows"] = "columns",
         order: int = 3,
     ) -> StripePattern:
-        """Any slits, as other programs draw them.
+        """A pattern of slits that another program draws.
 
         Parameters
         ----------
@@ -236,19 +236,19 @@ class StripePattern:
         axis : {"columns", "rows"}, default "columns"
             Whether `centres_px` are columns or rows.
         order : int, default 3
-            Length of the windows of the sequence that are unique.
+            Length of the unique windows of the sequence.
 
         Raises
         ------
         Error
-            When the slits overlap, leave the panel, or no window of them is unique.
+            When slits overlap or leave the panel, or no window is unique.
         """
     @property
     def projector(self) -> tuple[int, int]:
         """Width and height of the panel, px."""
     @property
     def axis(self) -> Literal["columns", "rows"]:
-        """Whether slits are counted along the panel's columns (they stand upright) or rows."""
+        """"columns" for vertical slits, whose positions are columns of the panel; "rows" for horizontal ones."""
     @property
     def palette(self) -> NDArray[np.uint8]:
         """The colours: (hues, 3) uint8, sRGB."""
@@ -263,9 +263,9 @@ class StripePattern:
         """Width of a slit, px."""
     @property
     def order(self) -> int:
-        """Length of the windows of the sequence that are unique."""
+        """Length of the unique windows of the sequence."""
     def image(self) -> NDArray[np.uint8]:
-        """The picture to project, to be shown full screen without scaling.
+        """The picture to project. Show it full screen, without scaling.
 
         Returns
         -------
@@ -328,52 +328,52 @@ def read_image(file: _Path | IO[bytes]) -> _Image:
     OSError
         When the file cannot be read.
     FormatError
-        When it is no such picture, or not a whole one; the message says how to convert it.
+        When it is not such a picture, or is incomplete; the message says how to convert it.
     """
 
 # What a photograph of the sheet shows
 
 @final
 class SheetDetection:
-    """The sheet as found in a photograph: points on its sides, and the corners in which these meet."""
+    """The sheet in a photograph: points on its sides, and the corners where the sides meet."""
 
     @property
     def corners(self) -> NDArray[np.float64] | _MaybeNone:
-        """Corners TL, TR, BR, BL: (4, 2) float64, px; lines through the sides meet there, in a distorted photograph to within the
-        sides' bend. None where neighbouring sides are parallel.
+        """Corners TL, TR, BR, BL: (4, 2) float64, px; intersections of straight lines through the sides, in a distorted
+        photograph as accurate as the sides are straight. None where neighbouring sides are parallel.
         """
     @property
     def edges(self) -> dict[str, NDArray[np.float64]]:
-        """Points on "top", "right", "bottom" and "left": (N, 2) float64, px; empty where corners given by hand are used as they
-        are.
+        """Points on "top", "right", "bottom" and "left": (N, 2) float64, px; empty where corners given by hand are used
+        unchanged.
         """
     @property
     def edge_sigma_px(self) -> dict[str, NDArray[np.float64]]:
-        """1σ of these points across their sides, (N,) float64, px, such that they may be treated as independent."""
+        """1σ of these points across their sides: (N,) float64, px. With it they may be treated as independent."""
     @property
     def corner_sigma_px(self) -> float | None:
-        """1σ of corners given by hand that are used as they are, px; None where the sides were measured."""
+        """1σ of corners given by hand that are used unchanged, px; None where the sides were measured."""
     @property
     def notes(self) -> list[str]:
-        """Things worth telling: corners taken from the user."""
+        """Notes for the user, such as corners that were given by hand."""
     def __eq__(self, other: object, /) -> bool: ...
 
 @final
 class CornerDetection:
-    """The corners of the pattern that were seen."""
+    """The corners of the pattern that were found."""
 
     @property
     def camera_px(self) -> NDArray[np.float64]:
-        """Where the camera sees them: (N, 2) float64, px, row by row of the pattern."""
+        """Their positions in the photograph: (N, 2) float64, px, row by row of the pattern."""
     @property
     def projector_px(self) -> NDArray[np.float64]:
-        """Where the projector shows them: (N, 2) float64, px, exact."""
+        """Their positions on the projector's panel: (N, 2) float64, px, exact."""
     @property
     def sigma_px(self) -> NDArray[np.float64]:
         """1σ of each camera coordinate: (N,) float64, px."""
     @property
     def expected(self) -> int:
-        """Corners of the whole pattern."""
+        """Number of corners of the whole pattern."""
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
 
@@ -386,13 +386,13 @@ class Detection:
         """The sheet."""
     @property
     def corners(self) -> CornerDetection:
-        """The corners of the pattern that were seen on the sheet; none without a pattern."""
+        """The corners of the pattern that were found on the sheet; none without a pattern."""
     @property
     def view(self) -> ViewObservation:
-        """Both as calibration takes them."""
+        """Sheet and corners as an observation for calibration."""
     @property
     def notes(self) -> list[str]:
-        """Things worth telling: corners that were not seen or lie beside the sheet, corners taken from the user."""
+        """Notes for the user: corners that were not found or lie outside the sheet, corners that were given by hand."""
     def __eq__(self, other: object, /) -> bool: ...
 
 def detect(
@@ -411,17 +411,21 @@ def detect(
     ----------
     photo : ndarray
         (H, W, 3) RGB or (H, W), uint8 or uint16: the sheet with the pattern projected on it.
-    size_mm : (float, float)
-        Width and height of the sheet, mm; the width belongs to the sides that run most nearly along the image's x axis.
+    size_mm : (float, float) or str
+        Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
+        closest to the image's x axis.
     pattern : CheckerPattern, optional
-        What is projected; without it the sheet is the brightest large quadrilateral with straight sides.
-    screen : ndarray, optional
-        The same pose with a dark or plain projector, in the same size; the sheet's sides are then measured there.
+        The projected pattern. Without it the brightest large quadrilateral with straight sides is taken for the sheet.
+    plain : ndarray, optional
+        A photograph of the same pose and size without the pattern: projector dark or plain white. The sheet's sides are then
+        measured in it.
     corners : array_like, optional
-        (4, 2), px: the sheet's corners TL, TR, BR, BL by hand, when it is not found. They may lie outside the frame; the sides
-        are still measured in the photograph where they are seen.
+        (4, 2), px: the sheet's corners TL, TR, BR, BL by hand, when the sheet is not found. They may lie outside the image;
+        where the sides are visible they are still measured.
     gamma : {"srgb", "linear"} or float, default "srgb"
         The transfer curve of the photograph.
+    screen : ndarray, optional
+        The older name of `plain`.
 
     Returns
     -------
@@ -431,11 +435,11 @@ def detect(
     Raises
     ------
     DetectionError
-        When sheet or pattern is not found; `seen` says what was seen instead and `advice` what to do.
+        When sheet or pattern is not found; `seen` says what was found instead and `advice` what to do.
     Error
-        For photographs of different sizes and corners that are no convex quadrilateral in this order.
+        When photographs differ in size, or the corners are not a convex quadrilateral in this order.
     TypeError
-        When a photograph is no such array.
+        When a photograph is not such an array.
 
     See Also
     --------
@@ -443,7 +447,7 @@ def detect(
 
     Examples
     --------
-    A drawing of a sheet before a dark wall:
+    A drawing of a sheet in front of a dark wall:
 
     >>> photo = np.full((480, 640), 30, np.uint8)
     >>> photo[100:380, 120:520] = 220
@@ -457,16 +461,16 @@ def detect(
            [119.5, 379.5]])
     """
 def detect_sheet(photo: _ImageLike, *, corners: ArrayLike | None = None, gamma: _Gamma = "srgb") -> SheetDetection:
-    """Finds the sheet alone, of whatever size: the brightest large quadrilateral with straight sides.
+    """Finds only the sheet, of any size: the brightest large quadrilateral with straight sides.
 
     Parameters
     ----------
     photo : ndarray
-        (H, W, 3) RGB or (H, W), uint8 or uint16: the sheet, with a dark or plain projector; `detect` knows the pattern's edges
-        from the sheet's.
+        (H, W, 3) RGB or (H, W), uint8 or uint16: the sheet, with the projector dark or plain white. `detect` can tell the
+        pattern's edges from those of the sheet.
     corners : array_like, optional
-        (4, 2), px: its corners TL, TR, BR, BL by hand, when it is not found. They may lie outside the frame; the sides are
-        still measured in the photograph where they are seen.
+        (4, 2), px: its corners TL, TR, BR, BL by hand, when the sheet is not found. They may lie outside the image; where
+        the sides are visible they are still measured.
     gamma : {"srgb", "linear"} or float, default "srgb"
         The transfer curve of the photograph.
 
@@ -477,11 +481,11 @@ def detect_sheet(photo: _ImageLike, *, corners: ArrayLike | None = None, gamma: 
     Raises
     ------
     DetectionError
-        When no sheet is found; `seen` says what was seen instead and `advice` what to do.
+        When no sheet is found; `seen` says what was found instead and `advice` what to do.
     Error
-        For corners that are no convex quadrilateral in this order.
+        When the corners are not a convex quadrilateral in this order.
     TypeError
-        When the photograph is no such array.
+        When the photograph is not such an array.
 
     Examples
     --------
@@ -492,7 +496,7 @@ def detect_sheet(photo: _ImageLike, *, corners: ArrayLike | None = None, gamma: 
     99.5
     """
 def detect_corners(photo: _ImageLike, pattern: CheckerPattern, *, gamma: _Gamma = "srgb") -> CornerDetection:
-    """Finds the corners of the projected checkerboard alone, on the sheet or beside it.
+    """Finds only the corners of the projected checkerboard, on the sheet or outside it.
 
     Parameters
     ----------
@@ -510,13 +514,13 @@ def detect_corners(photo: _ImageLike, pattern: CheckerPattern, *, gamma: _Gamma 
     Raises
     ------
     DetectionError
-        When the checkerboard is not found; `seen` says what was seen instead and `advice` what to do.
+        When the checkerboard is not found; `seen` says what was found instead and `advice` what to do.
     TypeError
-        When the photograph is no such array.
+        When the photograph is not such an array.
 
     Examples
     --------
-    What the projector is to show, seen by a camera that is the projector:
+    The projected picture itself, as a photograph:
 
     >>> checker = slcal.CheckerPattern(projector=(1024, 768))
     >>> corners = slcal.detect_corners(checker.image(), checker)
@@ -528,36 +532,37 @@ def detect_corners(photo: _ImageLike, pattern: CheckerPattern, *, gamma: _Gamma 
 
 @final
 class ViewObservation:
-    """What was seen of one pose of the sheet, by any detector: its corners or points on its sides, and the projected points.
+    """The observations of one pose of the sheet, by any detector: its corners or points on its sides, and the projected
+    points.
 
     Parameters
     ----------
-    size_mm : (float, float)
-        Width and height of the sheet, mm; the width belongs to the sides that run most nearly along the image's x axis.
+    size_mm : (float, float) or str
+        Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
+        closest to the image's x axis.
     sheet_corners : array_like, optional
-        (4, 2), px: the corners TL, TR, BR, BL as the camera sees them. They may lie outside the frame.
+        (4, 2), px: the corners TL, TR, BR, BL in the photograph. They may lie outside the image.
     sheet_edges : mapping, optional
         Points on the sides instead: (N, 2), px, for each of "top", "right", "bottom" and "left"; or (N, 3) with the 1σ of each
         point across its side, px.
     pairs : array_like, optional
         (N, 4), px: camera x, camera y, projector x, projector y of each point of the pattern; or (N, 5) with the 1σ of the
-        camera's coordinates. None when nothing is projected.
+        camera's coordinates. None without a pattern.
     sheet_sigma_px : float or mapping, optional
-        1σ of the corners or of the points on the sides, px; a mapping gives it side by side, (N,) or one for all. Unless
-        it is given, calibration works it out from the residuals.
+        1σ of the corners or of the points on the sides, px. A mapping has it for each side, (N,) or one for all. By default
+        it is estimated from the residuals.
     pair_sigma_px : array_like, optional
-        1σ of the camera's coordinates of the pairs, px: (N,) or one for all. Unless it is given, calibration works it out
-        from the residuals.
+        1σ of the camera's coordinates of the pairs, px: (N,) or one for all. By default it is estimated from the residuals.
     photo : str, optional
         Name of the photograph.
 
     Raises
     ------
     Error
-        When neither or both of corners and edges are given, for other shapes, for numbers that are not finite, for a σ that
-        is not positive.
+        When neither or both of corners and edges are given, when a shape is wrong, a number is not finite, or a σ is not
+        positive.
     TypeError
-        When something is no array of real numbers.
+        When something is not an array of real numbers.
 
     Examples
     --------
@@ -585,19 +590,19 @@ class ViewObservation:
         """Width and height of the sheet, mm."""
     @property
     def sheet_corners(self) -> NDArray[np.float64] | None:
-        """Its corners TL, TR, BR, BL: (4, 2) float64, px; None when points on its sides are known instead."""
+        """Its corners TL, TR, BR, BL: (4, 2) float64, px; None when there are points on its sides instead."""
     @property
     def sheet_edges(self) -> dict[str, NDArray[np.float64]] | None:
-        """Points on its sides: (N, 2) float64, px, for "top", "right", "bottom", "left"; None when its corners are known instead."""
+        """Points on its sides: (N, 2) float64, px, for "top", "right", "bottom", "left"; None when there are corners instead."""
     @property
     def sheet_sigma_px(self) -> float | dict[str, NDArray[np.float64]] | None:
-        """1σ of the corners, px, or of the points on each side, (N,) float64; None where it was not stated."""
+        """1σ of the corners, px, or of the points on each side, (N,) float64; None where it was not given."""
     @property
     def pairs(self) -> NDArray[np.float64]:
         """Camera x, camera y, projector x, projector y of each point of the pattern: (N, 4) float64, px."""
     @property
     def pair_sigma_px(self) -> NDArray[np.float64] | None:
-        """1σ of the camera's coordinates of the pairs: (N,) float64, px; None where it was not stated."""
+        """1σ of the camera's coordinates of the pairs: (N,) float64, px; None where it was not given."""
     @property
     def photo(self) -> str | None:
         """Name of the photograph, where it has one."""
@@ -605,7 +610,7 @@ class ViewObservation:
 
 @final
 class Observations:
-    """Everything that a calibration is computed from.
+    """The input of a calibration.
 
     Parameters
     ----------
@@ -621,7 +626,7 @@ class Observations:
     Error
         When a size is not two whole numbers above zero.
     TypeError
-        When a view is neither of these.
+        When a view is not one of these.
 
     Examples
     --------
@@ -696,26 +701,30 @@ def observe(
     names: Sequence[str] | None = None,
     screen: Sequence[_ImageLike] | None = None,
 ) -> Observations:
-    """Finds sheet and pattern in photographs of several poses: what `calibrate` does first.
+    """Finds sheet and pattern in photographs of several poses: the first step of `calibrate`.
 
     Parameters
     ----------
     photos : sequence of ndarray, or ndarray
         (H, W, 3) RGB or (H, W), uint8 or uint16, all of one size: the sheet with the pattern projected on it, one for each
         pose.
-    size_mm : (float, float)
-        Width and height of the sheet, mm; the width belongs to the sides that run most nearly along the image's x axis.
+    size_mm : (float, float) or str
+        Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
+        closest to the image's x axis.
     pattern : CheckerPattern, optional
-        What is projected; without it the camera alone is calibrated.
-    screen : sequence of ndarray, optional
-        The same poses with a dark or plain projector, in the same order; the sheet's sides are then measured there.
+        The projected pattern. Without it only the camera is calibrated.
+    plain : sequence of ndarray, optional
+        Photographs of the same poses without the pattern, in the same order: projector dark or plain white. The sheet's sides
+        are then measured in them.
     corners : array_like or sequence of array_like, optional
-        (4, 2), px, for one photograph, or one such array or None for each: the sheet's corners TL, TR, BR, BL by hand, where
-        it is not found. They may lie outside the frame.
+        (4, 2), px, for one photograph, or one such array or None for each: the sheet's corners TL, TR, BR, BL by hand,
+        where the sheet is not found. They may lie outside the image.
     gamma : {"srgb", "linear"} or float, default "srgb"
         The transfer curve of the photographs.
     names : sequence of str, optional
         Names of the photographs.
+    screen : sequence of ndarray, optional
+        The older name of `plain`.
 
     Returns
     -------
@@ -724,11 +733,11 @@ def observe(
     Raises
     ------
     DetectionError
-        When sheet or pattern is not found; the message says in which photograph, what was seen instead and what to do.
+        When sheet or pattern is not found; the message says in which photograph, what was found instead and what to do.
     Error
         When photographs differ in size, or lists in length.
     TypeError
-        When a photograph is no such array.
+        When a photograph is not such an array.
     """
 
 # Calibration
@@ -759,34 +768,38 @@ def calibrate(
     photos : sequence of ndarray, or ndarray
         One photograph per pose of the sheet: (H, W, 3) in RGB order or (H, W), uint8 or uint16, all of one size. One
         photograph of a tilted sheet is enough; two with opposite tilts are far better.
-    size_mm : (float, float)
-        Width and height of the sheet, mm. Width is the side that runs most nearly along the image's x axis.
+    size_mm : (float, float) or str
+        Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
+        closest to the image's x axis.
     pattern : CheckerPattern, optional
-        What was projected; without it the camera alone is calibrated.
-    screen : sequence of ndarray, optional
-        The same poses with a dark or plain projector, in the same order; the sheet's sides are then measured there.
+        The projected pattern. Without it only the camera is calibrated.
+    plain : sequence of ndarray, optional
+        Photographs of the same poses without the pattern, in the same order: projector dark or plain white. The sheet's sides
+        are then measured in them.
     corners : array_like, optional
-        The sheet's corners TL, TR, BR, BL by hand where it is not found: (4, 2), px, for one photograph, or one of these for
-        each. They may lie outside the frame.
+        The sheet's corners TL, TR, BR, BL by hand, where the sheet is not found: (4, 2), px, for one photograph, or one
+        such array for each. They may lie outside the image.
     camera : Camera, optional
-        Known intrinsics, held fixed; the rest is solved for.
+        Known intrinsics: they are held fixed, and the rest is estimated.
     camera_pp, projector_pp : {"prior", "shift", "centre", "free"} or (float, float)
-        What is known of the principal points: the centre as a prior; its column as a prior and its row free (lens shift);
-        exactly the centre; nothing; exactly this pixel.
+        What is known of the principal points. "prior": near the centre. "shift": its column near the centre, its row free
+        (lens shift). "centre": exactly the centre. "free": nothing. Two numbers: exactly this pixel.
     distortion, projector_distortion : {"auto", "none", "k1", "k1k2", "full"}
-        Which coefficients are estimated. "auto" estimates k1 and k2 when the photographs show them. Those of the projector
-        need three photographs.
+        Which coefficients are estimated. "auto" estimates k1 and k2 where the photographs determine them. Those of the
+        projector need three photographs.
     method : {"ml", "two-vp"}
-        Maximum likelihood, or the two vanishing points of R. Orghidan et al., "Structured light self-calibration with
-        vanishing points", Machine Vision and Applications 25:489-500 (2014).
+        Maximum likelihood, or the method of two vanishing points of R. Orghidan et al., "Structured light self-calibration
+        with vanishing points", Machine Vision and Applications 25:489-500 (2014).
     focal_35mm : float, optional
-        The camera's focal length as its 35 mm equivalent, as EXIF tags state it: expected, with a σ of some 5 %.
+        The camera's focal length as its 35 mm equivalent, as EXIF tags state it. It is a prior with a σ of about 5 %.
     gamma : {"srgb", "linear"} or float
         The transfer curve of the photographs.
     allow_degenerate : bool
-        Give a rig with the verdict "degenerate" rather than an error.
+        Return a rig with the verdict "degenerate" instead of raising an error.
     names : sequence of str, optional
         Names of the photographs, for the rig's views and for messages.
+    screen : sequence of ndarray, optional
+        The older name of `plain`.
 
     Returns
     -------
@@ -800,9 +813,9 @@ def calibrate(
     CalibrationError
         When the photographs do not determine the focal lengths, as with a sheet seen face-on.
     Error
-        When values or shapes are not what they should be.
+        When a value or a shape is invalid.
     TypeError
-        When a photograph is no array of uint8 or uint16.
+        When a photograph is not an array of uint8 or uint16.
 
     Examples
     --------
@@ -824,13 +837,13 @@ def calibrate_observations(
     focal_35mm: float | None = None,
     allow_degenerate: bool = False,
 ) -> Rig:
-    """Calibrates from the observations of any detector: `slcal.observe`, or one's own.
+    """Calibrates from observations: those of `slcal.observe`, or of any other detector.
 
     Parameters
     ----------
     observations : Observations or mapping
-        What was seen; a mapping has the fields of the file (schema slcal-observations/1), with arrays or lists in it. A σ that
-        is not stated is measured by the residuals, or assumed where there are too few.
+        A mapping has the fields of the file (schema slcal-observations/1), with arrays or lists. A σ that is not given is
+        estimated from the residuals, or assumed where there are too few.
     camera, camera_pp, projector_pp, distortion, projector_distortion, method, focal_35mm, allow_degenerate
         As for `calibrate`.
 
@@ -845,12 +858,12 @@ def calibrate_observations(
     FormatError
         When a mapping does not follow the schema; the message names the field.
     Error
-        When numbers are not finite, corners are collinear, or anything else contradicts itself.
+        When numbers are not finite, corners are collinear, or values contradict each other.
     """
 
 @final
 class Camera:
-    """A camera or a projector: how it maps what stands before it onto its pixels, as OpenCV does.
+    """A camera or a projector: a pinhole model with distortion that maps points onto pixels, as in OpenCV.
 
     Parameters
     ----------
@@ -864,7 +877,7 @@ class Camera:
     Raises
     ------
     Error
-        When K is no camera matrix, or a number is not finite.
+        When K is not a camera matrix, or a number is not finite.
 
     Examples
     --------
@@ -882,8 +895,8 @@ class Camera:
         Parameters
         ----------
         file : path or file object
-            A YAML or XML file of OpenCV, a camera_info of ROS, or a rig's JSON file, whose camera is taken. It must say how large
-            the image is.
+            A YAML or XML file of OpenCV, a camera_info of ROS, or a rig's JSON file, whose camera is taken. It must state
+            the size of the image.
 
         Returns
         -------
@@ -891,7 +904,7 @@ class Camera:
         """
     @staticmethod
     def from_fov(size: tuple[int, int], fov_deg: float) -> Camera:
-        """A camera without distortion by its horizontal angle of view.
+        """A camera without distortion, from its horizontal angle of view.
 
         Parameters
         ----------
@@ -906,11 +919,11 @@ class Camera:
         """
     @staticmethod
     def from_35mm(size: tuple[int, int], focal_35mm: float) -> Camera:
-        """A camera without distortion by the 35 mm equivalent of its focal length, as EXIF tags state it."""
+        """A camera without distortion, from the 35 mm equivalent of its focal length, as EXIF tags state it."""
     @staticmethod
     def from_throw(size: tuple[int, int], throw: float) -> Camera:
-        """A projector by its throw ratio (distance over width of the picture), its axis through the lower edge of the panel as
-        with most lens shifts.
+        """A projector, from its throw ratio (distance over width of the picture). Its principal point is on the lower edge of
+        the panel, as with most lens shifts.
         """
     @property
     def K(self) -> NDArray[np.float64]:
@@ -929,9 +942,9 @@ class Camera:
         """Width and height of the image, px."""
     @property
     def sigma(self) -> DeviceSigma | _MaybeNone:
-        """1σ of the parameters, zero for what was held fixed; None where nothing is known of them."""
+        """1σ of the parameters, zero for those that were held fixed; None where it is not known."""
     def project(self, points: ArrayLike) -> NDArray[np.float64]:
-        """The pixels in which points are seen, as ``cv2.projectPoints`` with neither rotation nor translation.
+        """Projects points onto pixels, as ``cv2.projectPoints`` without rotation and translation.
 
         Parameters
         ----------
@@ -946,10 +959,10 @@ class Camera:
         Raises
         ------
         Error
-            When a point does not lie before the camera, or where the distortion has no pixel for it.
+            When a point lies behind the camera, or outside the range of the distortion model.
         """
     def undistort(self, pixels: ArrayLike) -> NDArray[np.float64]:
-        """The directions in which pixels look, at distance 1 along the axis: ``cv2.undistortPoints`` to the end.
+        """Normalised image coordinates of pixels, without distortion: ``cv2.undistortPoints``, iterated until it converges.
 
         Parameters
         ----------
@@ -964,10 +977,10 @@ class Camera:
         Raises
         ------
         Error
-            When the distortion's model does not reach a pixel.
+            When a pixel lies outside the range of the distortion model.
         """
     def rays(self, pixels: ArrayLike) -> NDArray[np.float64]:
-        """The directions in which pixels look: (N, 3) float64 of length 1 from (N, 2) px."""
+        """Viewing directions of pixels: unit vectors (N, 3) float64, from (N, 2) px."""
     def __eq__(self, other: object, /) -> bool: ...
 
 @final
@@ -984,7 +997,7 @@ class Pose:
     Raises
     ------
     Error
-        When R is no rotation, or a number is not finite.
+        When R is not a rotation, or a number is not finite.
 
     Examples
     --------
@@ -1015,7 +1028,7 @@ class Pose:
     def sigma_r_rad(self) -> NDArray[np.float64] | _MaybeNone:
         """1σ of a small rotation about the axes of frame a: (3,) float64, rad; None where it is not known."""
     def inverse(self) -> Pose:
-        """The way back: X_b = Rᵀ · X_a − Rᵀ · t. It has no σ."""
+        """The inverse: X_b = Rᵀ · X_a − Rᵀ · t. It has no σ."""
     def transform(self, points: ArrayLike) -> NDArray[np.float64]:
         """R · X + t for each point: (N, 3) float64 from (N, 3), mm."""
     def __matmul__(self, other: Pose, /) -> Pose: ...
@@ -1066,12 +1079,12 @@ class Covariance:
 
 @final
 class Rectification:
-    """Where a picture is drawn on the projector's panel so that it appears upright on the sheet."""
+    """The position of a picture on the projector's panel and on the sheet, where it appears without keystone distortion."""
 
     @property
     def panel_from_source(self) -> NDArray[np.float64]:
-        """(3, 3) float64: pixels of the source, homogeneous, onto those of a panel whose lens does not distort; `map` goes through
-        the lens as well.
+        """(3, 3) float64: the homography from pixels of the source to pixels of the panel, without lens distortion; `map`
+        includes the distortion.
         """
     @property
     def corners_px(self) -> NDArray[np.float64]:
@@ -1092,7 +1105,7 @@ class Rectification:
         Raises
         ------
         Error
-            For a point that lies at infinity on the panel.
+            When a point lies at infinity on the panel.
         """
     @property
     def size_mm(self) -> tuple[float, float]:
@@ -1104,20 +1117,20 @@ class Rectification:
 
 @final
 class Rig:
-    """A calibrated camera, and projector if a pattern was seen; with how sure it is.
+    """A calibrated camera, and a projector if there was a pattern, with their uncertainty.
 
-    `slcal.calibrate` makes rigs; this makes one of devices that are known from elsewhere.
+    `slcal.calibrate` returns rigs. The constructor makes one from devices that are known otherwise.
 
     Parameters
     ----------
     camera : Camera
         The camera.
     projector : Camera, optional
-        The projector, as if it were a camera.
+        The projector, modelled as a camera.
     projector_from_camera : Pose, optional
         X_projector = R · X_camera + t, mm; given exactly when the projector is.
     method : str, default "external"
-        How the rig was made, in a word.
+        How the rig was made, in one word.
 
     Raises
     ------
@@ -1157,16 +1170,16 @@ class Rig:
         """The poses of the sheet that it was calibrated from."""
     @property
     def method(self) -> str:
-        """How it was made: "ml", "two-vp", or anything else for rigs from elsewhere."""
+        """How it was made: "ml", "two-vp", or another word for rigs from other programs."""
     @property
     def quality(self) -> Quality | _MaybeNone:
-        """How far it can be trusted; None for rigs from elsewhere that do not say."""
+        """Verdict, expected accuracy and warnings; None for rigs from other programs that have none."""
     @property
     def covariance(self) -> Covariance | _MaybeNone:
-        """Covariance of all estimated parameters; None for rigs from elsewhere."""
+        """Covariance of all estimated parameters; None for rigs from other programs."""
     @property
     def report(self) -> CalibrationReport | _MaybeNone:
-        """How the calibration went; None for a rig that was not calibrated in this program."""
+        """Iterations and inliers of the calibration; None for a rig that was not calibrated in this program."""
     @property
     def baseline_mm(self) -> float | _MaybeNone:
         """Distance between the optical centres, mm; None without a projector."""
@@ -1183,7 +1196,7 @@ class Rig:
         """
     @staticmethod
     def load(file: _File) -> Rig:
-        """Reads a rig file, however it was made.
+        """Reads a rig file.
 
         Parameters
         ----------
@@ -1207,14 +1220,14 @@ class Rig:
     def from_json(text: str) -> Rig:
         """The rig that `to_json` wrote."""
     def to_opencv(self) -> dict[str, NDArray[Any]]:
-        """The rig as OpenCV's functions take it.
+        """The rig as parameters of OpenCV's functions.
 
         Returns
         -------
         dict
             `camera_K` (3, 3), `camera_dist` (5,), `camera_size` (2,), the same of the projector, and `R` (3, 3) and `t` (3, 1) with
-            X_projector = R · X_camera + t, mm: what ``cv2.stereoRectify`` calls R and T. Without a projector its entries are
-            left out.
+            X_projector = R · X_camera + t, mm: what ``cv2.stereoRectify`` calls R and T. The entries of a projector are
+            there only if there is one.
 
         Examples
         --------
@@ -1236,12 +1249,12 @@ class Rig:
         R: ArrayLike | None = None,
         t: ArrayLike | None = None,
     ) -> Rig:
-        """A rig from what OpenCV's functions give.
+        """A rig from parameters of OpenCV's functions.
 
         Parameters
         ----------
         parameters : mapping, optional
-            What `to_opencv` gives; or the same as keyword arguments.
+            What `to_opencv` returns; or the same as keyword arguments.
         camera_K, projector_K : array_like
             (3, 3), px.
         camera_dist, projector_dist : array_like, optional
@@ -1260,7 +1273,7 @@ class Rig:
         Raises
         ------
         Error
-            When something is missing or is not what its name says.
+            When something is missing or invalid.
         """
     def save_report(
         self,
@@ -1270,7 +1283,7 @@ class Rig:
         observations: Observations | Mapping[str, Any] | None = None,
         cloud: PointCloud | None = None,
     ) -> None:
-        """Writes a page that shows the calibration: how good, why, what next. Any browser opens it, without a network.
+        """Writes an HTML page about the calibration: how good it is, why, and what to do next. It needs no network.
 
         Parameters
         ----------
@@ -1279,15 +1292,15 @@ class Rig:
         photos : sequence of ndarray, or ndarray, optional
             The photographs that the rig was calibrated from, one for each of its views.
         observations : Observations or mapping, optional
-            What was measured in them (`slcal.observe`): sides, corners and residuals are drawn. A σ that is not stated is taken
-            from the residuals themselves.
+            The observations in them (`slcal.observe`): sides, corners and residuals are drawn. A σ that is not given is
+            estimated from the residuals.
         cloud : PointCloud, optional
-            Points to show beside the devices.
+            Points to show together with the devices.
 
         Raises
         ------
         Error
-            When photographs or observations are not those of the rig: another number of views, other sizes.
+            When photographs or observations do not fit the rig: a different number of views, or other sizes.
         OSError
             When the file cannot be written.
 
@@ -1304,23 +1317,23 @@ class Rig:
         Parameters
         ----------
         path : path
-            Where to; files there are replaced. For "opencv" it ends in .yml, .yaml, .xml or .json; for "ros" it is the camera's .yaml, the
-            projector's goes beside it as NAME_projector.yaml, or a folder; for "colmap" a folder; for "kalibr" a .yaml, for
-            "blender" a .py, for "npz" an .npz.
+            The output; existing files are replaced. For "opencv" it ends in .yml, .yaml, .xml or .json; for "ros" it is the
+            camera's .yaml, the projector's goes beside it as NAME_projector.yaml, or a folder; for "colmap" a folder; for
+            "kalibr" a .yaml, for "blender" a .py, for "npz" an .npz.
         to : {"opencv", "ros", "colmap", "kalibr", "blender", "npz"}
             The format.
         lossy : bool, default False
-            Whether terms of a lens that the format does not have are left out; otherwise they are an error.
+            Whether distortion terms that the format does not have are left out; otherwise they are an error.
 
         Returns
         -------
         list of str
-            What the format has no place for, a line each.
+            What the format cannot hold, one line each.
 
         Raises
         ------
         Error
-            When the format cannot hold a lens (the message says how far pixels would move), or the path is not for it.
+            When the format cannot hold a lens (the message says how far pixels would move), or the path does not suit it.
         OSError
             When a file cannot be written.
 
@@ -1348,9 +1361,9 @@ class Rig:
         paths : path or list of paths
             The file; for "ros" the camera's and the projector's, or their folder; for "colmap" the folder.
         format : {"opencv", "ros", "colmap", "kalibr", "blender", "npz"}, optional
-            Whose files they are; told by their content unless given.
+            The format; by default it is recognised by the content.
         camera_size, projector_size : (int, int), optional
-            Width and height, px, for files that do not say them.
+            Width and height, px, for files that do not state them.
 
         Returns
         -------
@@ -1361,7 +1374,7 @@ class Rig:
         FormatError
             When the files are of another format, or something is missing in them.
         Error
-            When the size of an image is nowhere to be found.
+            When the size of an image is not known.
         OSError
             When a file cannot be read.
         """
@@ -1380,7 +1393,7 @@ class Rig:
         near: float | None = None,
         far: float | None = None,
     ) -> PointCloud:
-        """The cloud of one photograph of the stripes on whatever stands before the rig. `Reconstructor` is for many.
+        """Reconstructs the cloud of one photograph of a scene under the stripes. For many photographs use `Reconstructor`.
 
         Parameters
         ----------
@@ -1389,35 +1402,37 @@ class Rig:
         pattern : StripePattern
             The stripes, drawn for the rig's projector.
         black, white : ndarray, optional
-            The same scene with a dark projector (the room's light is taken off) and with plain white (the surface's own
-            colours are divided out).
+            The same scene with the projector dark (ambient light is subtracted) and plain white (surface colours are
+            divided out).
         gamma : {"srgb", "linear"} or float, default "srgb"
-            How the image's values follow the light.
+            The transfer curve of the image.
         frame : {"camera", "plane"}, default "camera"
-            Whose coordinates the cloud has: the camera's, or those of the sheet of the rig's first view.
+            The coordinate frame of the cloud: the camera's, or that of the sheet in the rig's first view.
         mesh : bool, default False
             Whether the cloud keeps the triangles between its points.
         cull : {"auto", "off"} or float, default "auto"
-            Largest area of a triangle that is surface, mm², or how it is chosen; points without such triangles are left
-            out.
+            Largest area of a triangle on a surface, mm², or how this limit is chosen. Points without such a triangle are
+            removed.
         min_confidence : float, default 0.4
-            Matches below it are left out, 0 to 1.
+            Matches with a lower confidence are rejected, 0 to 1.
+        near, far : float, optional
+            Limits of the depth along the camera's axis, mm. Points outside are removed and counted in the report.
 
         Returns
         -------
         PointCloud
-            Its `report` says what was seen and what became of it.
+            Its `report` counts what was found, rejected and removed.
 
         Raises
         ------
         TypeError
-            When the image is no array of uint8 or uint16.
+            When the image is not an array of uint8 or uint16.
         Error
-            When its shape or size is another one, the rig has no projector (or, for "plane", no view), the pattern is for
-            another panel, or an option is out of range.
+            When its shape or size is wrong, the rig has no projector (or, for "plane", no view), the pattern is for another
+            panel, or an option is out of range.
         DecodeError
-            When the stripes are not in it, or cannot be those of this rig. The message says so when they are found as soon
-            as red and blue change places.
+            When the stripes are not found, or cannot be those of this rig. The message says so when they are found with red
+            and blue swapped.
 
         Examples
         --------
@@ -1440,39 +1455,40 @@ class Rig:
         near: float | None = None,
         far: float | None = None,
     ) -> PointCloud:
-        """Points from camera pixels and the projector columns (or rows) that light them, of whatever decoder.
+        """Triangulates points from camera pixels and their projector columns or rows, of any decoder.
 
         Parameters
         ----------
         pixels : Matches or array_like
             Matches, or (N, 2) camera px.
         columns, rows : array_like, optional
-            (N,), projector px, NaN where one is not known; at least one of the two beside an array of pixels.
+            (N,), projector px, NaN where it is not known. With an array of pixels, at least one of the two is needed.
         sigma_px : array_like, optional
-            (N,) or one for all: 1σ of the camera position across the stripe, px. Unless given, that of the matches, or 0.1.
+            (N,) or one for all: 1σ of the camera position across the stripe, px. By default that of the matches, or 0.1.
         frame : {"camera", "plane"}, default "camera"
-            Whose coordinates the cloud has: the camera's, or those of the sheet of the rig's first view.
+            The coordinate frame of the cloud: the camera's, or that of the sheet in the rig's first view.
         mesh : bool, default False
             Whether the cloud keeps the triangles between its points.
         cull : {"auto", "off"} or float, default "off"
-            Largest area of a triangle that is surface, mm², or how it is chosen; points without such triangles are left
-            out. With "off" every match that can be a point becomes one, in the order given.
+            Largest area of a triangle on a surface, mm², or how this limit is chosen. Points without such a triangle are
+            removed. With "off" every valid match becomes a point, in the given order.
+        near, far : float, optional
+            Limits of the depth along the camera's axis, mm. Points outside are removed and counted in the report.
 
         Returns
         -------
         PointCloud
-            Its `report` counts the matches that are no points: without coordinates ("invalid"), behind the devices, lit from
-            outside the panel, and so on.
+            Its `report` counts the matches that gave no point: without coordinates ("invalid"), behind the devices, with a
+            projector coordinate outside the panel, and so on.
 
         Raises
         ------
         TypeError
-            When something is no array of numbers.
+            When something is not an array of numbers.
         Error
-            When the shapes do not fit each other, pixels are not finite, or the rig has no projector (or, for "plane", no
-            view).
+            When shapes do not match, pixels are not finite, or the rig has no projector (or, for "plane", no view).
         DecodeError
-            When no match is a point.
+            When no match gives a point.
 
         Examples
         --------
@@ -1485,7 +1501,8 @@ class Rig:
         array([[  20.,   30., 1000.]])
         """
     def rectify(self, source: CheckerPattern | _ImageLike, *, view: int = 0) -> NDArray[np.uint8]:
-        """The picture to project so that a picture appears upright and as large as possible on the sheet.
+        """Returns the picture to project so that `source` appears without keystone distortion and as large as possible on the
+        sheet.
 
         Parameters
         ----------
@@ -1493,7 +1510,7 @@ class Rig:
             A checkerboard, drawn with sharp edges and half a square of its background around it, or any picture: (H, W, 3)
             RGB or (H, W), uint8 (uint16 is brought to 8 bits).
         view : int, default 0
-            Which of the rig's views tells where the sheet is.
+            Which of the rig's views has the pose of the sheet.
 
         Returns
         -------
@@ -1503,14 +1520,14 @@ class Rig:
         Raises
         ------
         Error
-            For a rig without a projector or such a view, and for a pattern for another panel.
+            When the rig has no projector or no such view, or the pattern is for another panel.
         CalibrationError
             When the projector does not light the sheet.
         TypeError
-            When the source is neither of these.
+            When the source is not one of these.
         """
     def rectification(self, source: CheckerPattern | _ImageLike, *, view: int = 0) -> Rectification:
-        """Where `rectify` draws a picture: on the panel, and on the sheet in millimetres.
+        """The position of the picture that `rectify` draws: on the panel, and on the sheet in millimetres.
 
         Parameters
         ----------
@@ -1534,24 +1551,25 @@ class Rig:
         gamma: _Gamma = "srgb",
         significance: float = 0.001,
     ) -> Verification:
-        """How square a projected checkerboard is on the sheet now, and whether projector, camera or sheet have moved.
+        """Measures the keystone of a projected checkerboard on the sheet, and tests whether projector, camera or sheet have
+        moved.
 
         Parameters
         ----------
         photo : ndarray
             (H, W, 3) RGB or (H, W), uint8 or uint16, by the rig's camera: the sheet with the pattern projected on it.
         pattern : CheckerPattern
-            What is projected, by default as `rectify` draws it for the rig's first view.
-        size_mm : (float, float), optional
-            Width and height of the sheet, mm, when it is not that of the rig's first view.
+            The projected pattern, as `rectify` draws it for the rig's first view unless `as_drawn`.
+        size_mm : (float, float) or str, optional
+            Size of the sheet, when it is not that of the rig's first view.
         as_drawn : bool, default False
-            The pattern is projected as it was drawn, not rectified; the sheet may then stand anywhere.
+            Whether the pattern is projected as it was drawn, not rectified. The sheet may then be anywhere.
         corners : array_like, optional
             (4, 2), px: the sheet's corners TL, TR, BR, BL by hand, when it is not found.
         gamma : {"srgb", "linear"} or float, default "srgb"
             The transfer curve of the photograph.
         significance : float, default 0.001
-            How often a rig that has not moved may be said to have.
+            The false-alarm rate: the probability that an unmoved rig is reported as moved.
 
         Returns
         -------
@@ -1563,20 +1581,20 @@ class Rig:
         DetectionError
             When sheet or pattern is not found.
         CalibrationError
-            When photograph and rig do not go together at all.
+            When photograph and rig do not fit each other at all.
         Error
-            For a photograph of another size, a pattern for another panel, a rig without a projector, a rig without views unless
-            `as_drawn` and `size_mm` are given.
+            When the photograph has another size, the pattern is for another panel, the rig has no projector, or it has no
+            views and `as_drawn` and `size_mm` are not given.
         TypeError
-            When the photograph is no such array.
+            When the photograph is not such an array.
         """
     def advise(self, pattern: CheckerPattern | None = None) -> Advice:
-        """What one more photograph would bring, and which to take.
+        """Predicts what one more photograph would improve, and says which one to take.
 
         Parameters
         ----------
         pattern : CheckerPattern, optional
-            What will be projected; the default checkerboard for the rig's panel unless given.
+            The pattern that will be projected; by default the standard checkerboard for the rig's panel.
 
         Returns
         -------
@@ -1602,19 +1620,19 @@ def advise(
     projector_pp: _PrincipalPoint = "shift",
     distortion: _Distortion = "auto",
 ) -> Advice:
-    """How to hold the sheet for the first photographs, and what they will bring: σ of the focal lengths against tilt.
+    """Plans the first photographs: how to hold the sheet, and the expected σ of the focal lengths against its tilt.
 
     Parameters
     ----------
     camera : Camera
-        Roughly: see `Camera.from_fov` and `Camera.from_35mm`.
-    size_mm : (float, float)
-        Width and height of the sheet, mm.
+        Approximate intrinsics: see `Camera.from_fov` and `Camera.from_35mm`.
+    size_mm : (float, float) or str
+        Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm".
     projector : Camera, optional
-        Roughly: see `Camera.from_throw`; without it, the camera alone. It is taken to stand a quarter of the distance to the
-        camera's right.
+        Approximate intrinsics: see `Camera.from_throw`. Without a projector the plan is for the camera alone. The projector
+        is assumed to stand to the right of the camera, at a quarter of the distance.
     distance_mm : float, optional
-        From the camera to the sheet's middle; so that the sheet fills 60 % of the frame unless given.
+        Distance from the camera to the sheet's centre. By default the sheet fills 60 % of the image.
     noise_px : float, default 0.05
         1σ of a corner of the sheet and of the pattern in the photograph, px.
     camera_pp : {"prior", "centre", "free", "shift"} or (float, float), default "prior"
@@ -1648,17 +1666,17 @@ def advise(
 
 @final
 class Matches:
-    """Which projector column or row lights which camera pixel.
+    """Correspondences: which projector column or row illuminates which camera pixel.
 
-    `slcal.decode` makes them; those of another decoder are made from its arrays. Two of them are equal when their numbers
-    are; the report is not compared.
+    `slcal.decode` returns them; they can also be made from the arrays of another decoder. Two of them are equal when their
+    numbers are; the report is not compared.
 
     Parameters
     ----------
     pixels : array_like
-        (N, 2), camera px: x right, y down, the middle of the first pixel at (0, 0).
+        (N, 2), camera px: x right, y down, the centre of the first pixel at (0, 0).
     columns, rows : array_like, optional
-        (N,), projector px; NaN where one is not known. At least one of the two.
+        (N,), projector px; NaN where it is not known. At least one of the two is needed.
     slits : array_like, optional
         (N,), numbers of the slits from 0 on, -1 where there is none (the default).
     confidence : array_like, optional
@@ -1671,9 +1689,9 @@ class Matches:
     Raises
     ------
     Error
-        When the shapes do not fit each other, pixels are not finite, or a number is out of its range.
+        When shapes do not match, pixels are not finite, or a number is out of range.
     TypeError
-        When something is no array of numbers.
+        When something is not an array of numbers.
 
     Examples
     --------
@@ -1711,7 +1729,7 @@ class Matches:
         """Numbers of the slits: (N,) int32, -1 where there is none."""
     @property
     def confidence(self) -> NDArray[np.float64]:
-        """How sure the matches are: (N,) float64, 0 to 1."""
+        """Confidence of the matches: (N,) float64, 0 to 1."""
     @property
     def sigma_px(self) -> NDArray[np.float64]:
         """1σ of the camera positions across the stripe: (N,) float64, px."""
@@ -1720,7 +1738,7 @@ class Matches:
         """Colours of the photograph there: (N, 3) uint8, sRGB."""
     @property
     def report(self) -> DecodeReport | _MaybeNone:
-        """What decoding saw; None for matches that were constructed or loaded."""
+        """Counts and measurements of decoding; None for matches that were constructed or loaded."""
     def save(self, file: _File) -> None:
         """Writes the matches as CSV: u, v, projector_column and/or projector_row, slit, confidence, sigma_px.
 
@@ -1733,7 +1751,7 @@ class Matches:
         """
     @staticmethod
     def load(file: _File) -> Matches:
-        """Reads matches that `save`, ``slcal decode`` or any other decoder wrote.
+        """Reads matches from `save`, ``slcal decode`` or any other decoder.
 
         Parameters
         ----------
@@ -1750,7 +1768,7 @@ class Matches:
         OSError
             When the file cannot be read.
         FormatError
-            When it is not what is described above; the message names the line.
+            When it does not have this format; the message names the line.
         """
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -1764,42 +1782,42 @@ def decode(
     gamma: _Gamma = "srgb",
     min_confidence: float = 0.4,
 ) -> Matches:
-    """Finds the stripes of a photograph and says which slit each is.
+    """Finds the stripes in a photograph and identifies their slits.
 
     Parameters
     ----------
     image : ndarray
-        (H, W, 3), uint8 or uint16, RGB order: what stands before the rig, with the stripes projected.
+        (H, W, 3), uint8 or uint16, RGB order: the scene with the stripes projected.
     pattern : StripePattern
         The stripes.
     black, white : ndarray, optional
-        The same view with a dark projector (the room's light is taken off) and with plain white (the surface's own colours
-        are divided out).
+        The same view with the projector dark (ambient light is subtracted) and plain white (surface colours are divided
+        out).
     gamma : {"srgb", "linear"} or float, default "srgb"
-        How the image's values follow the light.
+        The transfer curve of the image.
     min_confidence : float, default 0.4
-        Matches below it are left out and counted, 0 to 1.
+        Matches with a lower confidence are rejected and counted, 0 to 1.
 
     Returns
     -------
     Matches
-        One per slit and image row (column, where the stripes lie across); its `report` says what was seen and why some
-        of it was left out.
+        One per slit and image row (image column, where the stripes are horizontal). Its `report` counts what was found, and
+        what was rejected and why.
 
     Raises
     ------
     TypeError
-        When the image is no array of uint8 or uint16.
+        When the image is not an array of uint8 or uint16.
     Error
-        When its shape is another one, it is grey, frames differ in size, or an option is out of range.
+        When the shape is wrong, the image is grey, images differ in size, or an option is out of range.
     DecodeError
-        When there are no stripes in it, or not those of the pattern. The message says so when they are found as soon as red
-        and blue change places.
+        When the stripes are not found, or are not those of the pattern. The message says so when they are found with red
+        and blue swapped.
 
     Examples
     --------
     >>> stripes = slcal.StripePattern(projector=(1024, 768))
-    >>> matches = slcal.decode(stripes.image(), stripes)  # The projector's own picture: what it lights is itself.
+    >>> matches = slcal.decode(stripes.image(), stripes)  # The projected picture itself.
     >>> bool(np.abs(matches.pixels[:, 0] - matches.columns).max() < 0.05)
     True
     >>> matches.report.slits
@@ -1808,10 +1826,14 @@ def decode(
 
 @final
 class PointCloud:
-    """Points in space, with what is known of each, and the triangles between them where a mesh was asked for.
+    """Points in space with their properties, and the triangles of a mesh where one was requested.
 
-    `Rig.reconstruct` and `Rig.triangulate` make clouds; they can also be made of arrays. Two of them are equal when their
-    numbers are (NaN equals NaN); the report is not compared. ``np.asarray(cloud)`` gives the points.
+    `Rig.reconstruct` and `Rig.triangulate` return clouds; they can also be made from arrays. Two of them are equal when
+    their numbers are (NaN equals NaN); the report is not compared. ``np.asarray(cloud)`` gives the points.
+
+    ``cloud[index]`` is the cloud of some of the points, by a boolean mask, an array of integers or a slice. It keeps the
+    triangles whose three corners are all among them, with new indices; of a point that is given twice the first counts. Its
+    `report` is None.
 
     Parameters
     ----------
@@ -1822,9 +1844,9 @@ class PointCloud:
     sigma : array_like, optional
         (N,) or one for all: 1σ along the camera's ray, mm; 0 unless given.
     noise : array_like, optional
-        (N,) or one for all: the part of `sigma` that differs from point to point, mm; 0 unless given.
+        (N,) or one for all: the part of `sigma` that varies from point to point, mm; 0 unless given.
     pixels : array_like, optional
-        (N, 2): the camera pixels in which the points are seen; NaN unless given.
+        (N, 2): the camera pixels of the points; NaN unless given.
     slits : array_like, optional
         (N,): numbers of the slits; 0 unless given.
     confidence : array_like, optional
@@ -1832,16 +1854,16 @@ class PointCloud:
     triangles : array_like, optional
         (M, 3): indices into the points, counter-clockwise as the camera sees them.
     frame : {"camera", "plane"}, default "camera"
-        Whose coordinates these are: the camera's, or those of the sheet of the rig's first view.
+        The coordinate frame: the camera's, or that of the sheet in the rig's first view.
     camera_centre : array_like, optional
-        (3,): where the camera stands in these coordinates, mm; the origin unless given.
+        (3,): the position of the camera in these coordinates, mm; the origin unless given.
 
     Raises
     ------
     Error
-        When the shapes do not fit each other, points are not finite, or a number is out of its range.
+        When shapes do not match, points are not finite, or a number is out of range.
     TypeError
-        When something is no array of numbers.
+        When something is not an array of numbers.
 
     Examples
     --------
@@ -1850,6 +1872,8 @@ class PointCloud:
     PointCloud(2 points, 1000.0 to 1000.0 mm from the camera, median σ 0.200 mm)
     >>> np.asarray(cloud).shape
     (2, 3)
+    >>> cloud[cloud.points[:, 0] > 1].points
+    array([[   3.,    4., 1000.]])
     """
 
     def __new__(
@@ -1877,28 +1901,30 @@ class PointCloud:
         """1σ along the camera's ray: (N,) float64, mm; of the match and of the rig together."""
     @property
     def noise(self) -> NDArray[np.float64]:
-        """The part of `sigma` that differs from point to point: (N,) float64, mm. The rest is common to the whole cloud."""
+        """The part of `sigma` that varies from point to point: (N,) float64, mm. The rest is common to the whole cloud."""
     @property
     def pixels(self) -> NDArray[np.float64]:
-        """Camera pixels (x, y) in which the points were seen: (N, 2) float64, NaN in clouds from files."""
+        """Camera pixels (x, y) of the points: (N, 2) float64, NaN in clouds from files."""
     @property
     def slits(self) -> NDArray[np.uint16]:
         """Numbers of the slits: (N,) uint16, 0 where the matches were not of stripes."""
     @property
     def confidence(self) -> NDArray[np.float64]:
-        """How sure the matches were: (N,) float64, 0 to 1."""
+        """Confidence of the matches: (N,) float64, 0 to 1."""
     @property
     def triangles(self) -> NDArray[np.uint32]:
         """Indices into the points: (M, 3) uint32, counter-clockwise as the camera sees them; (0, 3) without a mesh."""
     @property
     def frame(self) -> _Frame:
-        """Whose coordinates these are: "camera", or "plane" for the sheet of the rig's first view."""
+        """The coordinate frame: "camera", or "plane" for that of the sheet in the rig's first view."""
     @property
     def camera_centre(self) -> NDArray[np.float64]:
-        """Where the camera stands in these coordinates: (3,) float64, mm."""
+        """The position of the camera in these coordinates: (3,) float64, mm."""
     @property
     def report(self) -> CloudReport | _MaybeNone:
-        """How the cloud came about; None for one that was constructed or loaded."""
+        """Counts and measurements of the reconstruction; None for a cloud that was constructed, loaded or is a part of
+        another.
+        """
     def save(self, file: _File, *, format: Literal["ply", "pcd", "xyz", "obj", "glb"] | None = None) -> None:
         """Writes the cloud.
 
@@ -1937,39 +1963,66 @@ class PointCloud:
         OSError
             When the file cannot be read.
         FormatError
-            When it is no PLY, or not a whole one.
+            When it is not a PLY file, or is incomplete.
         Error
-            When its name is that of another format, which are written only.
+            When its name is that of another format; these can only be written.
         """
     def to_bytes(self, format: Literal["ply", "pcd", "xyz", "obj", "glb"] = "ply") -> bytes:
         """The content of the file that `save` would write."""
     def fit_plane(self) -> PlaneFit:
-        """Fits a plane to the points, which may hold other things as well.
+        """Fits a plane to the points, which may contain other surfaces as well.
 
         Returns
         -------
         PlaneFit
-            The plane, and how far its inliers lie from it.
+            The plane, and the distances of its inliers.
 
         Raises
         ------
         Error
-            When there are fewer than three points, or no plane has points on it.
+            When there are fewer than three points, or no plane is found.
         """
     def fit_sphere(self) -> SphereFit:
-        """Fits a sphere to the points, which may hold a wall as well.
+        """Fits a sphere to the points, which may contain a wall as well.
 
         Returns
         -------
         SphereFit
-            The sphere, and how far its inliers lie from it.
+            The sphere, and the distances of its inliers.
 
         Raises
         ------
         Error
-            When there are fewer than four points, or no sphere that the camera could see has points on it.
+            When there are fewer than four points, or no sphere that the camera could see is found.
         """
-    def crop(self, min: ArrayLike, max: ArrayLike) -> PointCloud: ...
+    def crop(self, min: ArrayLike, max: ArrayLike) -> PointCloud:
+        """The points within a box whose sides are parallel to the axes of the cloud's own `frame`.
+
+        Triangles are kept where all three corners are. The `report` is None.
+
+        Parameters
+        ----------
+        min, max : array_like
+            (3,), mm: least and greatest x, y and z, both included; infinite where a side is open.
+
+        Returns
+        -------
+        PointCloud
+            In the same frame and order; without points when there are none in the box.
+
+        Raises
+        ------
+        Error
+            When a coordinate is NaN, or one of `min` exceeds that of `max`.
+
+        Examples
+        --------
+        >>> cloud = slcal.PointCloud([[0, 0, 900], [0, 0, 1100], [300, 0, 1000]])
+        >>> cloud.crop([-100, -100, 0], [100, 100, 1000]).points
+        array([[  0.,   0., 900.]])
+        >>> len(cloud.crop([-np.inf, -np.inf, 1000], [np.inf, np.inf, np.inf]))
+        2
+        """
     def _repr_html_(self) -> str: ...
     def __len__(self) -> int: ...
     def __getitem__(self, key: _Indices, /) -> PointCloud: ...
@@ -1978,15 +2031,15 @@ class PointCloud:
 
 @overload
 def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["plane"]) -> PlaneFit:
-    """Fits a plane or a sphere to a cloud and says how far its points lie from it, as ``slcal evaluate`` does.
+    """Fits a plane or a sphere to a cloud and reports the distances of its points, as ``slcal evaluate`` does.
 
-    The fit is robust: the cloud may hold other things as well. Points count as inliers within four times their robust σ,
-    and the figures are those of the inliers.
+    The fit is robust: the cloud may contain other surfaces as well. Inliers lie within four times the robust σ, and the
+    report is about the inliers.
 
     Parameters
     ----------
     cloud : PointCloud or array_like
-        The points; of an array (N, 3), mm, in the camera's frame.
+        The points; an array is (N, 3), mm, in the camera's frame.
     shape : {"plane", "sphere"}
         What to fit.
 
@@ -1997,7 +2050,7 @@ def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["plane"]) -> PlaneFit
     Raises
     ------
     Error
-        When there are too few points, they are not finite, or no such shape has points on it.
+        When there are too few points, they are not finite, or no such shape is found.
 
     Examples
     --------
@@ -2008,15 +2061,15 @@ def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["plane"]) -> PlaneFit
     """
 @overload
 def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["sphere"]) -> SphereFit:
-    """Fits a plane or a sphere to a cloud and says how far its points lie from it, as ``slcal evaluate`` does.
+    """Fits a plane or a sphere to a cloud and reports the distances of its points, as ``slcal evaluate`` does.
 
-    The fit is robust: the cloud may hold other things as well. Points count as inliers within four times their robust σ,
-    and the figures are those of the inliers.
+    The fit is robust: the cloud may contain other surfaces as well. Inliers lie within four times the robust σ, and the
+    report is about the inliers.
 
     Parameters
     ----------
     cloud : PointCloud or array_like
-        The points; of an array (N, 3), mm, in the camera's frame.
+        The points; an array is (N, 3), mm, in the camera's frame.
     shape : {"plane", "sphere"}
         What to fit.
 
@@ -2027,7 +2080,7 @@ def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["sphere"]) -> SphereF
     Raises
     ------
     Error
-        When there are too few points, they are not finite, or no such shape has points on it.
+        When there are too few points, they are not finite, or no such shape is found.
 
     Examples
     --------
@@ -2038,15 +2091,15 @@ def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["sphere"]) -> SphereF
     """
 @overload
 def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["plane", "sphere"]) -> PlaneFit | SphereFit:
-    """Fits a plane or a sphere to a cloud and says how far its points lie from it, as ``slcal evaluate`` does.
+    """Fits a plane or a sphere to a cloud and reports the distances of its points, as ``slcal evaluate`` does.
 
-    The fit is robust: the cloud may hold other things as well. Points count as inliers within four times their robust σ,
-    and the figures are those of the inliers.
+    The fit is robust: the cloud may contain other surfaces as well. Inliers lie within four times the robust σ, and the
+    report is about the inliers.
 
     Parameters
     ----------
     cloud : PointCloud or array_like
-        The points; of an array (N, 3), mm, in the camera's frame.
+        The points; an array is (N, 3), mm, in the camera's frame.
     shape : {"plane", "sphere"}
         What to fit.
 
@@ -2057,7 +2110,7 @@ def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["plane", "sphere"]) -
     Raises
     ------
     Error
-        When there are too few points, they are not finite, or no such shape has points on it.
+        When there are too few points, they are not finite, or no such shape is found.
 
     Examples
     --------
@@ -2069,10 +2122,10 @@ def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["plane", "sphere"]) -
 
 @final
 class Reconstructor:
-    """One photograph after another with the same rig and pattern, as of a video: what `Rig.reconstruct` does, with buffers that
-    are kept from frame to frame.
+    """Reconstructs many photographs with the same rig and pattern, such as the frames of a video. It does what
+    `Rig.reconstruct` does, and keeps its buffers from frame to frame.
 
-    Several threads may use one, but they wait for each other; for two at a time take two.
+    Threads that share a Reconstructor wait for each other; use one per thread.
 
     Parameters
     ----------
@@ -2081,15 +2134,18 @@ class Reconstructor:
     pattern : StripePattern
         The stripes, drawn for that projector.
     gamma : {"srgb", "linear"} or float, default "srgb"
-        How the values of the images follow the light.
+        The transfer curve of the images.
     frame : {"camera", "plane"}, default "camera"
-        Whose coordinates the clouds have: the camera's, or those of the sheet of the rig's first view.
+        The coordinate frame of the clouds: the camera's, or that of the sheet in the rig's first view.
     mesh : bool, default False
         Whether the clouds keep the triangles between their points.
     cull : {"auto", "off"} or float, default "auto"
-        Largest area of a triangle that is surface, mm², or how it is chosen; points without such triangles are left out.
+        Largest area of a triangle on a surface, mm², or how this limit is chosen. Points without such a triangle are
+        removed.
     min_confidence : float, default 0.4
-        Matches below it are left out, 0 to 1.
+        Matches with a lower confidence are rejected, 0 to 1.
+    near, far : float, optional
+        Limits of the depth along the camera's axis, mm. Points outside are removed and counted in the report.
 
     Raises
     ------
@@ -2130,28 +2186,28 @@ class Reconstructor:
         image : ndarray
             (H, W, 3), uint8 or uint16, RGB order, of the size of the rig's camera: the scene with the stripes projected.
         black, white : ndarray, optional
-            The same scene with a dark projector and with plain white.
+            The same scene with the projector dark and plain white.
 
         Returns
         -------
         PointCloud
-            Its own, whatever comes next.
+            Later frames do not change it.
 
         Raises
         ------
         TypeError
-            When the image is no array of uint8 or uint16.
+            When the image is not an array of uint8 or uint16.
         Error
-            When its shape or size is another one.
+            When its shape or size is wrong.
         DecodeError
-            When the stripes are not in it, or cannot be those of this rig.
+            When the stripes are not found, or cannot be those of this rig.
         """
 
 # Photographs and observations with known truth: see slcal.simulate for what the functions take
 
 @final
 class Scene:
-    """Photographs of a simulated scene, and what is true of every pixel. `slcal.simulate.scene` makes them.
+    """Photographs of a simulated scene, and the ground truth of every pixel. `slcal.simulate.scene` makes them.
 
     Examples
     --------
@@ -2165,7 +2221,7 @@ class Scene:
 
     @property
     def rig(self) -> Rig:
-        """The true rig; one that was simulated and looks at a sheet has it as its view."""
+        """The true rig. If it was simulated and the surface is a sheet, the sheet is its view."""
     @property
     def pattern(self) -> CheckerPattern | StripePattern:
         """What was projected."""
@@ -2180,31 +2236,35 @@ class Scene:
         """The photograph under a dark projector."""
     @property
     def matches(self) -> Matches:
-        """Where slits or corners of the pattern are seen, without error."""
+        """The true positions of slits or corners of the pattern in the photograph."""
     @property
     def cloud(self) -> PointCloud:
-        """The points that the matches see, in the camera's frame."""
+        """The true points of the matches, in the camera's frame."""
     @property
     def column(self) -> NDArray[np.float32]:
-        """The projector column that lights what each pixel sees: (H, W) float32, px; NaN in shadow and beside the light."""
+        """The projector column that illuminates each pixel: (H, W) float32, px; NaN in shadow and outside the projector's
+        footprint.
+        """
     @property
     def row(self) -> NDArray[np.float32]:
-        """The projector row that lights what each pixel sees: (H, W) float32, px; NaN in shadow and beside the light."""
+        """The projector row that illuminates each pixel: (H, W) float32, px; NaN in shadow and outside the projector's
+        footprint.
+        """
     @property
     def depth(self) -> NDArray[np.float32]:
-        """Depth of what each pixel sees along the camera's axis: (H, W) float32, mm; NaN where it sees nothing."""
+        """Depth of each pixel along the camera's axis: (H, W) float32, mm; NaN where there is no surface."""
     @property
     def surface(self) -> NDArray[np.uint8]:
-        """Which surface each pixel sees: (H, W) uint8, counted from 1; 0 for none."""
+        """Number of the surface in each pixel: (H, W) uint8, counted from 1; 0 for none."""
     @property
     def report(self) -> SceneReport:
-        """What the photograph shows, in numbers."""
+        """Counts and depths of the scene."""
 
 def simulate_scene(options: dict[str, Any], /) -> Scene:
-    """Photographs of a rig before a surface, with the truth of every pixel; see `slcal.simulate.scene`."""
+    """Photographs of a simulated scene, with the ground truth of every pixel; see `slcal.simulate.scene`."""
 def simulate_views(options: dict[str, Any], /) -> tuple[Observations, Rig]:
     """Observations of a sheet in several poses and the rig behind them; see `slcal.simulate.views`."""
 def simulate_noise(options: dict[str, Any], /) -> NoiseReport:
-    """Both methods of calibration under rising noise; see `slcal.simulate.noise`."""
+    """Both calibration methods at increasing noise; see `slcal.simulate.noise`."""
 def run_command(args: Sequence[str], /) -> int:
     """Runs a command line, the program's name first, and returns its exit code."""

@@ -1,4 +1,4 @@
-"""What is said about results: plain frozen records, with the names and numbers of the command line's `--json`."""
+"""Reports about results: frozen dataclasses with the names and numbers of the command's `--json`."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _MaybeNone: TypeAlias = Any
 
 @dataclass(frozen=True)
 class Report:
-    """A record that can be compared, copied, pickled and turned into a dictionary."""
+    """A record that can be compared, copied, pickled and converted to a dictionary."""
 
     def to_dict(self) -> dict[str, Any]:
-        """The record as nested dictionaries, lists, numbers and strings: what ``json.dumps`` takes.
+        """The record as nested dictionaries, lists, numbers and strings, for ``json.dumps``.
 
         Returns
         -------
@@ -31,8 +31,8 @@ class Report:
 
     @classmethod
     def _of(cls: type[_R], fields: Mapping[str, Any]) -> _R:
-        """From the dictionary that the extension makes; fields that it has beyond these are left out."""
-        kinds = _kinds(cls)  # type: ignore[arg-type]  # Classes are hashable, whatever mypy makes of a type variable.
+        """From a dictionary of the extension; other fields in it are ignored."""
+        kinds = _kinds(cls)  # type: ignore[arg-type]  # Classes are hashable; mypy does not know it of a type variable.
         return cls(**{name: _typed(kind, fields.get(name)) for name, kind in kinds.items()})
 
 
@@ -93,11 +93,11 @@ class FocalSigma(Report):
 
 @dataclass(frozen=True)
 class Warning(Report):  # noqa: A001 - the name that the rig's file has for it
-    """Something that the user should know about a result, and what to do about it."""
+    """A warning about a result, and what to do about it."""
 
     #: Stable identifier.
     code: str
-    #: What was noticed, with numbers.
+    #: What was found, with numbers.
     message: str
     #: What to do.
     advice: str
@@ -105,16 +105,16 @@ class Warning(Report):  # noqa: A001 - the name that the rig's file has for it
 
 @dataclass(frozen=True)
 class Quality(Report):
-    """The judgement on a calibration."""
+    """The quality of a calibration."""
 
     verdict: Literal["good", "fair", "weak", "degenerate"]
     focal_sigma_percent: FocalSigma
     #: Expected 1σ of a reconstructed point at the sheet's distance, mm.
     expected_point_sigma_mm: float | None
-    #: Why the verdict is what it is: how the sheet was seen and how well the focal length is known from it, or what does not
-    #: fit, where that made the verdict worse; empty where a rig does not say.
+    #: The reason for the verdict: the pose of the sheet and the resulting σ of the focal length, or a misfit where that made the
+    #: verdict worse. Empty where the rig's file has none.
     cause: str
-    #: What would make it better, with predicted numbers; empty where a rig does not say.
+    #: How to improve it, with predicted numbers. Empty where the rig's file has none.
     advice: str
     warnings: tuple[Warning, ...]
 
@@ -130,17 +130,17 @@ class ViewRms(Report):
 
 @dataclass(frozen=True)
 class CalibrationReport(Report):
-    """How a calibration went, beyond the rig itself."""
+    """Details of a calibration beyond the rig itself."""
 
-    #: Iterations of the refinement.
+    #: Iterations of the least-squares refinement.
     iterations: int
-    #: Share of the sheet's edge points that the robust loss kept.
+    #: Share of the sheet's edge points that are inliers.
     edge_inliers: float
-    #: Share of the projected corners that it kept.
+    #: Share of the projected corners that are inliers.
     corner_inliers: float
-    #: How the sheet is seen and how well the focal length is known from it.
+    #: The pose of the sheet and the resulting σ of the focal length.
     cause: str
-    #: What more tilt or another photograph would bring.
+    #: What more tilt or another photograph would improve.
     advice: str
 
 
@@ -149,50 +149,50 @@ class CalibrationReport(Report):
 
 @dataclass(frozen=True)
 class Dropped(Report):
-    """Bright bands that were seen and not reported, by reason."""
+    """Stripe crossings that were rejected, by reason."""
 
-    #: Too little contrast over the noise, or no two edges.
+    #: Low contrast relative to the noise, or no two edges.
     weak: int
-    #: The lines of its curve do not agree on a slit, or too few of them decoded.
+    #: Ambiguous: the scanlines of its track do not agree on a slit, or too few of them were decoded.
     ambiguous: int
-    #: The neighbour on the line has the same number, with better reason.
+    #: Duplicate: a neighbour on the scanline has the same slit and more votes.
     inconsistent: int
-    #: An outline or a shadow cuts it.
+    #: Truncated by an outline or a shadow.
     cut: int
-    #: Confidence below the one asked for.
+    #: Low confidence: below ``min_confidence``.
     unsure: int
 
 
 @dataclass(frozen=True)
 class DecodeReport(Report):
-    """What decoding saw in a photograph of stripes."""
+    """Counts and measurements of decoding a photograph of stripes."""
 
-    #: Bright bands seen, over all lines.
+    #: Stripe crossings found on all scanlines.
     crossings: int
-    #: Reported as matches.
+    #: Crossings that became matches.
     decoded: int
     #: Different slits among them.
     slits: int
     dropped: Dropped
-    #: Whether lines were read along image rows or columns.
+    #: Whether scanlines run along image rows or columns.
     lines: Literal["rows", "columns"]
     #: Median width of the stripes, px.
     stripe_width_px: float
-    #: Width of the stripes as photographed over that of the slits as drawn.
+    #: Width of the stripes in the photograph over that of the drawn slits.
     width_ratio: float
     #: Noise of a pixel, 1σ in 8-bit grey levels.
     noise_levels: float
-    #: Colours of the hues as seen (linear light, unit length), in the order of the palette.
+    #: Colours of the hues in the photograph (linear light, unit length), in the order of the palette.
     hues_seen: tuple[tuple[float, ...], ...]
-    #: What the camera's channels (rows) see of the projector's primaries (columns).
+    #: Response of the camera's channels (rows) to the projector's primaries (columns).
     crosstalk: tuple[tuple[float, ...], ...] | None
     #: Angle by which colours of one hue scatter, rad.
     hue_spread_rad: float
-    #: Share of the crossings that are clipped in some channel.
+    #: Share of the crossings that are saturated in some channel.
     saturated: float
-    #: How much better than chance the colours follow the pattern, nats per crossing.
+    #: Log-likelihood ratio of the pattern against chance, nats per crossing.
     code_fit: float
-    #: Whether slits ascend against the image's axis.
+    #: Whether slit numbers ascend against the image's axis.
     reversed: bool
     #: Whether the stripes run across the direction that the pattern's axis has in the projector's image.
     turned: bool
@@ -200,22 +200,22 @@ class DecodeReport(Report):
 
 @dataclass(frozen=True)
 class TriangulateReport(Report):
-    """What became of the matches."""
+    """Counts of triangulation."""
 
     points: int
     #: Neither column nor row known, or a pixel that the lens's model does not reach.
     invalid: int
-    #: The camera's ray nearly lies in the plane of light.
+    #: Grazing: the camera's ray is nearly parallel to the light plane.
     grazing: int
-    #: Behind the devices.
+    #: Points behind the devices.
     behind: int
-    #: Lit from outside the panel.
+    #: Matches whose projector coordinate lies outside the panel.
     outside_panel: int
-    #: Nearer or farther than the limits that were given.
+    #: Points nearer than ``near`` or farther than ``far``.
     outside_depth: int
     #: Column and row that contradict each other.
     contradicting: int
-    #: Whether σ holds the rig's own uncertainty.
+    #: Whether σ includes the rig's uncertainty.
     rig_sigma_known: bool
     median_sigma_mm: float
     median_noise_mm: float
@@ -223,7 +223,7 @@ class TriangulateReport(Report):
 
 @dataclass(frozen=True)
 class CullReport(Report):
-    """What was removed as no surface."""
+    """What was removed because it is not part of a surface."""
 
     #: Triangles between the points.
     triangles: int
@@ -235,11 +235,11 @@ class CullReport(Report):
 
 @dataclass(frozen=True)
 class CloudReport(Report):
-    """How a cloud came about."""
+    """Counts and measurements of a reconstruction."""
 
     points: int
     triangles: int
-    #: None when the matches were given.
+    #: None for a cloud from matches.
     decode: DecodeReport | _MaybeNone
     triangulate: TriangulateReport
     cull: CullReport
@@ -250,7 +250,7 @@ class CloudReport(Report):
 
 @dataclass(frozen=True)
 class FitReport(Report):
-    """Distances of the inliers from a fitted surface."""
+    """Distances of the inliers from a fitted plane or sphere."""
 
     #: Which points count as inliers.
     rule: str
@@ -306,7 +306,7 @@ class Measured(Report):
 
 @dataclass(frozen=True)
 class Keystone(Report):
-    """How square the projected rectangle is on the sheet; angles in degrees, clockwise counts up."""
+    """Keystone of the projected rectangle on the sheet; angles in degrees, positive clockwise."""
 
     worst_deg: Measured
     top_deg: Measured
@@ -316,7 +316,7 @@ class Keystone(Report):
     bottom_against_top_deg: Measured
     right_against_left_deg: Measured
     rotation_deg: Measured
-    #: Width to height, off by so many per cent.
+    #: Error of the ratio of width to height, per cent.
     aspect_percent: Measured
     #: Corners TL, TR, BR, BL on the sheet, mm.
     corners_mm: tuple[tuple[float, float], ...]
@@ -332,7 +332,7 @@ class CornerRms(Report):
 
 @dataclass(frozen=True)
 class Change(Report):
-    """What has changed; the figures that belong to `what` are given."""
+    """What has changed, with the figures for this kind of change."""
 
     what: Literal["projector-moved", "projector-focal", "camera-focal", "several"]
     turn_deg: Measured | None = None
@@ -342,13 +342,13 @@ class Change(Report):
 
 @dataclass(frozen=True)
 class RigCheck(Report):
-    """Projector against camera."""
+    """Whether the projector has moved relative to the camera."""
 
     moved: bool
     p_value: float
     chi_squared: float
     degrees_of_freedom: int
-    #: Distance of the pattern from where the rig puts it, rms.
+    #: Distance of the pattern from its predicted position, rms.
     pattern_off_mm: float
     corner_rms_px: CornerRms
     change: Change | None
@@ -356,7 +356,7 @@ class RigCheck(Report):
 
 @dataclass(frozen=True)
 class SheetCheck(Report):
-    """The sheet against the rig's first view."""
+    """Whether the sheet has moved since the rig's first view."""
 
     moved: bool
     p_value: float
@@ -368,7 +368,7 @@ class SheetCheck(Report):
 
 @dataclass(frozen=True)
 class NoiseFactor(Report):
-    """By how much what was seen scatters more than its own σ says, at least 1."""
+    """Ratio of the observed scatter to the stated σ, at least 1."""
 
     sheet: float
     pattern: float
@@ -376,21 +376,21 @@ class NoiseFactor(Report):
 
 @dataclass(frozen=True)
 class Verification(Report):
-    """How square a projection is, and whether the rig has moved."""
+    """Keystone of a projection, and whether the rig has moved."""
 
-    #: Whether the pattern was taken to be rectified, or as drawn.
+    #: Whether the pattern was assumed to be rectified, or as drawn.
     pattern: Literal["rectified", "as-drawn"]
-    #: How often an unmoved rig would be called moved.
+    #: False-alarm rate: the probability that an unmoved rig is reported as moved.
     significance: float
     #: Whether the rig's own uncertainty is part of the tests.
     with_covariance: bool
     keystone: Keystone
     rig: RigCheck
     sheet: SheetCheck | None
-    #: Projected corners that were seen, and how many the pattern has.
+    #: Projected corners that were found, and how many the pattern has.
     corners: int
     pattern_corners: int
-    #: Corners and edge points that did not fit and were left out.
+    #: Corners and edge points that were rejected as outliers.
     left_out: int
     noise_factor: NoiseFactor
 
@@ -405,13 +405,13 @@ class Predicted(Report):
     camera_focal_percent: float
     projector_focal_percent: float | None
     projector_cy_px: float | None
-    #: Of a point at the middle of the sheet, along the camera's ray.
+    #: Of a point at the centre of the sheet, along the camera's ray.
     point_mm: float | None
 
 
 @dataclass(frozen=True)
 class TiltForecast(Report):
-    """What a photograph with this tilt would bring; None where it is not possible."""
+    """Predicted σ after a photograph with this tilt; None where it is not possible."""
 
     tilt_about_horizontal_deg: float
     tilt_about_vertical_deg: float
@@ -431,12 +431,12 @@ class SheetPose(Report):
 
 @dataclass(frozen=True)
 class NextView(Report):
-    """The photograph that is worth most."""
+    """The photograph that improves the calibration most."""
 
     tilt_about_horizontal_deg: float
     tilt_about_vertical_deg: float
     distance_mm: float
-    #: Where the sheet's middle should be seen.
+    #: Where the centre of the sheet should be in the photograph.
     centre_px: tuple[float, float]
     camera_from_sheet: SheetPose
     in_words: str
@@ -447,7 +447,7 @@ class NextView(Report):
 
 @dataclass(frozen=True)
 class Noise(Report):
-    """1σ of what is seen of sheet and pattern, px."""
+    """1σ of the observations of sheet and pattern, px."""
 
     sheet: float
     pattern: float
@@ -455,7 +455,7 @@ class Noise(Report):
 
 @dataclass(frozen=True)
 class Advice(Report):
-    """Which photograph to take next, and what it will bring."""
+    """Which photograph to take next, and the predicted σ after it."""
 
     size_mm: tuple[float, float]
     distance_mm: float
@@ -473,11 +473,11 @@ class Advice(Report):
 
 @dataclass(frozen=True)
 class SceneReport(Report):
-    """What a simulated photograph shows."""
+    """Counts and depths of a simulated photograph."""
 
     camera: tuple[int, int]
     surfaces: int
-    #: Pixels that see a surface, and those of them that the projector's light reaches.
+    #: Pixels that see a surface, and those of them that the projector illuminates.
     seen_pixels: int
     lit_pixels: int
     #: Least and greatest depth of the lit pixels, mm.
@@ -489,7 +489,7 @@ class SceneReport(Report):
 
 @dataclass(frozen=True)
 class NoiseReport(Report):
-    """Both methods of calibration under noise, level by level: what ``slcal simulate noise --json`` prints."""
+    """Both calibration methods under noise, level by level: what ``slcal simulate noise --json`` prints."""
 
     config: dict[str, Any]
     truth: dict[str, Any]

@@ -1,4 +1,4 @@
-"""Photographs and observations with known truth: what ``slcal simulate`` makes, with the same options and defaults.
+"""Simulated photographs and observations with ground truth, as from ``slcal simulate``, with the same options and defaults.
 
 Lengths are millimetres, angles degrees, focal lengths pixels.
 """
@@ -63,55 +63,55 @@ def scene(
     seed: int = 1,
     gamma: Literal["srgb", "linear"] | float = "srgb",
 ) -> Scene:
-    """Photograph a surface under the projector's light, with the truth of every pixel.
+    """Simulates photographs of a surface under the projector's light, with the ground truth of every pixel.
 
-    Geometrically exact: lenses with their distortion, occlusion, shadow. Physically simple: matt surfaces, no light from
-    one surface to another.
+    The geometry is exact: lens distortion, occlusion and shadow. The light is simple: matt surfaces, no
+    interreflection.
 
     Parameters
     ----------
     surface : {"plane", "sphere", "step", "sheet"}, path or PointCloud, default "plane"
-        What the rig looks at: an endless plane, a sphere, a wall with two blocks before it, a sheet of `size_mm`, or a mesh:
-        a file whose name ends in .ply or .obj, or a cloud with triangles.
+        The scene: an infinite plane, a sphere, a wall with two blocks in front of it, a sheet of `size_mm`, or a mesh. A mesh
+        is a file whose name ends in .ply or .obj, or a cloud with triangles.
     pattern : {"stripes", "checker"}, StripePattern or CheckerPattern, optional
-        What the projector shows; unless given the checkerboard on a sheet and stripes on everything else. A "checker" on a
-        sheet is as small as it takes to fall on it.
+        The projected pattern; by default the checkerboard on a sheet, and stripes on everything else. A "checker" on a sheet
+        is scaled down until it fits on the sheet.
     rig : Rig, optional
-        A rig of one's own instead of the options from `camera` to `baseline` and `distortion`; `distance` and `size_mm`
-        still place the surface.
+        A given rig instead of the options from `camera` to `baseline` and `distortion`; `distance` and `size_mm` still define
+        the surface.
     camera, projector : (int, int)
         Width and height of the camera's image and of the projector's panel, px.
     focal, projector_focal : float
         Focal lengths, px.
     lens_shift : float
-        How far below the panel's middle the projector's principal point lies, in heights of the panel.
+        Offset of the projector's principal point below the centre of the panel, in panel heights.
     baseline : float
         Horizontal distance between camera and projector, mm.
-    size_mm : (float, float)
-        Width and height of the sheet, mm.
+    size_mm : (float, float) or str
+        Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm".
     distance : float
-        Distance of the surface's middle from the camera along its axis, mm.
+        Distance of the surface's centre along the camera's axis, mm.
     distortion : array_like
-        The camera's k1, k2, p1, p2, k3, as many of them as are not zero.
+        The camera's k1, k2, p1, p2, k3; zeros at the end may be omitted.
     tilt : (float, float) or (float, float, float), optional
-        Tilt of the surface about the camera's horizontal and vertical axis and, if wanted, roll, degrees; unless given
+        Tilt of the surface about the camera's horizontal and vertical axis and, optionally, roll, degrees; by default
         (10, 20) for a plane, (25, 28) for a sheet, none for others.
     aside : (float, float)
-        How far right of and below the camera's axis the surface's middle stands, mm.
+        Offset of the surface's centre to the right of and below the camera's axis, mm.
     radius : float, optional
-        Radius of the sphere, mm; 0.18 of the distance unless given.
+        Radius of the sphere, mm; by default 0.18 of the distance.
     albedo : float or (float, float, float)
-        Share of light that the surface returns: grey, or red, green and blue.
+        Albedo of the surface: grey, or red, green and blue.
     wall : float or {"auto", "none"}
-        A wall so far behind the surface's middle, mm; "auto" puts one close behind a sphere and a mesh.
+        Distance of a wall behind the surface's centre, mm; "auto" places one close behind a sphere or a mesh.
     wall_albedo : float
-        Grey share of light that the wall returns.
+        Albedo of the wall (grey).
     mesh_frame : {"object", "camera"}
-        Frame of the mesh: its own (y up, z to the viewer; its middle is put at the distance), or the camera's.
+        Frame of the mesh: its own (y up, z to the viewer; its centre is placed at the distance), or the camera's.
     mesh_scale : float
-        Multiplies the mesh's coordinates, for those that are not in millimetres.
+        Scale factor of the mesh, if its unit is not the millimetre.
     exact : bool
-        Neither noise nor blur, and 16 bit, where `noise`, `blur` and `bits` do not say otherwise.
+        No noise, no blur and 16 bit, unless `noise`, `blur` or `bits` are given.
     noise : float, optional
         Standard deviation of the noise, grey levels of 255; 1 unless given.
     blur : float, optional
@@ -119,30 +119,30 @@ def scene(
     projector_blur : float
         σ of the projector's blur, panel px.
     projector_black : float
-        What the projector sends out where it shows black, as a share of full light.
+        Light of the projector where it shows black, as a share of full light.
     crosstalk : array_like
-        Light that each channel gets of those next to it (red, green, blue), or the whole matrix (3, 3): channels of the
-        camera by those of the light.
+        Share of light that each channel receives from its neighbours (red, green, blue), or the matrix (3, 3): channels of
+        the camera by those of the light.
     ambient : float or (float, float, float)
-        Light from everywhere, as a share of the projector's.
+        Ambient light, as a share of the projector's.
     exposure : float
-        Light, as a share of full scale, of what is white and faces the projector under full light; more saturates.
+        Value of a white surface that faces the projector under full light, as a share of full scale; more saturates.
     bits : {8, 16}, optional
         Bits per sample; 8 unless given.
     seed : int
         Seed of the noise: the same seed gives the same photographs.
     gamma : {"srgb", "linear"} or float
-        How the values of the photographs follow the light.
+        The transfer curve of the photographs.
 
     Returns
     -------
     Scene
-        The photographs under the pattern, under white and under no light, and what is true of every pixel.
+        The photographs under the pattern, under white and without light, and the ground truth of every pixel.
 
     Raises
     ------
     Error
-        When an option is out of its range, or they contradict each other.
+        When an option is out of range, or options contradict each other.
     OSError
         When a mesh cannot be read.
 
@@ -161,7 +161,7 @@ def scene(
 
 
 class Views(NamedTuple):
-    """What was simulated, and the rig that is the truth behind it."""
+    """The simulated observations, and the true rig."""
 
     observations: Observations
     rig: Rig
@@ -186,26 +186,26 @@ def views(
     distance: float = 1000.0,
     distortion: ArrayLike = 0.0,
 ) -> Views:
-    """Observe a sheet in several poses, with noise.
+    """Simulates observations of a sheet in several poses, with noise.
 
     Parameters
     ----------
     poses : int
-        Number of poses, tilted by 15° to 35° in directions all round.
+        Number of poses, tilted by 15° to 35° in all directions.
     pose : sequence of (float, float) or (float, float, float), optional
-        Poses of one's own instead: tilt about the camera's horizontal and vertical axis and, if wanted, roll, degrees.
+        Given poses instead: tilt about the camera's horizontal and vertical axis and, optionally, roll, degrees.
     noise : float
         Standard deviation of the noise on each image coordinate, px.
     edges : int, optional
-        So many points on each of the sheet's edges instead of its corners.
+        Number of points on each of the sheet's edges, instead of its corners.
     seed : int
         Seed of poses and noise: the same seed gives the same observations.
     camera, focal, projector, projector_focal, lens_shift, baseline, size_mm, distance, distortion
         The rig, as in `scene`.
     camera_offset : (float, float)
-        The camera's principal point off the picture's centre, px.
+        Offset of the camera's principal point from the image centre, px.
     projector_offset : float
-        The projector's principal point off the panel's middle column, px.
+        Offset of the projector's principal point from the central column of the panel, px.
 
     Returns
     -------
@@ -215,7 +215,7 @@ def views(
     Raises
     ------
     Error
-        When an option is out of its range.
+        When an option is out of range.
 
     Examples
     --------
@@ -244,7 +244,7 @@ def noise(
     size_mm: tuple[float, float] | str = (594.0, 420.0),
     distance: float = 1000.0,
 ) -> NoiseReport:
-    """Calibrate again and again under rising noise, by both methods, and compare with the truth.
+    """Calibrates repeatedly at increasing noise, with both methods, and compares with the ground truth.
 
     Parameters
     ----------
@@ -257,11 +257,11 @@ def noise(
     tilt : (float, float)
         Tilt of the sheet about the camera's horizontal and vertical axis, degrees.
     principal_points : {"exact", "prior"}
-        What the methods are told about principal points: the truth, as in the published experiment, or the default priors,
-        from which the truth is then drawn.
+        What the methods know about principal points: the true values, as in the published experiment, or the default priors,
+        from which the true values are then drawn.
     cube : float, optional
-        Edge of the reference cube that stands on the sheet, mm; a quarter of the sheet's shorter side unless given, or less
-        where that is not seen whole.
+        Edge of the reference cube on the sheet, mm; by default a quarter of the sheet's shorter side, or less where that is
+        not completely visible.
     camera, focal, projector, projector_focal, lens_shift, baseline, size_mm, distance
         The rig, as in `scene`.
 
@@ -273,7 +273,7 @@ def noise(
     Raises
     ------
     Error
-        When an option is out of its range.
+        When an option is out of range.
 
     Examples
     --------

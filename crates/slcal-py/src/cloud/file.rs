@@ -69,9 +69,9 @@ impl PointCloud {
     /// OSError
     ///     When the file cannot be read.
     /// FormatError
-    ///     When it is no PLY, or not a whole one.
+    ///     When it is not a PLY file, or is incomplete.
     /// Error
-    ///     When its name is that of another format, which are written only.
+    ///     When its name is that of another format; these can only be written.
     #[staticmethod]
     fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = file.py();

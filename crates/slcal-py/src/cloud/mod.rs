@@ -1,7 +1,7 @@
 //! Points in space.
 
+mod display;
 mod file;
-mod shown;
 mod subset;
 
 use std::path::Path;
@@ -18,17 +18,17 @@ use crate::convert::array::{Numbers, column, rows, rows_of, shape_in_words, vect
 use crate::convert::columns::{as_many, colors_of, integers_of, within};
 use crate::convert::object::{self, Argument};
 use crate::convert::option::{parsed, parsed_or};
-use crate::convert::report::Reported;
+use crate::convert::report::LazyReport;
 use crate::errors;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PointCloud>()
 }
 
-/// Points in space, with what is known of each, and the triangles between them where a mesh was asked for.
+/// Points in space with their properties, and the triangles of a mesh where one was requested.
 ///
-/// `Rig.reconstruct` and `Rig.triangulate` make clouds; they can also be made of arrays. Two of them are equal when their
-/// numbers are (NaN equals NaN); the report is not compared. ``np.asarray(cloud)`` gives the points.
+/// `Rig.reconstruct` and `Rig.triangulate` return clouds; they can also be made from arrays. Two of them are equal when
+/// their numbers are (NaN equals NaN); the report is not compared. ``np.asarray(cloud)`` gives the points.
 ///
 /// ``cloud[index]`` is the cloud of some of the points, by a boolean mask, an array of integers or a slice. It keeps the
 /// triangles whose three corners are all among them, with new indices; of a point that is given twice the first counts. Its
@@ -43,9 +43,9 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// sigma : array_like, optional
 ///     (N,) or one for all: 1σ along the camera's ray, mm; 0 unless given.
 /// noise : array_like, optional
-///     (N,) or one for all: the part of `sigma` that differs from point to point, mm; 0 unless given.
+///     (N,) or one for all: the part of `sigma` that varies from point to point, mm; 0 unless given.
 /// pixels : array_like, optional
-///     (N, 2): the camera pixels in which the points are seen; NaN unless given.
+///     (N, 2): the camera pixels of the points; NaN unless given.
 /// slits : array_like, optional
 ///     (N,): numbers of the slits; 0 unless given.
 /// confidence : array_like, optional
@@ -53,16 +53,16 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// triangles : array_like, optional
 ///     (M, 3): indices into the points, counter-clockwise as the camera sees them.
 /// frame : {"camera", "plane"}, default "camera"
-///     Whose coordinates these are: the camera's, or those of the sheet of the rig's first view.
+///     The coordinate frame: the camera's, or that of the sheet in the rig's first view.
 /// camera_centre : array_like, optional
-///     (3,): where the camera stands in these coordinates, mm; the origin unless given.
+///     (3,): the position of the camera in these coordinates, mm; the origin unless given.
 ///
 /// Raises
 /// ------
 /// Error
-///     When the shapes do not fit each other, points are not finite, or a number is out of its range.
+///     When shapes do not match, points are not finite, or a number is out of range.
 /// TypeError
-///     When something is no array of numbers.
+///     When something is not an array of numbers.
 ///
 /// Examples
 /// --------
@@ -76,7 +76,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 #[pyclass(frozen, module = "slcal", eq, mapping)]
 pub(crate) struct PointCloud {
     pub(crate) cloud: slcal_core::PointCloud,
-    pub(crate) report: Reported,
+    pub(crate) report: LazyReport,
 }
 
 impl PartialEq for PointCloud {
@@ -107,7 +107,7 @@ fn same_point(p: &CloudPoint, q: &CloudPoint) -> bool {
 
 impl From<slcal_core::PointCloud> for PointCloud {
     fn from(cloud: slcal_core::PointCloud) -> Self {
-        Self { cloud, report: Reported::default() }
+        Self { cloud, report: LazyReport::default() }
     }
 }
 
@@ -218,13 +218,13 @@ impl PointCloud {
         column(py, self.cloud.points.iter().map(|p| p.sigma_mm))
     }
 
-    /// The part of `sigma` that differs from point to point: (N,) float64, mm. The rest is common to the whole cloud.
+    /// The part of `sigma` that varies from point to point: (N,) float64, mm. The rest is common to the whole cloud.
     #[getter]
     fn noise<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         column(py, self.cloud.points.iter().map(|p| p.noise_mm))
     }
 
-    /// Camera pixels (x, y) in which the points were seen: (N, 2) float64, NaN in clouds from files.
+    /// Camera pixels (x, y) of the points: (N, 2) float64, NaN in clouds from files.
     #[getter]
     fn pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         rows(py, self.cloud.points.iter().map(|p| [p.pixel.x, p.pixel.y]))
@@ -236,7 +236,7 @@ impl PointCloud {
         column(py, self.cloud.points.iter().map(|p| p.slit.unwrap_or(0)))
     }
 
-    /// How sure the matches were: (N,) float64, 0 to 1.
+    /// Confidence of the matches: (N,) float64, 0 to 1.
     #[getter]
     fn confidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         column(py, self.cloud.points.iter().map(|p| p.confidence))
@@ -248,19 +248,20 @@ impl PointCloud {
         rows(py, self.cloud.triangles.iter().copied())
     }
 
-    /// Whose coordinates these are: "camera", or "plane" for the sheet of the rig's first view.
+    /// The coordinate frame: "camera", or "plane" for that of the sheet in the rig's first view.
     #[getter]
     fn frame(&self) -> &'static str {
         self.cloud.frame.name()
     }
 
-    /// Where the camera stands in these coordinates: (3,) float64, mm.
+    /// The position of the camera in these coordinates: (3,) float64, mm.
     #[getter]
     fn camera_centre<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         column(py, self.cloud.camera_centre.iter().copied())
     }
 
-    /// How the cloud came about; None for one that was constructed or loaded.
+    /// Counts and measurements of the reconstruction; None for a cloud that was constructed, loaded or is a part of
+    /// another.
     #[getter]
     fn report(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
         self.report.get(py)
@@ -332,6 +333,6 @@ impl PointCloud {
             frame: parsed(frame, "frame")?,
             camera_centre: Point3::from(camera_centre),
         };
-        Ok(Self { cloud, report: Reported::restored(py, report) })
+        Ok(Self { cloud, report: LazyReport::restored(py, report) })
     }
 }

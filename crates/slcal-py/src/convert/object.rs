@@ -58,7 +58,7 @@ pub(crate) fn optional<'a, 'py, T: Argument>(
     value.map(|v| object(v, what)).transpose()
 }
 
-/// What is said where neither a `T` nor any other of the things that are `wanted` is given.
+/// The error for an argument that is neither a `T` nor anything else that is `wanted`.
 pub(crate) fn refused<T: Argument>(value: &Bound<'_, PyAny>, what: &str, wanted: &str) -> PyErr {
     let (found, call) = match files::path_of(value) {
         Ok(Some(path)) => ("a path".to_owned(), T::of_path(&path)),

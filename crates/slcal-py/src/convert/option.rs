@@ -10,7 +10,7 @@ use slcal_core::geometry::RectangleSize;
 use crate::errors::{self, Raise as _, Stage, raised};
 
 /// How a value that is not accepted is shown.
-pub(crate) fn shown(value: &Bound<'_, PyAny>) -> String {
+pub(crate) fn repr_of(value: &Bound<'_, PyAny>) -> String {
     value.repr().map_or_else(|_| "another object".to_owned(), |r| r.to_string())
 }
 
@@ -28,14 +28,18 @@ fn text_of(value: &Bound<'_, PyAny>) -> String {
             return format!("{x},{y}");
         }
     }
-    shown(value)
+    repr_of(value)
 }
 
 /// An option of the core; the message says what it accepts.
 pub(crate) fn parsed<T: FromStr<Err = Error>>(value: &Bound<'_, PyAny>, what: &str) -> PyResult<T> {
     let py = value.py();
     text_of(value).parse().map_err(|error| match &error {
-        Error::Invalid { expected, .. } => errors::invalid(py, what, expected, &shown(value)),
+        // The core says what is wrong with a text.
+        Error::Invalid { expected, found, .. } if value.is_instance_of::<PyString>() => {
+            errors::invalid(py, what, expected, found)
+        }
+        Error::Invalid { expected, .. } => errors::invalid(py, what, expected, &repr_of(value)),
         _ => raised(py, &error, Stage::Detect),
     })
 }
@@ -55,7 +59,7 @@ pub(crate) fn one_of<T: Copy>(value: &Bound<'_, PyAny>, what: &str, names: &[(&s
     let found = names.iter().find(|(n, _)| given.as_deref() == Some(*n)).map(|(_, v)| *v);
     found.ok_or_else(|| {
         let names: Vec<&str> = names.iter().map(|(n, _)| *n).collect();
-        errors::invalid(value.py(), what, &names.join(", "), &shown(value))
+        errors::invalid(value.py(), what, &names.join(", "), &repr_of(value))
     })
 }
 
@@ -69,7 +73,12 @@ pub(crate) fn whole_pair(value: &Bound<'_, PyAny>, what: &str) -> PyResult<[u32;
     });
     let whole = pair.and_then(|p| Some([u32::try_from(p[0]).ok()?, u32::try_from(p[1]).ok()?]));
     whole.filter(|p| p[0] > 0 && p[1] > 0).ok_or_else(|| {
-        errors::invalid(value.py(), what, "two whole numbers above zero, such as (1024, 768)", &shown(value))
+        errors::invalid(
+            value.py(),
+            what,
+            "two whole numbers above zero, such as (1024, 768)",
+            &repr_of(value),
+        )
     })
 }
 
@@ -86,20 +95,21 @@ pub(crate) fn sheet_size(value: &Bound<'_, PyAny>) -> PyResult<RectangleSize> {
     let [width, height] = sides.ok_or_else(|| {
         let wanted = "width and height of the sheet, each from 1 mm to 100 m, in millimetres, such as (594, 420), or \
                       a text such as \"A2-landscape\" or \"59.4x42cm\"";
-        errors::invalid(value.py(), WHAT, wanted, &shown(value))
+        errors::invalid(value.py(), WHAT, wanted, &repr_of(value))
     })?;
     RectangleSize::new(width, height).raise(value.py(), Stage::Detect)
 }
 
-/// Photographs without the pattern: `plain`, or `screen`, its older name.
+/// Photographs without the pattern: `plain`, or `screen`, its older name; with the name that was used.
 pub(crate) fn plain<'a, 'py>(
     plain: Option<&'a Bound<'py, PyAny>>,
     screen: Option<&'a Bound<'py, PyAny>>,
-) -> PyResult<Option<&'a Bound<'py, PyAny>>> {
+) -> PyResult<Option<(&'a Bound<'py, PyAny>, &'static str)>> {
     match (plain, screen) {
         (Some(_), Some(screen)) => {
             Err(errors::invalid(screen.py(), "screen", "plain alone, of which it is the older name", "both"))
         }
-        (given, None) | (None, given) => Ok(given),
+        (plain, None) => Ok(plain.map(|p| (p, "plain"))),
+        (None, screen) => Ok(screen.map(|s| (s, "screen"))),
     }
 }

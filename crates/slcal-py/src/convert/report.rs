@@ -7,7 +7,7 @@ use pyo3::types::{PyDict, PyList};
 use serde::Serialize;
 use serde_json::Value;
 
-/// The record `class` of what `report` says.
+/// The record of class `class` with the fields of `report`.
 pub(crate) fn record<'py>(
     py: Python<'py>,
     class: &str,
@@ -17,39 +17,39 @@ pub(crate) fn record<'py>(
     py.import("slcal.reports")?.getattr(class)?.call_method1("_of", (value(py, &report)?,))
 }
 
-/// The report that goes with a result: made a record when it is asked for, for records cost more than small results do.
-pub(crate) struct Reported {
-    made_of: Option<(&'static str, Value)>,
+/// The report of a result. It becomes a record on first access, since records cost more than small results do.
+pub(crate) struct LazyReport {
+    source: Option<(&'static str, Value)>,
     record: PyOnceLock<Py<PyAny>>,
 }
 
-impl Default for Reported {
-    /// There is none.
+impl Default for LazyReport {
+    /// No report.
     fn default() -> Self {
-        Self { made_of: None, record: PyOnceLock::new() }
+        Self { source: None, record: PyOnceLock::new() }
     }
 }
 
-impl Reported {
-    /// What `report` says, as the record `class`.
+impl LazyReport {
+    /// A record of class `class` with the fields of `report`.
     pub(crate) fn of(class: &'static str, report: &impl Serialize) -> Self {
         let json = serde_json::to_value(report).unwrap_or_default();
-        Self { made_of: Some((class, json)), record: PyOnceLock::new() }
+        Self { source: Some((class, json)), record: PyOnceLock::new() }
     }
 
-    /// The record that was taken out of a pickle, if there was one.
+    /// The record from a pickle, if there is one.
     pub(crate) fn restored(py: Python<'_>, record: Option<Py<PyAny>>) -> Self {
         let kept = PyOnceLock::new();
         if let Some(record) = record {
-            // The lock is new: nothing else has set it.
+            // The lock is new, so nothing else has set it.
             let _ = kept.set(py, record);
         }
-        Self { made_of: None, record: kept }
+        Self { source: None, record: kept }
     }
 
     /// The record; `None` where there is no report.
     pub(crate) fn get(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
-        match &self.made_of {
+        match &self.source {
             None => Ok(self.record.get(py).map(|r| r.clone_ref(py))),
             Some((class, json)) => {
                 let made = self.record.get_or_try_init(py, || record(py, class, json).map(Bound::unbind))?;

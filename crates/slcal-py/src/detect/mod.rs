@@ -1,11 +1,11 @@
 //! Photograph → sheet and projected corners, as results of their own.
 
-mod found;
+mod detection;
 
 use pyo3::prelude::*;
 use slcal_core::detect::{self, DetectConfig};
 
-pub(crate) use found::{CornerDetection, Detection, SheetDetection};
+pub(crate) use detection::{CornerDetection, Detection, SheetDetection};
 use slcal_core::photo::Encoding;
 
 use crate::convert::image::Photo;
@@ -39,16 +39,17 @@ fn config(corners: Option<&Bound<'_, PyAny>>, gamma: Option<&Bound<'_, PyAny>>) 
 /// ----------
 /// photo : ndarray
 ///     (H, W, 3) RGB or (H, W), uint8 or uint16: the sheet with the pattern projected on it.
-/// size_mm : (float, float)
-///     Width and height of the sheet, mm; the width belongs to the sides that run most nearly along the image's x axis.
+/// size_mm : (float, float) or str
+///     Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
+///     closest to the image's x axis.
 /// pattern : CheckerPattern, optional
-///     What is projected; without it the sheet is the brightest large quadrilateral with straight sides.
+///     The projected pattern. Without it the brightest large quadrilateral with straight sides is taken for the sheet.
 /// plain : ndarray, optional
 ///     A photograph of the same pose and size without the pattern: projector dark or plain white. The sheet's sides are then
 ///     measured in it.
 /// corners : array_like, optional
-///     (4, 2), px: the sheet's corners TL, TR, BR, BL by hand, when it is not found. They may lie outside the frame; the sides
-///     are still measured in the photograph where they are seen.
+///     (4, 2), px: the sheet's corners TL, TR, BR, BL by hand, when the sheet is not found. They may lie outside the image;
+///     where the sides are visible they are still measured.
 /// gamma : {"srgb", "linear"} or float, default "srgb"
 ///     The transfer curve of the photograph.
 /// screen : ndarray, optional
@@ -62,11 +63,11 @@ fn config(corners: Option<&Bound<'_, PyAny>>, gamma: Option<&Bound<'_, PyAny>>) 
 /// Raises
 /// ------
 /// DetectionError
-///     When sheet or pattern is not found; `seen` says what was seen instead and `advice` what to do.
+///     When sheet or pattern is not found; `seen` says what was found instead and `advice` what to do.
 /// Error
-///     For photographs of different sizes and corners that are no convex quadrilateral in this order.
+///     When photographs differ in size, or the corners are not a convex quadrilateral in this order.
 /// TypeError
-///     When a photograph is no such array.
+///     When a photograph is not such an array.
 ///
 /// See Also
 /// --------
@@ -74,7 +75,7 @@ fn config(corners: Option<&Bound<'_, PyAny>>, gamma: Option<&Bound<'_, PyAny>>) 
 ///
 /// Examples
 /// --------
-/// A drawing of a sheet before a dark wall:
+/// A drawing of a sheet in front of a dark wall:
 ///
 /// >>> photo = np.full((480, 640), 30, np.uint8)
 /// >>> photo[100:380, 120:520] = 220
@@ -103,7 +104,7 @@ fn detect_both(
 ) -> PyResult<Detection> {
     let py = photo.py();
     let photo = Photo::of(photo, "photo")?;
-    let plain = option::plain(plain, screen)?.map(|p| Photo::of(p, "plain")).transpose()?;
+    let plain = option::plain(plain, screen)?.map(|(p, name)| Photo::of(p, name)).transpose()?;
     let (size, config) = (option::sheet_size(size_mm)?, config(corners, gamma)?);
     let (photo, plain) = (photo.pixels(), plain.as_ref().map(Photo::pixels));
     let (photo, plain) = (photo.view(py)?, plain.as_ref().map(|s| s.view(py)).transpose()?);
@@ -113,16 +114,16 @@ fn detect_both(
         .raise(py, Stage::Detect)
 }
 
-/// Finds the sheet alone, of whatever size: the brightest large quadrilateral with straight sides.
+/// Finds only the sheet, of any size: the brightest large quadrilateral with straight sides.
 ///
 /// Parameters
 /// ----------
 /// photo : ndarray
-///     (H, W, 3) RGB or (H, W), uint8 or uint16: the sheet, with a dark or plain projector; `detect` knows the pattern's edges
-///     from the sheet's.
+///     (H, W, 3) RGB or (H, W), uint8 or uint16: the sheet, with the projector dark or plain white. `detect` can tell the
+///     pattern's edges from those of the sheet.
 /// corners : array_like, optional
-///     (4, 2), px: its corners TL, TR, BR, BL by hand, when it is not found. They may lie outside the frame; the sides are
-///     still measured in the photograph where they are seen.
+///     (4, 2), px: its corners TL, TR, BR, BL by hand, when the sheet is not found. They may lie outside the image; where
+///     the sides are visible they are still measured.
 /// gamma : {"srgb", "linear"} or float, default "srgb"
 ///     The transfer curve of the photograph.
 ///
@@ -133,11 +134,11 @@ fn detect_both(
 /// Raises
 /// ------
 /// DetectionError
-///     When no sheet is found; `seen` says what was seen instead and `advice` what to do.
+///     When no sheet is found; `seen` says what was found instead and `advice` what to do.
 /// Error
-///     For corners that are no convex quadrilateral in this order.
+///     When the corners are not a convex quadrilateral in this order.
 /// TypeError
-///     When the photograph is no such array.
+///     When the photograph is not such an array.
 ///
 /// Examples
 /// --------
@@ -160,7 +161,7 @@ fn detect_sheet(
     py.detach(|| detect::find_sheet(view, &config)).map(SheetDetection).raise(py, Stage::Detect)
 }
 
-/// Finds the corners of the projected checkerboard alone, on the sheet or beside it.
+/// Finds only the corners of the projected checkerboard, on the sheet or outside it.
 ///
 /// Parameters
 /// ----------
@@ -178,13 +179,13 @@ fn detect_sheet(
 /// Raises
 /// ------
 /// DetectionError
-///     When the checkerboard is not found; `seen` says what was seen instead and `advice` what to do.
+///     When the checkerboard is not found; `seen` says what was found instead and `advice` what to do.
 /// TypeError
-///     When the photograph is no such array.
+///     When the photograph is not such an array.
 ///
 /// Examples
 /// --------
-/// What the projector is to show, seen by a camera that is the projector:
+/// The projected picture itself, as a photograph:
 ///
 /// >>> checker = slcal.CheckerPattern(projector=(1024, 768))
 /// >>> corners = slcal.detect_corners(checker.image(), checker)

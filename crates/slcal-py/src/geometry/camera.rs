@@ -15,7 +15,7 @@ use crate::convert::report::record;
 use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::files;
 
-/// A camera or a projector: how it maps what stands before it onto its pixels, as OpenCV does.
+/// A camera or a projector: a pinhole model with distortion that maps points onto pixels, as in OpenCV.
 ///
 /// Parameters
 /// ----------
@@ -29,7 +29,7 @@ use crate::files;
 /// Raises
 /// ------
 /// Error
-///     When K is no camera matrix, or a number is not finite.
+///     When K is not a camera matrix, or a number is not finite.
 ///
 /// Examples
 /// --------
@@ -80,8 +80,8 @@ impl Camera {
     /// Parameters
     /// ----------
     /// file : path or file object
-    ///     A YAML or XML file of OpenCV, a camera_info of ROS, or a rig's JSON file, whose camera is taken. It must say how large
-    ///     the image is.
+    ///     A YAML or XML file of OpenCV, a camera_info of ROS, or a rig's JSON file, whose camera is taken. It must state
+    ///     the size of the image.
     ///
     /// Returns
     /// -------
@@ -105,7 +105,7 @@ impl Camera {
         Ok(Self::of(geometry::Camera { width, height, intrinsics, distortion }))
     }
 
-    /// A camera without distortion by its horizontal angle of view.
+    /// A camera without distortion, from its horizontal angle of view.
     ///
     /// Parameters
     /// ----------
@@ -123,15 +123,15 @@ impl Camera {
         geometry::Camera::from_fov(size, fov_deg).map(Self::of).raise(py, Stage::Detect)
     }
 
-    /// A camera without distortion by the 35 mm equivalent of its focal length, as EXIF tags state it.
+    /// A camera without distortion, from the 35 mm equivalent of its focal length, as EXIF tags state it.
     #[staticmethod]
     fn from_35mm(py: Python<'_>, size: &Bound<'_, PyAny>, focal_35mm: f64) -> PyResult<Self> {
         let size = whole_pair(size, "size")?;
         geometry::Camera::from_35mm(size, focal_35mm).map(Self::of).raise(py, Stage::Detect)
     }
 
-    /// A projector by its throw ratio (distance over width of the picture), its axis through the lower edge of the panel as
-    /// with most lens shifts.
+    /// A projector, from its throw ratio (distance over width of the picture). Its principal point is on the lower edge of
+    /// the panel, as with most lens shifts.
     #[staticmethod]
     fn from_throw(py: Python<'_>, size: &Bound<'_, PyAny>, throw: f64) -> PyResult<Self> {
         let size = whole_pair(size, "size")?;
@@ -169,7 +169,7 @@ impl Camera {
         (self.0.model.width, self.0.model.height)
     }
 
-    /// 1σ of the parameters, zero for what was held fixed; None where nothing is known of them.
+    /// 1σ of the parameters, zero for those that were held fixed; None where it is not known.
     #[getter]
     fn sigma<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let json = |s: &DeviceSigma| {
@@ -180,7 +180,7 @@ impl Camera {
         self.0.sigma.as_ref().map(|s| record(py, "DeviceSigma", &json(s))).transpose()
     }
 
-    /// The pixels in which points are seen, as ``cv2.projectPoints`` with neither rotation nor translation.
+    /// Projects points onto pixels, as ``cv2.projectPoints`` without rotation and translation.
     ///
     /// Parameters
     /// ----------
@@ -195,7 +195,7 @@ impl Camera {
     /// Raises
     /// ------
     /// Error
-    ///     When a point does not lie before the camera, or where the distortion has no pixel for it.
+    ///     When a point lies behind the camera, or outside the range of the distortion model.
     fn project<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = points.py();
         let points = rows_of::<3>(points, "points")?;
@@ -207,7 +207,7 @@ impl Camera {
         rows(py, pixels.into_iter())
     }
 
-    /// The directions in which pixels look, at distance 1 along the axis: ``cv2.undistortPoints`` to the end.
+    /// Normalised image coordinates of pixels, without distortion: ``cv2.undistortPoints``, iterated until it converges.
     ///
     /// Parameters
     /// ----------
@@ -222,7 +222,7 @@ impl Camera {
     /// Raises
     /// ------
     /// Error
-    ///     When the distortion's model does not reach a pixel.
+    ///     When a pixel lies outside the range of the distortion model.
     fn undistort<'py>(&self, pixels: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = pixels.py();
         let pixels = rows_of::<2>(pixels, "pixels")?;
@@ -231,7 +231,7 @@ impl Camera {
         rows(py, directions.into_iter())
     }
 
-    /// The directions in which pixels look: (N, 3) float64 of length 1 from (N, 2) px.
+    /// Viewing directions of pixels: unit vectors (N, 3) float64, from (N, 2) px.
     fn rays<'py>(&self, pixels: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = pixels.py();
         let pixels = rows_of::<2>(pixels, "pixels")?;

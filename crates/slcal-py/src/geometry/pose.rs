@@ -38,7 +38,7 @@ pub(crate) fn pose_of(
 /// Raises
 /// ------
 /// Error
-///     When R is no rotation, or a number is not finite.
+///     When R is not a rotation, or a number is not finite.
 ///
 /// Examples
 /// --------
@@ -64,7 +64,7 @@ impl From<geometry::Pose> for Pose {
 
 impl Pose {
     /// As axis times angle; not NaN for the smallest of angles either.
-    fn turn(&self) -> Vector3<f64> {
+    fn rotation_vector(&self) -> Vector3<f64> {
         self.pose.rotation_vector_from(&geometry::Pose::identity())
     }
 }
@@ -102,7 +102,7 @@ impl Pose {
     /// The rotation as axis times angle: (3,) float64, rad, as of ``cv2.Rodrigues``.
     #[getter]
     fn rvec<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        column(py, self.turn().iter().copied())
+        column(py, self.rotation_vector().iter().copied())
     }
 
     /// Both as one homogeneous matrix: (4, 4) float64.
@@ -125,7 +125,7 @@ impl Pose {
         self.sigma_r_rad.map(|s| column(py, s.into_iter())).transpose()
     }
 
-    /// The way back: X_b = Rᵀ · X_a − Rᵀ · t. It has no σ.
+    /// The inverse: X_b = Rᵀ · X_a − Rᵀ · t. It has no σ.
     fn inverse(&self) -> Self {
         self.pose.inverse().into()
     }
@@ -137,7 +137,7 @@ impl Pose {
         rows(py, points.into_iter().map(|p| <[f64; 3]>::from(self.pose.transform(&Point3::from(p)))))
     }
 
-    /// One after the other: (a from b) @ (b from c) is (a from c). It has no σ.
+    /// Composition: (a from b) @ (b from c) is (a from c). It has no σ.
     fn __matmul__(&self, other: &Self) -> Self {
         self.pose.compose(&other.pose).into()
     }
@@ -161,8 +161,8 @@ impl Pose {
     }
 
     fn __repr__(&self) -> String {
-        let (angle, t) = (self.turn().norm().to_degrees(), self.pose.translation);
-        format!("Pose(turned by {angle:.2}°, t = [{:.1}, {:.1}, {:.1}] mm)", t.x, t.y, t.z)
+        let (angle, t) = (self.rotation_vector().norm().to_degrees(), self.pose.translation);
+        format!("Pose(rotation {angle:.2}°, t = [{:.1}, {:.1}, {:.1}] mm)", t.x, t.y, t.z)
     }
 }
 

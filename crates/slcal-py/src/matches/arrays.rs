@@ -13,7 +13,7 @@ const SLITS: i64 = u16::MAX as i64;
 
 /// What the constructor and [`crate::reconstruct::triangulate`] take beside the pixels.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Given<'a, 'py> {
+pub(crate) struct MatchArrays<'a, 'py> {
     pub(crate) columns: Option<&'a Bound<'py, PyAny>>,
     pub(crate) rows: Option<&'a Bound<'py, PyAny>>,
     pub(crate) slits: Option<&'a Bound<'py, PyAny>>,
@@ -23,7 +23,10 @@ pub(crate) struct Given<'a, 'py> {
 }
 
 /// Matches from arrays.
-pub(crate) fn matches_of(pixels: &Bound<'_, PyAny>, given: Given<'_, '_>) -> PyResult<slcal_core::Matches> {
+pub(crate) fn matches_of(
+    pixels: &Bound<'_, PyAny>,
+    given: MatchArrays<'_, '_>,
+) -> PyResult<slcal_core::Matches> {
     let py = pixels.py();
     let pixels = rows_of::<2>(pixels, "pixels")?;
     let n = pixels.len();

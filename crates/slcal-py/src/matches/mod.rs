@@ -8,11 +8,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use slcal_core::format::{read_matches, write_matches};
 
-pub(crate) use arrays::{Given, matches_of, sigma_of};
+pub(crate) use arrays::{MatchArrays, matches_of, sigma_of};
 
 use crate::convert::array::{column, rows};
 use crate::convert::object::{self, Argument};
-use crate::convert::report::Reported;
+use crate::convert::report::LazyReport;
 use crate::errors::{Raise as _, Stage, raised_from};
 use crate::files;
 
@@ -20,17 +20,17 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Matches>()
 }
 
-/// Which projector column or row lights which camera pixel.
+/// Correspondences: which projector column or row illuminates which camera pixel.
 ///
-/// `slcal.decode` makes them; those of another decoder are made from its arrays. Two of them are equal when their numbers
-/// are; the report is not compared.
+/// `slcal.decode` returns them; they can also be made from the arrays of another decoder. Two of them are equal when their
+/// numbers are; the report is not compared.
 ///
 /// Parameters
 /// ----------
 /// pixels : array_like
-///     (N, 2), camera px: x right, y down, the middle of the first pixel at (0, 0).
+///     (N, 2), camera px: x right, y down, the centre of the first pixel at (0, 0).
 /// columns, rows : array_like, optional
-///     (N,), projector px; NaN where one is not known. At least one of the two.
+///     (N,), projector px; NaN where it is not known. At least one of the two is needed.
 /// slits : array_like, optional
 ///     (N,), numbers of the slits from 0 on, -1 where there is none (the default).
 /// confidence : array_like, optional
@@ -43,9 +43,9 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Raises
 /// ------
 /// Error
-///     When the shapes do not fit each other, pixels are not finite, or a number is out of its range.
+///     When shapes do not match, pixels are not finite, or a number is out of range.
 /// TypeError
-///     When something is no array of numbers.
+///     When something is not an array of numbers.
 ///
 /// Examples
 /// --------
@@ -59,7 +59,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 #[pyclass(frozen, module = "slcal", eq)]
 pub(crate) struct Matches {
     pub(crate) matches: slcal_core::Matches,
-    pub(crate) report: Reported,
+    pub(crate) report: LazyReport,
 }
 
 impl PartialEq for Matches {
@@ -70,7 +70,7 @@ impl PartialEq for Matches {
 
 impl From<slcal_core::Matches> for Matches {
     fn from(matches: slcal_core::Matches) -> Self {
-        Self { matches, report: Reported::default() }
+        Self { matches, report: LazyReport::default() }
     }
 }
 
@@ -97,7 +97,7 @@ impl Matches {
         sigma_px: Option<&Bound<'_, PyAny>>,
         colors: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let given = Given { columns, rows, slits, confidence, sigma_px, colors };
+        let given = MatchArrays { columns, rows, slits, confidence, sigma_px, colors };
         matches_of(pixels, given).map(Self::from)
     }
 
@@ -135,7 +135,7 @@ impl Matches {
         column(py, self.matches.items.iter().map(|m| m.slit.map_or(-1, i32::from)))
     }
 
-    /// How sure the matches are: (N,) float64, 0 to 1.
+    /// Confidence of the matches: (N,) float64, 0 to 1.
     #[getter]
     fn confidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         column(py, self.matches.items.iter().map(|m| m.confidence))
@@ -153,7 +153,7 @@ impl Matches {
         rows(py, self.matches.items.iter().map(|m| m.color))
     }
 
-    /// What decoding saw; None for matches that were constructed or loaded.
+    /// Counts and measurements of decoding; None for matches that were constructed or loaded.
     #[getter]
     fn report(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
         self.report.get(py)
@@ -176,7 +176,7 @@ impl Matches {
         files::write(file, &py.detach(write).raise(py, Stage::Decode)?, true)
     }
 
-    /// Reads matches that `save`, ``slcal decode`` or any other decoder wrote.
+    /// Reads matches from `save`, ``slcal decode`` or any other decoder.
     ///
     /// Parameters
     /// ----------
@@ -193,7 +193,7 @@ impl Matches {
     /// OSError
     ///     When the file cannot be read.
     /// FormatError
-    ///     When it is not what is described above; the message names the line.
+    ///     When it does not have this format; the message names the line.
     #[staticmethod]
     fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = file.py();
@@ -234,7 +234,7 @@ impl Matches {
         colors: &Bound<'_, PyAny>,
         report: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let given = Given {
+        let given = MatchArrays {
             columns: Some(columns),
             rows,
             slits: Some(slits),
@@ -242,7 +242,7 @@ impl Matches {
             sigma_px: Some(sigma_px),
             colors: Some(colors),
         };
-        let report = Reported::restored(pixels.py(), report);
+        let report = LazyReport::restored(pixels.py(), report);
         Ok(Self { matches: matches_of(pixels, given)?, report })
     }
 

@@ -21,7 +21,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Observations>()
 }
 
-/// Everything that a calibration is computed from.
+/// The input of a calibration.
 ///
 /// Parameters
 /// ----------
@@ -37,7 +37,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Error
 ///     When a size is not two whole numbers above zero.
 /// TypeError
-///     When a view is neither of these.
+///     When a view is not one of these.
 ///
 /// Examples
 /// --------

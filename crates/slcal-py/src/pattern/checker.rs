@@ -21,16 +21,16 @@ fn checker(py: Python<'_>, pattern: Pattern) -> PyResult<CheckerPattern> {
     }
 }
 
-/// The checkerboard that calibration needs, centred on the projector's panel.
+/// The checkerboard for calibration, centred on the projector's panel.
 ///
 /// Parameters
 /// ----------
 /// projector : (int, int)
 ///     Width and height of the projector's panel, px: its native resolution.
 /// squares : (int, int), default (11, 8)
-///     Columns and rows of squares; their sum is odd, so that the board differs from itself after half a turn.
+///     Columns and rows of squares. Their sum must be odd, so that the board turned by 180° differs from itself.
 /// square_px : int, optional
-///     Side of a square, px; a sixteenth of the panel's height unless given.
+///     Side of a square, px; by default a sixteenth of the panel's height.
 /// first_square : {"black", "white"}, default "black"
 ///     The colour of the top-left square.
 /// background : {"black", "white"}, default "white"
@@ -150,7 +150,7 @@ impl CheckerPattern {
         rows(py, self.0.inner_corners().into_iter().map(|c| [c.x, c.y]))
     }
 
-    /// The picture to project, to be shown full screen without scaling.
+    /// The picture to project. Show it full screen, without scaling.
     ///
     /// Returns
     /// -------

@@ -22,7 +22,7 @@ fn stripes(py: Python<'_>, pattern: Pattern) -> PyResult<StripePattern> {
     }
 }
 
-/// Coloured slits in a De Bruijn sequence: any `order` of them in a row occur once.
+/// Coloured slits in a De Bruijn sequence: every window of `order` neighbouring slits is unique.
 ///
 /// Parameters
 /// ----------
@@ -31,11 +31,11 @@ fn stripes(py: Python<'_>, pattern: Pattern) -> PyResult<StripePattern> {
 /// hues : int, default 4
 ///     Colours.
 /// order : int, default 3
-///     Length of the windows that are unique.
+///     Length of the unique windows.
 /// slits : int, optional
-///     Slits; hues to the power of order unless given.
+///     Number of slits; by default hues to the power of order.
 /// axis : {"columns", "rows"}, default "columns"
-///     Whether slits are counted along the panel's columns (they stand upright) or rows.
+///     "columns" for vertical slits, whose positions are columns of the panel; "rows" for horizontal ones.
 ///
 /// Raises
 /// ------
@@ -100,7 +100,7 @@ impl StripePattern {
         pattern::StripePattern::new(panel, &config).map(Self).raise(py, Stage::Detect)
     }
 
-    /// Any slits, as other programs draw them.
+    /// A pattern of slits that another program draws.
     ///
     /// Parameters
     /// ----------
@@ -117,12 +117,12 @@ impl StripePattern {
     /// axis : {"columns", "rows"}, default "columns"
     ///     Whether `centres_px` are columns or rows.
     /// order : int, default 3
-    ///     Length of the windows of the sequence that are unique.
+    ///     Length of the unique windows of the sequence.
     ///
     /// Raises
     /// ------
     /// Error
-    ///     When the slits overlap, leave the panel, or no window of them is unique.
+    ///     When slits overlap or leave the panel, or no window is unique.
     #[staticmethod]
     #[pyo3(
         signature = (projector, palette, sequence, centres_px, width_px, *, axis=None, order=3),
@@ -158,7 +158,7 @@ impl StripePattern {
         self.0.projector.into()
     }
 
-    /// Whether slits are counted along the panel's columns (they stand upright) or rows.
+    /// "columns" for vertical slits, whose positions are columns of the panel; "rows" for horizontal ones.
     #[getter]
     fn axis(&self) -> &'static str {
         self.0.axis.name()
@@ -188,13 +188,13 @@ impl StripePattern {
         self.0.width_px
     }
 
-    /// Length of the windows of the sequence that are unique.
+    /// Length of the unique windows of the sequence.
     #[getter]
     fn order(&self) -> u32 {
         self.0.order
     }
 
-    /// The picture to project, to be shown full screen without scaling.
+    /// The picture to project. Show it full screen, without scaling.
     ///
     /// Returns
     /// -------

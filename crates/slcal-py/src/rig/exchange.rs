@@ -7,12 +7,12 @@ use slcal_core::Rig as CoreRig;
 use slcal_core::format::{ExchangeFormat, ExportConfig, ImportConfig, NamedBytes, export_rig, import_rig};
 
 use super::Rig;
-use crate::convert::option::{parsed, shown, whole_pair};
+use crate::convert::option::{parsed, repr_of, whole_pair};
 use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::files;
 
 fn path_of(file: &Bound<'_, PyAny>, what: &str) -> PyResult<PathBuf> {
-    files::path_of(file)?.ok_or_else(|| errors::wrong_type(what, "a path", &shown(file)))
+    files::path_of(file)?.ok_or_else(|| errors::wrong_type(what, "a path", &repr_of(file)))
 }
 
 /// See `Rig.export`.
@@ -58,7 +58,7 @@ fn import_from(
         Some(path) => vec![path],
         None => paths
             .try_iter()
-            .map_err(|_| errors::wrong_type("paths", "a path, or several", &shown(paths)))?
+            .map_err(|_| errors::wrong_type("paths", "a path, or several", &repr_of(paths)))?
             .map(|p| path_of(&p?, "paths"))
             .collect::<PyResult<_>>()?,
     };
@@ -81,23 +81,23 @@ impl Rig {
     /// Parameters
     /// ----------
     /// path : path
-    ///     Where to; files there are replaced. For "opencv" it ends in .yml, .yaml, .xml or .json; for "ros" it is the camera's .yaml, the
-    ///     projector's goes beside it as NAME_projector.yaml, or a folder; for "colmap" a folder; for "kalibr" a .yaml, for
-    ///     "blender" a .py, for "npz" an .npz.
+    ///     The output; existing files are replaced. For "opencv" it ends in .yml, .yaml, .xml or .json; for "ros" it is the
+    ///     camera's .yaml, the projector's goes beside it as NAME_projector.yaml, or a folder; for "colmap" a folder; for
+    ///     "kalibr" a .yaml, for "blender" a .py, for "npz" an .npz.
     /// to : {"opencv", "ros", "colmap", "kalibr", "blender", "npz"}
     ///     The format.
     /// lossy : bool, default False
-    ///     Whether terms of a lens that the format does not have are left out; otherwise they are an error.
+    ///     Whether distortion terms that the format does not have are left out; otherwise they are an error.
     ///
     /// Returns
     /// -------
     /// list of str
-    ///     What the format has no place for, a line each.
+    ///     What the format cannot hold, one line each.
     ///
     /// Raises
     /// ------
     /// Error
-    ///     When the format cannot hold a lens (the message says how far pixels would move), or the path is not for it.
+    ///     When the format cannot hold a lens (the message says how far pixels would move), or the path does not suit it.
     /// OSError
     ///     When a file cannot be written.
     ///
@@ -121,9 +121,9 @@ impl Rig {
     /// paths : path or list of paths
     ///     The file; for "ros" the camera's and the projector's, or their folder; for "colmap" the folder.
     /// format : {"opencv", "ros", "colmap", "kalibr", "blender", "npz"}, optional
-    ///     Whose files they are; told by their content unless given.
+    ///     The format; by default it is recognised by the content.
     /// camera_size, projector_size : (int, int), optional
-    ///     Width and height, px, for files that do not say them.
+    ///     Width and height, px, for files that do not state them.
     ///
     /// Returns
     /// -------
@@ -134,7 +134,7 @@ impl Rig {
     /// FormatError
     ///     When the files are of another format, or something is missing in them.
     /// Error
-    ///     When the size of an image is nowhere to be found.
+    ///     When the size of an image is not known.
     /// OSError
     ///     When a file cannot be read.
     #[staticmethod]

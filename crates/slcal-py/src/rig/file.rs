@@ -32,7 +32,7 @@ impl Rig {
         files::write(file, &self.json(file.py())?, true)
     }
 
-    /// Reads a rig file, however it was made.
+    /// Reads a rig file.
     ///
     /// Parameters
     /// ----------

@@ -1,9 +1,9 @@
 //! The rig: what calibration gives and reconstruction takes.
 
+mod display;
 mod exchange;
 mod file;
 mod opencv;
-mod shown;
 mod view;
 
 use std::path::Path;
@@ -24,20 +24,20 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Covariance>()
 }
 
-/// A calibrated camera, and projector if a pattern was seen; with how sure it is.
+/// A calibrated camera, and a projector if there was a pattern, with their uncertainty.
 ///
-/// `slcal.calibrate` makes rigs; this makes one of devices that are known from elsewhere.
+/// `slcal.calibrate` returns rigs. The constructor makes one from devices that are known otherwise.
 ///
 /// Parameters
 /// ----------
 /// camera : Camera
 ///     The camera.
 /// projector : Camera, optional
-///     The projector, as if it were a camera.
+///     The projector, modelled as a camera.
 /// projector_from_camera : Pose, optional
 ///     X_projector = R · X_camera + t, mm; given exactly when the projector is.
 /// method : str, default "external"
-///     How the rig was made, in a word.
+///     How the rig was made, in one word.
 ///
 /// Raises
 /// ------
@@ -146,25 +146,25 @@ impl Rig {
         self.rig.views.iter().cloned().map(View).collect()
     }
 
-    /// How it was made: "ml", "two-vp", or anything else for rigs from elsewhere.
+    /// How it was made: "ml", "two-vp", or another word for rigs from other programs.
     #[getter]
     fn method(&self) -> &str {
         &self.rig.method
     }
 
-    /// How far it can be trusted; None for rigs from elsewhere that do not say.
+    /// Verdict, expected accuracy and warnings; None for rigs from other programs that have none.
     #[getter]
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        self.rig.quality.as_ref().map(|q| record(py, "Quality", &shown::quality(q))).transpose()
+        self.rig.quality.as_ref().map(|q| record(py, "Quality", &display::quality(q))).transpose()
     }
 
-    /// Covariance of all estimated parameters; None for rigs from elsewhere.
+    /// Covariance of all estimated parameters; None for rigs from other programs.
     #[getter]
     fn covariance(&self) -> Option<Covariance> {
         self.rig.covariance.clone().map(Covariance)
     }
 
-    /// How the calibration went; None for a rig that was not calibrated in this program.
+    /// Iterations and inliers of the calibration; None for a rig that was not calibrated in this program.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.report.as_ref().map(|r| record(py, "CalibrationReport", &r.to_json())).transpose()
@@ -188,10 +188,10 @@ impl Rig {
     }
 
     fn __repr__(&self) -> String {
-        shown::in_a_line(&self.rig)
+        display::in_a_line(&self.rig)
     }
 
     fn _repr_html_(&self) -> String {
-        shown::as_html(&self.rig)
+        display::as_html(&self.rig)
     }
 }

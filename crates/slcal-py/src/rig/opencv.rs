@@ -86,14 +86,14 @@ fn from_opencv(
 
 #[pymethods]
 impl Rig {
-    /// The rig as OpenCV's functions take it.
+    /// The rig as parameters of OpenCV's functions.
     ///
     /// Returns
     /// -------
     /// dict
     ///     `camera_K` (3, 3), `camera_dist` (5,), `camera_size` (2,), the same of the projector, and `R` (3, 3) and `t` (3, 1) with
-    ///     X_projector = R · X_camera + t, mm: what ``cv2.stereoRectify`` calls R and T. Without a projector its entries are
-    ///     left out.
+    ///     X_projector = R · X_camera + t, mm: what ``cv2.stereoRectify`` calls R and T. The entries of a projector are
+    ///     there only if there is one.
     ///
     /// Examples
     /// --------
@@ -104,12 +104,12 @@ impl Rig {
         to_opencv(py, &self.rig)
     }
 
-    /// A rig from what OpenCV's functions give.
+    /// A rig from parameters of OpenCV's functions.
     ///
     /// Parameters
     /// ----------
     /// parameters : mapping, optional
-    ///     What `to_opencv` gives; or the same as keyword arguments.
+    ///     What `to_opencv` returns; or the same as keyword arguments.
     /// camera_K, projector_K : array_like
     ///     (3, 3), px.
     /// camera_dist, projector_dist : array_like, optional
@@ -128,7 +128,7 @@ impl Rig {
     /// Raises
     /// ------
     /// Error
-    ///     When something is missing or is not what its name says.
+    ///     When something is missing or invalid.
     #[staticmethod]
     #[pyo3(signature = (parameters=None, /, **named), text_signature = "(parameters=None, /, *, camera_K=None, camera_dist=None, camera_size=None, projector_K=None, projector_dist=None, projector_size=None, R=None, t=None)")]
     fn from_opencv(

@@ -22,7 +22,7 @@ use self::scene::Scene;
 use crate::convert::array::{Numbers, vector_of};
 use crate::convert::object::object;
 use crate::convert::option::parsed;
-use crate::convert::report::{Reported, record};
+use crate::convert::report::{LazyReport, record};
 use crate::errors::{Raise as _, Stage};
 use crate::observations::Observations;
 use crate::rig::Rig;
@@ -37,7 +37,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// The stream of the noise of views, as the command has it: beyond those of their poses.
 const NOISE_STREAM: u64 = 1 << 32;
 
-/// Photographs of a rig before a surface, with the truth of every pixel; see `slcal.simulate.scene`.
+/// Photographs of a simulated scene, with the ground truth of every pixel; see `slcal.simulate.scene`.
 #[pyfunction]
 #[pyo3(signature = (options, /))]
 fn simulate_scene(options: &Bound<'_, PyDict>) -> PyResult<Scene> {
@@ -66,7 +66,7 @@ fn simulate_scene(options: &Bound<'_, PyDict>) -> PyResult<Scene> {
     options.set("albedo", &mut setup.albedo, |v| channels(v, "albedo"))?;
     options.number("wall_albedo", &mut setup.wall_albedo)?;
     let scene = py.detach(|| setup.photograph()).raise(py, Stage::Detect)?;
-    let report = Reported::of("SceneReport", &scene.photographer.report(&scene.matches));
+    let report = LazyReport::of("SceneReport", &scene.photographer.report(&scene.matches));
     Ok(Scene { scene, report })
 }
 
@@ -96,7 +96,7 @@ fn simulate_views(options: &Bound<'_, PyDict>) -> PyResult<(Observations, Rig)> 
     Ok((Observations(seen), rig.into()))
 }
 
-/// Both methods of calibration under rising noise; see `slcal.simulate.noise`.
+/// Both calibration methods at increasing noise; see `slcal.simulate.noise`.
 #[pyfunction]
 #[pyo3(signature = (options, /))]
 fn simulate_noise<'py>(options: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {

@@ -188,7 +188,7 @@ fn mesh(value: &Bound<'_, PyAny>, scale: f64) -> PyResult<TriangleMesh> {
         _ => {
             let wanted = "\"plane\", \"sphere\", \"step\", \"sheet\", a PointCloud with triangles, or a file whose name \
                           ends in .ply or .obj";
-            return Err(errors::invalid(py, "surface", wanted, &option::shown(value)));
+            return Err(errors::invalid(py, "surface", wanted, &option::repr_of(value)));
         }
     };
     let contents = files::read(value)?;
@@ -213,7 +213,7 @@ pub(super) fn pattern(options: &Options<'_, '_>) -> PyResult<PatternKind> {
         Some("checker") => Ok(PatternKind::Checker),
         _ => {
             let wanted = "\"stripes\", \"checker\", a StripePattern or a CheckerPattern";
-            Err(errors::invalid(value.py(), "pattern", wanted, &option::shown(&value)))
+            Err(errors::invalid(value.py(), "pattern", wanted, &option::repr_of(&value)))
         }
     }
 }

@@ -7,12 +7,12 @@ use slcal_core::simulate::SimulatedScene;
 use crate::cloud::PointCloud;
 use crate::convert::array::shaped;
 use crate::convert::image::array_of;
-use crate::convert::report::Reported;
+use crate::convert::report::LazyReport;
 use crate::matches::Matches;
 use crate::pattern::{CheckerPattern, StripePattern};
 use crate::rig::Rig;
 
-/// Photographs of a simulated scene, and what is true of every pixel. `slcal.simulate.scene` makes them.
+/// Photographs of a simulated scene, and the ground truth of every pixel. `slcal.simulate.scene` makes them.
 ///
 /// Examples
 /// --------
@@ -25,7 +25,7 @@ use crate::rig::Rig;
 #[pyclass(frozen, module = "slcal")]
 pub(crate) struct Scene {
     pub(super) scene: SimulatedScene,
-    pub(super) report: Reported,
+    pub(super) report: LazyReport,
 }
 
 impl Scene {
@@ -37,7 +37,7 @@ impl Scene {
 
 #[pymethods]
 impl Scene {
-    /// The true rig; one that was simulated and looks at a sheet has it as its view.
+    /// The true rig. If it was simulated and the surface is a sheet, the sheet is its view.
     #[getter]
     fn rig(&self) -> Rig {
         self.scene.rig.clone().into()
@@ -70,43 +70,45 @@ impl Scene {
         array_of(py, self.scene.black.clone())
     }
 
-    /// Where slits or corners of the pattern are seen, without error.
+    /// The true positions of slits or corners of the pattern in the photograph.
     #[getter]
     fn matches(&self) -> Matches {
         self.scene.matches.clone().into()
     }
 
-    /// The points that the matches see, in the camera's frame.
+    /// The true points of the matches, in the camera's frame.
     #[getter]
     fn cloud(&self) -> PointCloud {
         self.scene.cloud().into()
     }
 
-    /// The projector column that lights what each pixel sees: (H, W) float32, px; NaN in shadow and beside the light.
+    /// The projector column that illuminates each pixel: (H, W) float32, px; NaN in shadow and outside the projector's
+    /// footprint.
     #[getter]
     fn column<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.map(py, self.scene.columns())
     }
 
-    /// The projector row that lights what each pixel sees: (H, W) float32, px; NaN in shadow and beside the light.
+    /// The projector row that illuminates each pixel: (H, W) float32, px; NaN in shadow and outside the projector's
+    /// footprint.
     #[getter]
     fn row<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.map(py, self.scene.rows())
     }
 
-    /// Depth of what each pixel sees along the camera's axis: (H, W) float32, mm; NaN where it sees nothing.
+    /// Depth of each pixel along the camera's axis: (H, W) float32, mm; NaN where there is no surface.
     #[getter]
     fn depth<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.map(py, self.scene.depths())
     }
 
-    /// Which surface each pixel sees: (H, W) uint8, counted from 1; 0 for none.
+    /// Number of the surface in each pixel: (H, W) uint8, counted from 1; 0 for none.
     #[getter]
     fn surface<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.map(py, self.scene.surfaces())
     }
 
-    /// What the photograph shows, in numbers.
+    /// Counts and depths of the scene.
     #[getter]
     fn report(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
         self.report.get(py)

@@ -22,36 +22,37 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<ViewObservation>()
 }
 
-/// What was seen of one pose of the sheet, by any detector: its corners or points on its sides, and the projected points.
+/// The observations of one pose of the sheet, by any detector: its corners or points on its sides, and the projected
+/// points.
 ///
 /// Parameters
 /// ----------
-/// size_mm : (float, float)
-///     Width and height of the sheet, mm; the width belongs to the sides that run most nearly along the image's x axis.
+/// size_mm : (float, float) or str
+///     Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
+///     closest to the image's x axis.
 /// sheet_corners : array_like, optional
-///     (4, 2), px: the corners TL, TR, BR, BL as the camera sees them. They may lie outside the frame.
+///     (4, 2), px: the corners TL, TR, BR, BL in the photograph. They may lie outside the image.
 /// sheet_edges : mapping, optional
 ///     Points on the sides instead: (N, 2), px, for each of "top", "right", "bottom" and "left"; or (N, 3) with the 1σ of each
 ///     point across its side, px.
 /// pairs : array_like, optional
 ///     (N, 4), px: camera x, camera y, projector x, projector y of each point of the pattern; or (N, 5) with the 1σ of the
-///     camera's coordinates. None when nothing is projected.
+///     camera's coordinates. None without a pattern.
 /// sheet_sigma_px : float or mapping, optional
-///     1σ of the corners or of the points on the sides, px; a mapping gives it side by side, (N,) or one for all. Unless
-///     it is given, calibration works it out from the residuals.
+///     1σ of the corners or of the points on the sides, px. A mapping has it for each side, (N,) or one for all. By default
+///     it is estimated from the residuals.
 /// pair_sigma_px : array_like, optional
-///     1σ of the camera's coordinates of the pairs, px: (N,) or one for all. Unless it is given, calibration works it out
-///     from the residuals.
+///     1σ of the camera's coordinates of the pairs, px: (N,) or one for all. By default it is estimated from the residuals.
 /// photo : str, optional
 ///     Name of the photograph.
 ///
 /// Raises
 /// ------
 /// Error
-///     When neither or both of corners and edges are given, for other shapes, for numbers that are not finite, for a σ that
-///     is not positive.
+///     When neither or both of corners and edges are given, when a shape is wrong, a number is not finite, or a σ is not
+///     positive.
 /// TypeError
-///     When something is no array of real numbers.
+///     When something is not an array of real numbers.
 ///
 /// Examples
 /// --------
@@ -115,7 +116,7 @@ impl ViewObservation {
         (self.seen.size.width_mm, self.seen.size.height_mm)
     }
 
-    /// Its corners TL, TR, BR, BL: (4, 2) float64, px; None when points on its sides are known instead.
+    /// Its corners TL, TR, BR, BL: (4, 2) float64, px; None when there are points on its sides instead.
     #[getter]
     fn sheet_corners<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         match &self.seen.sheet {
@@ -126,7 +127,7 @@ impl ViewObservation {
         }
     }
 
-    /// Points on its sides: (N, 2) float64, px, for "top", "right", "bottom", "left"; None when its corners are known instead.
+    /// Points on its sides: (N, 2) float64, px, for "top", "right", "bottom", "left"; None when there are corners instead.
     #[getter]
     fn sheet_edges<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         match &self.seen.sheet {
@@ -135,7 +136,7 @@ impl ViewObservation {
         }
     }
 
-    /// 1σ of the corners, px, or of the points on each side, (N,) float64; None where it was not stated.
+    /// 1σ of the corners, px, or of the points on each side, (N,) float64; None where it was not given.
     #[getter]
     fn sheet_sigma_px<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         match &self.seen.sheet {
@@ -151,7 +152,7 @@ impl ViewObservation {
         rows(py, self.seen.pairs.iter().map(|p| [p.camera.x, p.camera.y, p.projector.x, p.projector.y]))
     }
 
-    /// 1σ of the camera's coordinates of the pairs: (N,) float64, px; None where it was not stated.
+    /// 1σ of the camera's coordinates of the pairs: (N,) float64, px; None where it was not given.
     #[getter]
     fn pair_sigma_px<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         if self.unstated.pairs {

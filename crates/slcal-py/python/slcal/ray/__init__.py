@@ -16,7 +16,7 @@ try:
     import ray.data  # noqa: F401
 except ImportError as error:
     raise ImportError(
-        f"slcal.ray needs Ray Data, PyArrow and fsspec ({error}); install them with: pip install slcal[ray]",
+        f"slcal.ray needs Ray Data, PyArrow and fsspec ({error}); install them with: pip install 'ray[data]' pyarrow fsspec",
         name=error.name,
     ) from error
 

@@ -1,4 +1,4 @@
-"""What the frames of a job are called, and where their photographs are."""
+"""Names of the frames of a job, and the locations of their photographs."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def _again(url: str, fs: fsspec.AbstractFileSystem, path: str) -> str:
 
 
 def name_frames(photos: Mapping[str, Path] | Iterable[Path], root: Path | None) -> list[Frame]:
-    """Names the frames of a job: by their keys, or by their paths below `root`, less the ending.
+    """Names the frames of a job: by their keys, or by their paths below `root`, without the extension.
 
     Without a root it is the deepest folder that holds all photographs, so that a.png and b.png of one folder are frames a
     and b, and equal names in different folders stay apart.
@@ -128,7 +128,7 @@ def name_frames(photos: Mapping[str, Path] | Iterable[Path], root: Path | None) 
 
 
 def name_of_row(path: str, root: str | None) -> str:
-    """The name of a dataset's frame, of which the others are not known: below the root, or made unique by a digest."""
+    """The name of a frame of a dataset, whose other frames are not known: its path below the root, or made unique by a digest."""
     parts = _parts(path)
     if root is not None:
         return _below(parts, _parts(root), path)

@@ -1,4 +1,4 @@
-"""What all frames of a job have in common, and how to tell whether a cloud was made with it."""
+"""What all frames of a job have in common, and a fingerprint that identifies it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MANIFEST = f"{HIDDEN}/job.json"
 
 @dataclass(frozen=True)
 class Job:
-    """Rig, pattern and options; goes to each worker once."""
+    """Rig, pattern and options; sent to each worker once."""
 
     rig: Rig
     pattern: StripePattern
@@ -34,22 +34,22 @@ class Job:
 
     @functools.cached_property
     def parts(self) -> dict[str, str]:
-        """What clouds follow from beside the photograph, each as text or as a digest."""
+        """Everything except the photograph that determines a cloud, each as text or as a digest."""
         return {
             "version of slcal": __version__,
             "rig": digest(self.rig.to_json().encode()),
             "pattern": digest(self.pattern.to_json().encode()),
-            **{name: _told(value) for name, value in self.options.items()},
+            **{name: _as_text(value) for name, value in self.options.items()},
             **{name: digest_of_image(image) for name, image in self.frames.items()},
         }
 
     @functools.cached_property
     def fingerprint(self) -> str:
-        """Equal for jobs that make the same clouds of the same photographs."""
+        """Equal for jobs that make the same clouds from the same photographs."""
         return digest(json.dumps(self.parts, sort_keys=True).encode())
 
     def reconstructor(self) -> Reconstructor:
-        """A reconstructor of its own.
+        """A new reconstructor.
 
         Raises
         ------
@@ -70,7 +70,7 @@ def digest_of_image(image: NDArray[Any]) -> str:
     return digest(f"{image.dtype.str} {image.shape} {samples}".encode())
 
 
-def _told(value: Any) -> str:
+def _as_text(value: Any) -> str:
     """An option as text, the same for equal ones."""
     return repr(value if isinstance(value, (bool, str)) else float(value))
 
@@ -95,7 +95,7 @@ def claim(store: Store, job: Job, overwrite: bool) -> None:
                 f"another {', '.join(changed)}; give another folder, or overwrite=True to make them again"
             )
         if changed:
-            # It tells of clouds that are about to be replaced.
+            # Its clouds are about to be replaced.
             store.remove(RESULTS)
     elif store.size(RESULTS) is not None and not overwrite:
         raise FileExistsError(

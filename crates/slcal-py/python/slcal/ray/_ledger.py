@@ -1,4 +1,4 @@
-"""Who counts how often frames are begun."""
+"""Counts how often frames are started, across processes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 
 
 class Ledger:
-    """Counts how often each frame was begun and not ended, and which photograph it was begun for.
+    """Counts how often each frame was started and not finished, and for which photograph.
 
     Ray begins the work of a worker that died again, without end. A frame that kills its workers (by all the memory that it
     needs, say) would keep the job for ever; with the count it becomes a row like any other bad frame.
@@ -20,12 +20,12 @@ class Ledger:
         self._sources: dict[str, str] = {}
 
     def begin(self, frame: str, source: str) -> tuple[int, str]:
-        """How often the frame was begun, this time counted, and the photograph that it is of."""
+        """How often the frame was started, including now, and its photograph."""
         self._begun[frame] = self._begun.get(frame, 0) + 1
         return self._begun[frame], self._sources.setdefault(frame, source)
 
     def end(self, frame: str) -> None:
-        """The frame is done, well or not."""
+        """The frame is finished, with or without an error."""
         self._begun.pop(frame, None)
 
 

@@ -1,4 +1,4 @@
-"""A whole job, from the machine that starts it."""
+"""A whole job, as seen from the machine that starts it."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from ._store import Store
 from ._table import RESULTS, SCHEMA, parquet
 from ._work import Task, work
 
-#: A list of paths is cut into pieces, one task of Ray each, since a task costs about as much as a small frame (0.1 s): so many
-#: for each core that all cores end at about the same time, and ...
+#: A list of paths is split into chunks, one Ray task each, since a task costs about as much as a small frame (0.1 s). There are
+#: enough chunks per core that all cores finish at about the same time, and ...
 _PIECES_PER_CORE = 16
-#: ... none so large that machines which join a growing cluster would find no work, or much is begun again after a death.
+#: ... each is small enough that machines which join later find work, and that little is repeated after a process dies.
 _MAX_PIECE = 16
 
 
@@ -42,6 +42,8 @@ def reconstruct(
     mesh: bool = False,
     cull: Literal["auto", "off"] | float = "auto",
     min_confidence: float = 0.4,
+    near: float | None = None,
+    far: float | None = None,
     root: Path | None = None,
     overwrite: bool = False,
     workers: int | None = None,
@@ -50,42 +52,42 @@ def reconstruct(
 ) -> pa.Table:
     """Reconstructs many photographs on a Ray cluster: a PLY per frame, and one table of results.
 
-    A frame that cannot be reconstructed becomes a row with its error. Run again, with the same arguments, it leaves finished
-    frames as they are and does the others: those that failed, those whose photograph has changed, those that an
-    interrupted run did not come to. One job at a time may use an output folder.
+    A frame that cannot be reconstructed becomes a row with its error. A second run with the same arguments keeps finished
+    frames and does only the others: those that failed, those whose photograph has changed, those that an interrupted run
+    did not reach. Only one job at a time may use an output folder.
 
-    Without a cluster at hand (``ray start --head``, then ``ray.init()`` or ``RAY_ADDRESS``), the cores of this machine are
-    used. Machines of a cluster must see the same stores: local paths only work on what all of them mount.
+    Without a cluster (``ray start --head``, then ``ray.init()`` or ``RAY_ADDRESS``), the cores of this machine are used. All
+    machines of a cluster must see the same stores: use local paths only on a shared mount.
 
     Parameters
     ----------
     photos : path, list of paths, mapping or ray.data.Dataset
-        A folder, a glob pattern or a photograph (see :func:`find_photos`); or paths and URIs; or those by the names
-        that the frames shall have; or a dataset with a column ``path`` and, where it holds the photographs themselves, a
-        column ``image`` of (H, W, 3) or (H, W) uint8 or uint16 arrays in RGB order, or ``bytes`` of files. Its column
-        ``frame``, where it has one, names the frames.
+        A folder, a glob pattern or a photograph (see :func:`find_photos`); or paths and URIs; or a mapping from frame names
+        to them; or a dataset with a column ``path`` and, optionally, the photographs themselves: a
+        column ``image`` of (H, W, 3) or (H, W) uint8 or uint16 arrays in RGB order, or ``bytes`` of files. A column
+        ``frame`` names the frames.
     rig : Rig or path
         The calibrated rig.
     pattern : StripePattern or path
         The stripes that were projected.
     output : path or URI
-        The folder for ``NAME.ply`` of each frame, ``results.parquet``, and a hidden folder ``.slcal`` that tells which frames
-        are finished; made when it does not exist.
+        The folder for ``NAME.ply`` of each frame, ``results.parquet``, and a hidden folder ``.slcal`` that records which
+        frames are finished. It is created if it does not exist.
     black, white : (H, W, 3) or (H, W) array, optional
         The view with the projector dark, and under its full white; the same for all frames.
-    gamma, frame, mesh, cull, min_confidence
+    gamma, frame, mesh, cull, min_confidence, near, far
         As for :class:`slcal.Reconstructor`.
     root : path, optional
-        Frames are called after their photographs' paths below this folder, less the ending. Without one it is the deepest
-        folder that holds all of a list; frames of a dataset, of which the others are not known, are then called after
-        the file and a digest of its path, as in ``a-1f0c2b9d``.
+        Frames are named after the paths of their photographs below this folder, without the extension. By default it is the
+        deepest common folder of a list. Frames of a dataset are then named after the file and a digest of its path, as in
+        ``a-1f0c2b9d``, since the other frames are not known in advance.
     overwrite : bool
         Replace clouds of another rig, pattern, set of options or version of slcal in the output folder, and files of the
         same names from elsewhere.
     workers : int, optional
-        How many frames are worked on at a time, at most. One per core of the cluster when not given.
+        Maximum number of frames at a time; by default one per core of the cluster.
     attempts : int
-        A frame is given up, as a row with an error, when the process that works on it died this often.
+        Number of times that a process may die with a frame before the frame becomes a row with an error.
     storage_options : mapping, optional
         Options of the file systems of fsspec by protocol, e.g. ``{"s3": {"endpoint_url": ...}}``.
 
@@ -93,8 +95,8 @@ def reconstruct(
     -------
     pyarrow.Table
         The table that ``results.parquet`` holds, of :data:`SCHEMA`, by frame: frame, source, output (in the output folder),
-        skipped (left as an earlier run made it), points, triangles, crossings, decoded, slits, median_sigma_mm,
-        median_noise_mm, seconds, attempts, worker (host:pid), error_type and error (None where all went well).
+        skipped (from an earlier run), points, triangles, crossings, decoded, slits, median_sigma_mm,
+        median_noise_mm, seconds, attempts, worker (host:pid), error_type and error (None on success).
 
     Raises
     ------
@@ -115,10 +117,13 @@ def reconstruct(
     job = Job(
         rig if isinstance(rig, Rig) else Rig.load(rig),
         pattern if isinstance(pattern, StripePattern) else StripePattern.load(pattern),
-        {"gamma": gamma, "frame": frame, "mesh": mesh, "cull": cull, "min_confidence": min_confidence},
+        {
+            **{"gamma": gamma, "frame": frame, "mesh": mesh, "cull": cull, "min_confidence": min_confidence},
+            **{name: limit for name, limit in (("near", near), ("far", far)) if limit is not None},
+        },
         {name: image for name, image in (("black", black), ("white", white)) if image is not None},
     )
-    job.reconstructor()  # Refuses what no worker could use.
+    job.reconstructor()  # Refuses arguments that no worker could use.
     _check_counts(workers, attempts)
     options = storage_options or {}
     frames = _frames(photos, root, options) if not isinstance(photos, ray.data.Dataset) else _checked(photos)

@@ -1,4 +1,4 @@
-"""Files of a job, on any store that fsspec writes: there under their names only when they are complete."""
+"""Files of a job, on any store that fsspec writes. They appear under their names only when they are complete."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PART = ".slcal-part-"
 
 @dataclass(frozen=True)
 class Store:
-    """A folder for outputs; goes to other processes as its address."""
+    """A folder for outputs; pickled as its address."""
 
     url: str
     options: StorageOptions = field(default_factory=dict)
@@ -68,7 +68,7 @@ class Store:
             pass
 
     def put(self, name: str, data: bytes) -> None:
-        """Writes a file, or replaces it, in one step as far as a reader can see.
+        """Writes or replaces a file, atomically for readers.
 
         Local files are written beside their place under a name of their own, brought to the disk and renamed. Object stores
         show an object when all of it has arrived. Elsewhere the file is written under another name and moved.
@@ -86,7 +86,7 @@ class Store:
             fs.mv(part, path)
 
     def tidy(self) -> None:
-        """Removes what workers that died while they wrote have left; no other job may be writing here."""
+        """Removes temporary files of workers that died; no other job may be writing here."""
         fs, root = self._place
         if self._is_atomic:
             return

@@ -1,4 +1,4 @@
-"""What became of each frame: a row of the table of results."""
+"""The result of each frame: a row of the table."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RESULTS = "results.parquet"
 
 @dataclass
 class Row:
-    """What became of a frame; what a failed one does not have is None."""
+    """The result of a frame; fields that a failed one does not have are None."""
 
     frame: str
     source: str
@@ -46,7 +46,7 @@ class Row:
     error: str | None = None
 
     def tell(self, cloud: PointCloud) -> None:
-        """Takes the figures of a cloud."""
+        """Sets the figures of a cloud."""
         self.points, self.triangles = len(cloud), len(cloud.triangles)
         if (report := cloud.report) is None:
             return
@@ -56,7 +56,7 @@ class Row:
             self.crossings, self.decoded, self.slits = decode.crossings, decode.decoded, decode.slits
 
     def fail(self, error: BaseException) -> None:
-        """Takes an error in the place of a result."""
+        """Sets an error instead of a result."""
         self.error_type, self.error = type(error).__name__, str(error)
 
 

@@ -1,4 +1,4 @@
-"""One frame after another, in a worker: from the photograph to its cloud and its row."""
+"""The work of a worker: from each photograph to its cloud and its row."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from ._table import Row, as_table, row_of
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker must know to do a frame; small, since it goes to each."""
+    """What a worker needs to process a frame; small, since it is sent to each."""
 
     #: Refers to the :class:`Job`, which a worker fetches once.
     job: Any
@@ -49,7 +49,7 @@ class Photo(NamedTuple):
     content: bytes | NDArray[Any] | None
 
     def identity(self, options: StorageOptions) -> str:
-        """Changes with the photograph: what its store tells of it (size, time, tag), or a digest of the content."""
+        """Changes with the photograph: the metadata of its store (size, time, tag), or a digest of the content."""
         if isinstance(self.content, bytes):
             return digest(self.content)
         if self.content is not None:
@@ -71,7 +71,7 @@ class Photo(NamedTuple):
 
 
 def work(batch: Any, task: Task) -> pa.Table:
-    """The rows of a batch (columns as arrays), one frame at a time; the clouds go to the store and nowhere else."""
+    """The rows of a batch (columns as arrays), one frame at a time; the clouds go only to the store."""
     columns = {name: list(values) for name, values in batch.items()}
     rows = []
     for i, path in enumerate(columns["path"]):
@@ -81,7 +81,7 @@ def work(batch: Any, task: Task) -> pa.Table:
 
 
 def _row(photo: Photo, name: str | None, task: Task) -> Row:
-    """The row of a frame, whatever happens."""
+    """The row of a frame, with its error if there is one."""
     row = Row(frame=name if name is not None else photo.path, source=photo.path)
     begin = time.perf_counter()
     try:
@@ -89,7 +89,7 @@ def _row(photo: Photo, name: str | None, task: Task) -> Row:
         return _FrameWork(photo, row, task).do()
     except (KeyboardInterrupt, SystemExit):
         raise
-    except BaseException as error:  # A panic of the extension is no Exception, and no reason to lose the other frames.
+    except BaseException as error:  # A panic of the extension is not an Exception, and must not lose the other frames.
         row.fail(error)
         row.seconds = time.perf_counter() - begin
         return row

@@ -1,12 +1,11 @@
-"""Pictures of what slcal sees, knows and makes: with matplotlib, and in the rerun viewer.
+"""Figures of detections, rigs and clouds: with matplotlib, and in the rerun viewer.
 
-``pip install slcal[viz]`` brings both; neither is imported before one of these functions is called. Every
-function that draws takes the axes to draw on, or makes a new pyplot figure, and returns the axes; none of
-them shows a window, chooses a backend or changes matplotlib's settings.
+The extra ``viz`` of the package installs both; neither is imported before one of these functions is called. Each
+function draws on the given axes, or on those of a new pyplot figure, and returns the axes. None of them shows a
+window, chooses a backend or changes matplotlib's settings.
 
-Coordinates are those of the rest of slcal: pixels have integer centres, lengths are millimetres, and in space
-x points right, y down, z forward. The 3-D axes are turned so that they look that way: y runs down the
-picture.
+Coordinates are those of slcal: pixels have integer centres, lengths are millimetres, and in 3-D x points right,
+y down, z forward. 3-D axes are oriented accordingly: y points down in the figure.
 """
 
 from ._cloud import cloud

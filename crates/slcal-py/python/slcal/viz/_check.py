@@ -1,16 +1,17 @@
-"""What the functions of slcal.viz refuse, and with which words."""
+"""Checks of arguments, with their error messages."""
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._errors import Error
-from .._slcal import Camera, PointCloud
+from .._slcal import Camera, PointCloud, Rig
 
-#: How far outside the image's border a measured pixel may lie before image and pixels cannot belong together.
+#: How far outside the image's border a measured pixel may lie; beyond, image and pixels do not belong together.
 _BORDER_PX = 0.5
 
 
@@ -45,7 +46,7 @@ def image_of(picture: NDArray[Any], camera: Camera) -> None:
 
 
 def pixels_in(pixels: NDArray[np.float64], picture: NDArray[Any], what: str) -> None:
-    """Refuses pixels that cannot have been seen in the image: it is another one, or was scaled or turned."""
+    """Refuses pixels outside the image: it is another one, or was scaled or rotated."""
     height, width = picture.shape[:2]
     reach = np.array([width - 1, height - 1]) + _BORDER_PX
     outside = ((pixels < -_BORDER_PX) | (pixels > reach)).any(axis=1)
@@ -58,12 +59,29 @@ def pixels_in(pixels: NDArray[np.float64], picture: NDArray[Any], what: str) -> 
         )
 
 
+def found(value: Any) -> str:
+    """What an argument is, in words."""
+    if isinstance(value, (str, os.PathLike)):
+        return "a path"
+    return "an array" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
+
+
+def rig(value: Any) -> Rig:
+    """A rig."""
+    if not isinstance(value, Rig):
+        raise TypeError(
+            f"rig: expected a Rig, found {found(value)}: slcal.Rig.load(path) reads a file, "
+            "slcal.calibrate(photos, size_mm, pattern) makes one"
+        )
+    return value
+
+
 def cloud(points: Any) -> PointCloud:
     """A cloud that has points."""
     if not isinstance(points, PointCloud):
         raise TypeError(
-            f"cloud: expected a slcal.PointCloud, found {type(points).__name__}; wrap an (N, 3) array in "
-            "slcal.PointCloud(points)"
+            f"cloud: expected a PointCloud, found {found(points)}: slcal.PointCloud.load(path) reads a file, "
+            "slcal.PointCloud(points) takes an (N, 3) array"
         )
     if len(points) == 0:
         raise Error("cloud: expected at least one point, found none; there is nothing to draw")

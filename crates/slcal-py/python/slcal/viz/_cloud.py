@@ -1,4 +1,4 @@
-"""A cloud in space or in the image, coloured by what is asked."""
+"""A cloud in space or in the image, with selectable colours."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 Color: TypeAlias = Literal["rgb", "sigma", "depth", "slit"]
 Photo: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16]
 
-#: Drawing one point takes microseconds on flat axes and several times as much in space.
+#: Drawing a point takes microseconds on 2-D axes, and several times as much on 3-D axes.
 _MOST_IN_SPACE, _MOST_IN_IMAGE = 30_000, 200_000
 
 
 @dataclass(frozen=True)
 class Scale:
-    """Numbers that colours stand for: their meaning, and where the scale begins and ends."""
+    """A colour scale: values, their label, and the limits."""
 
     values: NDArray[np.float64]
     label: str
@@ -92,21 +92,21 @@ def cloud(
         Where to draw, 3-D axes for ``view="3d"`` (they are turned so that y points down), flat ones for
         ``view="image"``; by default the axes of a new pyplot figure.
     view : "3d" or "image"
-        Points in space, or the pixels in which they were seen.
+        Points in 3-D, or their pixels in the image.
     image : ndarray, optional
         The photograph to draw dimmed below the pixels, with ``view="image"``: (H, W, 3) or (H, W), uint8 or
         uint16.
     limits : (float, float), optional
-        Where the scale of σ or depth begins and ends, mm; by default the 2nd and 98th percentile of the
-        values, so that a few wild ones do not take all the colours.
+        Limits of the scale of σ or depth, mm; by default the 2nd and 98th percentile, so that a few outliers do
+        not take all the colours.
     cmap : str, optional
         Name of a matplotlib colour map for σ or depth.
     size : float, optional
         Area of a dot, points² (matplotlib's ``s``).
     max_points : int, optional
-        Of a bigger cloud so many points are drawn, by default 30,000 in space and 200,000 in the image: a
-        random choice that is the same every time. In space, points that lie further from the middle half of
-        all than eight times its width are left out, and their number is said below the picture.
+        Maximum number of points to draw, by default 30,000 in 3-D and 200,000 in the image; a reproducible random
+        choice of a larger cloud. In 3-D, points farther from the interquartile range than eight times its width
+        are omitted; their number is below the figure.
 
     Returns
     -------
@@ -118,10 +118,10 @@ def cloud(
     ImportError
         When matplotlib is not installed.
     TypeError
-        When `cloud` is no cloud or `image` no array of uint8 or uint16.
+        When `cloud` is not a cloud, or `image` is not an array of uint8 or uint16.
     slcal.Error
-        When the cloud is empty or does not know what its colours are to show or the pixels, its pixels lie
-        outside of the image, or the axes are of the other kind.
+        When the cloud is empty, has no values for the colours or no pixels, its pixels lie outside the image,
+        or the axes are of the other kind.
 
     Examples
     --------

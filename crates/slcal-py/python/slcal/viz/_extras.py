@@ -1,4 +1,4 @@
-"""The libraries of the extra, imported when they are first needed."""
+"""The optional libraries, imported on first use."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ def need(module: str) -> Any:
     Raises
     ------
     ImportError
-        When it is not installed; the message says how to get it.
+        When it is not installed; the message says how to install it.
     """
     try:
         return importlib.import_module(module)
     except ModuleNotFoundError as missing:
         library = module.partition(".")[0]
         if (missing.name or "").partition(".")[0] not in (library, "matplotlib", "mpl_toolkits"):
-            raise  # The library is there and lacks something of its own.
+            raise  # The library is there, but one of its own dependencies is missing.
         library = {"rerun": "rerun-sdk", "mpl_toolkits": "matplotlib"}.get(library, library)
         raise ImportError(
-            f"this function of slcal.viz needs {library}, which is not installed: pip install slcal[viz]",
+            f"this function of slcal.viz needs {library}, which is not installed: pip install {library}",
             name=module,
         ) from missing

@@ -1,4 +1,4 @@
-"""What was found, on the photograph in which it was found."""
+"""Detections and matches, drawn on their photograph."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .._errors import Error
 from .._slcal import CornerDetection, Detection, Matches, Rig, SheetDetection, View, ViewObservation
-from . import _check, _colors, _picture, _residuals, _seen, _stripes
+from . import _check, _colors, _picture, _residuals, _sheet, _stripes
 from ._extras import need
 
 if TYPE_CHECKING:
@@ -29,16 +29,16 @@ def overlay(
     magnify: float | None = None,
     gamma: Literal["srgb", "linear"] | float = "srgb",
 ) -> Axes:
-    """Draw what was found on the photograph in which it was found.
+    """Draws detections or matches on their photograph.
 
-    Of a detection or an observation: the sheet's outline with its corners named TL TR BR BL, the points
-    measured on its edges, and the corners of the projected pattern, the first one in orange. Of matches: a
-    curve per stripe on the dimmed photograph, in a colour of its slit's own (neighbours differ most) with the
-    numbers of some slits beside their curves.
+    For a detection or an observation: the sheet's outline with its corners named TL TR BR BL, the points
+    measured on its edges, and the corners of the projected pattern, the first one in orange. For matches: a
+    curve per stripe on the dimmed photograph. Each slit has its own colour (neighbours differ most), and some have
+    their number beside the curve.
 
-    With `rig`, arrows show the residuals as well: from where the rig expects the pattern's corners and the
-    edge points to where they were seen, drawn many times as long; an arrow of known length stands above the
-    picture. The outline is then the one that the rig expects, bent as its lens bends it.
+    With `rig`, arrows also show the residuals, from the predicted to the observed position of the pattern's
+    corners and the edge points. They are magnified; a reference arrow above the picture gives the scale. The
+    outline is then the predicted one, with distortion.
 
     Parameters
     ----------
@@ -49,14 +49,14 @@ def overlay(
     ax : matplotlib.axes.Axes, optional
         Where to draw; by default the axes of a new pyplot figure.
     rig : Rig, optional
-        The calibrated rig that the residuals are taken from.
+        The calibrated rig for the residuals.
     view : int
         Which of the rig's views the photograph is.
     magnify : float, optional
-        How many times longer than they are residuals are drawn; by default a round number that makes long
-        ones (the 90th percentile) a fortieth of the image's diagonal.
+        Magnification of the residuals; by default a round number that makes long ones (the 90th percentile) a
+        fortieth of the image's diagonal.
     gamma : "srgb", "linear" or float
-        How the image's numbers encode light; it decides only how the photograph looks.
+        The transfer curve of the image; it affects only the appearance of the photograph.
 
     Returns
     -------
@@ -92,7 +92,7 @@ def overlay(
                 "rig: residuals are drawn for what was found of a sheet, not for matches; leave rig out"
             )
         return _draw_matches(picture, found, ax, gamma)
-    seen = _seen.of(found)
+    seen = _sheet.of(found)
     _check.pixels_in(seen.camera_px, picture, "corners of the pattern")
     for side, points in seen.edges.items():
         _check.pixels_in(points, picture, f"points of the {side} edge")
@@ -131,13 +131,13 @@ def _draw_matches(
 
 
 def _rim(width: float) -> list[Any]:
-    """A dark rim around what is drawn, so that it shows on white as well."""
+    """A dark outline, which makes bright colours visible on white."""
     effects = need("matplotlib.patheffects")
     return [effects.withStroke(linewidth=width, foreground=_colors.RIM)]
 
 
-def _draw_sheet(ax: Axes, seen: _seen.Seen, expected: NDArray[np.float64] | None) -> None:
-    """The outline, expected or straight between corners, the points of its edges, its corners' names."""
+def _draw_sheet(ax: Axes, seen: _sheet.SheetParts, expected: NDArray[np.float64] | None) -> None:
+    """Draws the outline (predicted, or straight between corners), the points of the edges, and the names of the corners."""
     corners, outline, label = seen.corners, expected, "sheet, as the rig expects it"
     if outline is None and corners is not None:
         outline, label = np.concatenate([corners, corners[:1]]), "sheet"
@@ -176,7 +176,7 @@ def _draw_sheet(ax: Axes, seen: _seen.Seen, expected: NDArray[np.float64] | None
             )
 
 
-def _draw_pattern(ax: Axes, seen: _seen.Seen, size: float) -> None:
+def _draw_pattern(ax: Axes, seen: _sheet.SheetParts, size: float) -> None:
     points = seen.camera_px
     if len(points) == 0:
         return

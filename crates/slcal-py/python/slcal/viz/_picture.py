@@ -1,4 +1,4 @@
-"""A photograph on flat axes."""
+"""A photograph on 2-D axes."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 #: Longer side of a new figure's picture, inches.
 _SIDE_INCHES = 9.0
-#: How much of the photograph's colour and light stays under curves, whose own colours would drown in the
-#: stripes'.
+#: How much of the photograph's saturation and brightness remains under curves, so that their colours stand out
+#: from the stripes.
 _COLOR_KEPT, _LIGHT_KEPT = 0.4, 0.7
 #: Narrower axes have their legend in two columns.
 _LEGEND_INCHES = 5.5
-#: More of the surroundings than this share of the image is not shown for corners that lie outside of it.
+#: Maximum margin around the image for corners outside of it, as a share of its size.
 _SURROUNDINGS = 0.5
 
 
@@ -43,7 +43,7 @@ def axes(ax: Axes | None, width: float, height: float) -> Axes:
 
 
 def displayed(image: NDArray[Any], gamma: Literal["srgb", "linear"] | float) -> NDArray[np.uint8]:
-    """The image as a screen wants it: sRGB, 8 bit."""
+    """The image for a screen: sRGB, 8 bit."""
     if gamma == "srgb":
         return image if image.dtype == np.uint8 else (image // 257).astype(np.uint8)
     if gamma != "linear" and not (isinstance(gamma, (int, float)) and 0 < gamma < np.inf):
@@ -55,7 +55,7 @@ def displayed(image: NDArray[Any], gamma: Literal["srgb", "linear"] | float) -> 
 
 
 def dimmed(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """The picture with less colour and less light, for curves on top of it."""
+    """The picture with less saturation and brightness, for curves on top of it."""
     if picture.ndim == 2:
         return _weighted(picture, _LIGHT_KEPT).astype(np.uint8)
     channels = [picture[..., c] for c in range(3)]
@@ -67,12 +67,12 @@ def dimmed(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _weighted(channel: NDArray[np.uint8], weight: float) -> NDArray[np.uint16]:
-    """The channel times a weight below 1, by table: a big photograph in floating point is bigger still."""
+    """The channel times a weight below 1, by a lookup table, which saves the memory of floating point."""
     return np.asarray(np.rint(weight * np.arange(256)).astype(np.uint16)[channel])
 
 
 def show(ax: Axes, picture: NDArray[np.uint8], beyond: NDArray[np.float64] | None = None) -> None:
-    """Draws the picture, its pixels' centres at integers. Points `beyond` its border are taken into view."""
+    """Draws the picture with pixel centres at integers. The view includes points `beyond` its border."""
     height, width = picture.shape[:2]
     if picture.ndim == 2:
         ax.imshow(picture, cmap="gray", vmin=0, vmax=255)
@@ -90,7 +90,7 @@ def show(ax: Axes, picture: NDArray[np.uint8], beyond: NDArray[np.float64] | Non
 
 
 def legend(ax: Axes) -> None:
-    """What was drawn, below the picture, where it hides nothing."""
+    """A legend below the picture, where it hides nothing."""
     handles, labels = ax.get_legend_handles_labels()
     if handles:
         inches = ax.bbox.width / ax.figure.dpi

@@ -28,32 +28,32 @@ def to_rerun(
     color: _cloud.Color = "rgb",
     radius_mm: float | None = None,
 ) -> None:
-    """Log a rig, a cloud and a photograph to rerun.
+    """Logs a rig, a cloud and a photograph to rerun.
 
-    Below `path`, in millimetres with x right, y down, z forward, as the camera has them: ``camera`` and
-    ``projector`` as pinholes (the photograph lies in ``camera/image``), ``sheet/0`` and so on the outlines of
-    the views' sheets, ``baseline`` and ``points``. The rig is logged as static; cloud and image at the
+    The entities are below `path`, in millimetres in the camera's frame (x right, y down, z forward): ``camera`` and
+    ``projector`` as pinholes, the photograph as ``camera/image``, the outlines of the views' sheets as ``sheet/0``
+    and so on, ``baseline`` and ``points``. The rig is logged as static. Cloud and image are logged at the
     recording's current time, so that frames of a video follow one another.
 
-    Rerun's pinholes know no distortion, and their pixels have their corners at integers: K is logged with its
-    principal point half a pixel further right and down. Give an undistorted photograph where its lens bends
-    much.
+    Rerun's pinholes have no distortion, and their pixel corners are at integers. K is therefore logged with its
+    principal point half a pixel further right and down. If the distortion is large, pass an undistorted
+    photograph.
 
     Parameters
     ----------
     rig : Rig, optional
         Camera, projector and sheets to log.
     cloud : PointCloud, optional
-        Points to log, all of them. In the frame of a sheet it is brought into the camera's by the rig's first
-        view, and without a rig it is logged as it is.
+        Points to log, all of them. A cloud in the frame of a sheet is transformed to the camera's by the rig's
+        first view; without a rig it is logged unchanged.
     image : ndarray, optional
         Photograph to log, (H, W, 3) RGB or (H, W), uint8 or uint16, without loss.
     recording : rerun.RecordingStream, optional
         Where to log; by default the active recording that ``rerun.init`` makes.
     path : str
-        Entity below which all of it is logged.
+        Entity path of everything that is logged.
     color : "rgb", "sigma", "depth" or "slit"
-        What the points' colours say, as in `slcal.viz.cloud`.
+        Meaning of the points' colours, as in `slcal.viz.cloud`.
     radius_mm : float, optional
         The points' radius; by default rerun chooses one.
 

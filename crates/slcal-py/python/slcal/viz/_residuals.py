@@ -1,4 +1,4 @@
-"""How far what was seen lies from where a calibrated rig expects it."""
+"""Residuals: observed minus predicted positions."""
 
 from __future__ import annotations
 
@@ -12,21 +12,20 @@ from .._errors import Error
 from .._slcal import Rig, View
 from . import _colors
 from ._extras import need
-from ._seen import Seen
+from ._sheet import SheetParts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 #: The ends of a side in the order of the sheet's corners TL TR BR BL.
 _SIDES = {"top": (0, 1), "right": (1, 2), "bottom": (2, 3), "left": (3, 0)}
-#: A side's image is followed in so many straight parts: within 1/1000 px of the curve that a lens makes of
-#: it.
+#: Number of straight segments along a side's image: within 1/1000 px of the curve that distortion makes of it.
 _PARTS = 256
-#: Arrows of the edge points are thinned out to this many per side.
+#: Maximum number of arrows of edge points per side.
 _ARROWS_PER_SIDE = 40
-#: A long residual (the 90th percentile) is drawn as long as this share of the image's diagonal.
+#: Length of the arrow of a long residual (the 90th percentile), as a share of the image's diagonal.
 _ARROW_SHARE = 0.025
-#: Shorter ones are rounding errors, px: they are not blown up until they fill the picture.
+#: Shorter residuals are rounding errors, px, and are not magnified further.
 _LEAST_PX = 1e-6
 
 
@@ -37,7 +36,7 @@ def outline_mm(size_mm: tuple[float, float]) -> NDArray[np.float64]:
 
 
 def expected_pairs(rig: Rig, view: View, projector_px: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Camera pixels (N, 2) in which the rig expects the projector's (N, 2) to appear on the view's sheet."""
+    """Camera pixels (N, 2) predicted by the rig for the projector's pixels (N, 2) on the view's sheet."""
     if rig.projector is None or rig.projector_from_camera is None:
         raise Error("rig: expected one with a projector, found the camera alone; calibrate it with a pattern")
     sheet_from_projector = (rig.projector_from_camera @ view.camera_from_sheet).inverse()
@@ -48,14 +47,14 @@ def expected_pairs(rig: Rig, view: View, projector_px: NDArray[np.float64]) -> N
 
 
 def side_px(rig: Rig, view: View, side: str) -> NDArray[np.float64]:
-    """A side's image as the rig expects it, a curve of points (P + 1, 2)."""
+    """The image of a side as predicted by the rig, a curve of points (P + 1, 2)."""
     first, last = (outline_mm(view.size_mm)[i] for i in _SIDES[side])
     share = np.linspace(0.0, 1.0, _PARTS + 1)[:, None]
     return rig.camera.project(view.camera_from_sheet.transform(first + share * (last - first)))
 
 
 def expected_side(curve: NDArray[np.float64], edge_px: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The points (N, 2) of a side's image (P + 1, 2) that lie nearest to the edge points (N, 2)."""
+    """The points (N, 2) of a side's image (P + 1, 2) closest to the edge points (N, 2)."""
     start, part = curve[:-1], np.diff(curve, axis=0)
     # Every edge point against every part, (N, P).
     along = ((edge_px[:, None] - start) * part).sum(axis=2) / (part**2).sum(axis=1)
@@ -66,7 +65,7 @@ def expected_side(curve: NDArray[np.float64], edge_px: NDArray[np.float64]) -> N
 
 @dataclass(frozen=True)
 class Arrows:
-    """Where points are expected and by how much they were seen elsewhere, (N, 2) each, px."""
+    """Predicted positions and residuals, (N, 2) each, px."""
 
     name: str
     expected: NDArray[np.float64]
@@ -76,7 +75,7 @@ class Arrows:
 
 @dataclass(frozen=True)
 class Residuals:
-    """All arrows of a picture, and how many times longer than they are they are drawn."""
+    """All arrows of a picture, and their magnification."""
 
     arrows: list[Arrows]
     scale: float
@@ -85,8 +84,8 @@ class Residuals:
     outline: NDArray[np.float64]
 
 
-def measure(rig: Rig, view: View, seen: Seen, diagonal_px: float, magnify: float | None) -> Residuals:
-    """From where the rig expects pattern corners and edge points to where they were seen."""
+def measure(rig: Rig, view: View, seen: SheetParts, diagonal_px: float, magnify: float | None) -> Residuals:
+    """Residuals of pattern corners and edge points: observed minus predicted."""
     arrows: list[Arrows] = []
     if len(seen.camera_px):
         expected = expected_pairs(rig, view, seen.projector_px)
@@ -113,7 +112,7 @@ def measure(rig: Rig, view: View, seen: Seen, diagonal_px: float, magnify: float
 
 
 def draw(ax: Axes, residuals: Residuals) -> None:
-    """Draws all arrows, and one whose length is said above the picture."""
+    """Draws all arrows, and a reference arrow above the picture."""
     drawn: Any = None
     for arrows in residuals.arrows:
         drawn = _arrows(ax, arrows, residuals.scale)
@@ -123,7 +122,7 @@ def draw(ax: Axes, residuals: Residuals) -> None:
 
 
 def _round(value: float) -> float:
-    """1, 2 or 5 times a power of ten, the next below."""
+    """The next lower value of 1, 2 or 5 times a power of ten."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-9)) * power)
 

@@ -16,11 +16,11 @@ from ._residuals import outline_mm
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d.axes3d import Axes3D  # type: ignore[import-untyped,unused-ignore]
 
-#: A device's pyramid is this deep, as a share of the distance to what it looks at.
+#: Depth of a device's pyramid, as a share of the distance to the scene.
 _DEPTH_SHARE = 0.22
-#: Without sheet and cloud: as a multiple of the baseline, and without a projector, mm.
+#: Depth without sheet and cloud: as a multiple of the baseline, or without a projector in mm.
 _DEPTH_BASELINES, _DEPTH_ALONE_MM = 0.8, 300.0
-#: A side of the image is followed in so many straight parts, as lenses bend it.
+#: Number of straight segments along a side of the image, since distortion bends it.
 _PARTS = 12
 
 
@@ -32,11 +32,11 @@ def rig(
     max_points: int = 5000,
     depth_mm: float | None = None,
 ) -> Axes3D:
-    """Draw camera and projector as pyramids of what they see and light, and the sheets of the views.
+    """Draws camera and projector as view pyramids, and the sheets of the views.
 
-    The axes are the camera's frame. The pyramids' bases are the borders of the image and of the projector's
-    panel (lens shift makes the projector's lean), with their top sides drawn thick; a line joins the two
-    centres. Each view's sheet is a quadrilateral with its top left corner marked TL.
+    The axes are those of the camera's frame. The bases of the pyramids are the borders of the image and of the
+    projector's panel, with a thick top side; lens shift makes the projector's pyramid oblique. A line joins the
+    two centres. The sheet of each view is a quadrilateral with its top left corner marked TL.
 
     Parameters
     ----------
@@ -45,9 +45,9 @@ def rig(
     ax : mpl_toolkits.mplot3d.axes3d.Axes3D, optional
         3-D axes to draw on; by default those of a new pyplot figure. They are turned so that y points down.
     cloud : PointCloud, optional
-        Points to show in their colours, in the camera's frame or in that of the first view's sheet.
+        Points to draw in their colours, in the camera's frame or in that of the first view's sheet.
     max_points : int
-        Of a bigger cloud so many points are drawn: a random choice that is the same every time.
+        Maximum number of points to draw; a reproducible random choice of a larger cloud.
     depth_mm : float, optional
         Depth of the pyramids along the optical axes; by default a share of the distance to sheets and cloud.
 
@@ -75,8 +75,7 @@ def rig(
     >>> ax.get_title()
     'baseline 200.0 mm'
     """
-    if not isinstance(rig, Rig):
-        raise TypeError(f"rig: expected a slcal.Rig, found {type(rig).__name__}; slcal.calibrate makes one")
+    _check.rig(rig)
     _check.positive(max_points, "max_points")
     if depth_mm is not None and not (np.isfinite(depth_mm) and depth_mm > 0):
         raise Error(f"depth_mm: expected a positive number, found {depth_mm}")
@@ -129,7 +128,7 @@ def border_px(camera: Camera, parts: int) -> NDArray[np.float64]:
 
 
 def rays(camera: Camera, pixels: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Directions (N, 3), z = 1, that the pixels see; undistorted only where its model has an inverse."""
+    """Viewing directions (N, 3) of pixels, z = 1; undistorted only where the distortion model has an inverse."""
     try:
         directions = camera.rays(pixels)
         if np.isfinite(directions).all():

@@ -1,4 +1,4 @@
-"""The same few points of a big cloud every time."""
+"""Reproducible samples of large clouds."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def spread(count: int, most: int) -> NDArray[np.intp]:
-    """Indices of at most `most` of `count` things, ascending: all, or a random choice, always the same.
+    """Ascending indices of at most `most` of `count` items: all, or a reproducible random choice.
 
     An even step through points that are ordered by rows would draw a pattern of its own.
     """

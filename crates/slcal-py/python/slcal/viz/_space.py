@@ -1,4 +1,4 @@
-"""Axes in space, turned so that y points down."""
+"""3-D axes, oriented so that y points down."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from ._extras import need
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d.axes3d import Axes3D  # type: ignore[import-untyped,unused-ignore]
 
-#: Seen from above, from behind the devices and from their left. The roll of half a turn brings y, along which
-#: matplotlib looks up, to point down: a rotation, so that nothing is mirrored.
+#: The view from above, behind and left of the devices. A roll of 180° makes y, which is up in matplotlib, point down.
+#: It is a rotation, so nothing is mirrored.
 _ELEVATION_DEG, _AZIMUTH_DEG, _ROLL_DEG = -24.0, 205.0, 180.0
-#: Points further from the middle half of all points than this many times its width are not shown: a few wild
-#: points must not shrink all the others to a speck.
+#: Points farther from the interquartile range than this many times its width are not shown, so that a few outliers
+#: do not shrink the rest.
 _FAR = 8.0
-#: Free room around what is shown, as a share of its largest side.
+#: Margin around the contents, as a share of their largest side.
 _MARGIN = 0.04
-#: matplotlib leaves much empty paper around the box.
+#: Zoom, since matplotlib leaves a wide margin around the box.
 _ZOOM = 1.05
-#: Panes and grid in a grey that is faint on white and on black paper.
+#: Grey of panes and grid, faint on white and on black backgrounds.
 _PANE, _GRID_ALPHA = (0.5, 0.5, 0.5, 0.07), 0.4
 
 
 def axes(ax: Axes3D | None) -> Axes3D:
-    """The axes given, or those of a new figure; either way named and turned."""
+    """The given axes, or those of a new figure, labelled and oriented."""
     plt = need("matplotlib.pyplot")
     need("mpl_toolkits.mplot3d")
     if ax is None:
@@ -45,21 +45,21 @@ def axes(ax: Axes3D | None) -> Axes3D:
 
 
 def name(ax: Axes3D, frame: str) -> None:
-    """What the axes mean: x right, y down, and z away from the camera or from the sheet's face."""
+    """Labels of the axes: x right, y down, and z away from the camera or from the sheet's front."""
     ax.set_xlabel("x, mm (right)", labelpad=8)
     ax.set_ylabel("y, mm (down)", labelpad=8)
     ax.set_zlabel("z, mm (forward)" if frame == "camera" else "z, mm (behind the sheet)", labelpad=8)
 
 
 def near(points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which points (N, 3) are not lost in space."""
+    """Which points (N, 3) are not outliers."""
     low, high = np.percentile(points, (25.0, 75.0), axis=0)
     reach = _FAR * max(float((high - low).max()), 1e-9)
     return np.asarray(((points >= low - reach) & (points <= high + reach)).all(axis=1))
 
 
 def limits(ax: Axes3D, points: NDArray[Any]) -> None:
-    """Takes the points (N, 3) into view, a millimetre being as long along every axis."""
+    """Sets the limits for the points (N, 3), with equal scales on all axes."""
     low, high = points.min(axis=0), points.max(axis=0)
     side = max(float((high - low).max()), 1e-6)
     # A flat thing gets some depth, so that the box can be drawn.

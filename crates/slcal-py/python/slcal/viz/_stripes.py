@@ -12,18 +12,17 @@ from . import _colors
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: Points of one slit are joined over this many lines of the photograph at most: small gaps close and others
-#: show.
+#: Points of one slit are joined over at most this many lines of the photograph, so that only small gaps close.
 _JOINED_LINES = 3
-#: And when they are at most this many times further across the stripes than along them: what leans more is
-#: two curves.
+#: They are joined when they are at most this many times farther across the stripes than along them; otherwise they
+#: are two curves.
 _JOINED_LEAN = 2.0
-#: So many slits get their number written beside them.
+#: Number of slits that are labelled.
 _NUMBERED = 16
 
 
 def joined(pixels: NDArray[np.float64], slits: NDArray[Any]) -> NDArray[np.intp]:
-    """For every point the next one along its stripe, (N,) indices; -1 where the stripe ends."""
+    """For each point the next one along its stripe: (N,) indices, -1 where the stripe ends."""
     if len(pixels) == 0:
         return np.empty(0, dtype=np.intp)
     along = _along(pixels)
@@ -55,13 +54,13 @@ def joined(pixels: NDArray[np.float64], slits: NDArray[Any]) -> NDArray[np.intp]
 
 
 def _along(pixels: NDArray[np.float64]) -> int:
-    """Which coordinate counts the lines of the image that the decoder read: the one that is whole."""
+    """Which coordinate is that of the decoder's scanlines: the one with integer values."""
     whole = (pixels == np.round(pixels)).sum(axis=0)
     return int(whole[1] >= whole[0])
 
 
 def curves(following: NDArray[np.intp]) -> list[NDArray[np.intp]]:
-    """Indices of the points of every curve, in order along it; points that are alone are curves of one."""
+    """Indices of the points of each curve, in order along it; a single point is a curve of one."""
     # Every point knows how far it is to one further on; both double until all know their curve's end.
     end = np.where(following < 0, np.arange(len(following)), following)
     steps = (following >= 0).astype(np.int64)
@@ -73,7 +72,7 @@ def curves(following: NDArray[np.intp]) -> list[NDArray[np.intp]]:
 
 
 def draw(ax: Axes, pixels: NDArray[np.float64], slits: NDArray[Any]) -> None:
-    """A curve per slit in its colour, a dot where a point has no neighbour, and the numbers of some slits."""
+    """Draws a curve per slit in its colour, a dot for a point without neighbours, and the numbers of some slits."""
     known = np.unique(slits[slits >= 0])
     numbered = known[:: max(1, -(-len(known) // _NUMBERED))]
     pieces: dict[int, list[NDArray[np.intp]]] = {}

@@ -11,7 +11,7 @@ impl PointCloud {
     fn _repr_html_(&self) -> String {
         let row =
             |(name, value)| format!("<tr><th style=\"text-align:left\">{name}</th><td>{value}</td></tr>");
-        let rows = self.in_words().into_iter().map(row).collect::<Vec<_>>().concat();
+        let rows = self.summary().into_iter().map(row).collect::<Vec<_>>().concat();
         format!("<table><caption>PointCloud</caption>{rows}</table>")
     }
 
@@ -46,7 +46,7 @@ impl PointCloud {
     }
 
     /// What a notebook shows.
-    fn in_words(&self) -> Vec<(&'static str, String)> {
+    fn summary(&self) -> Vec<(&'static str, String)> {
         let mut words = vec![("points", self.cloud.points.len().to_string())];
         if !self.cloud.triangles.is_empty() {
             words.push(("triangles", self.cloud.triangles.len().to_string()));

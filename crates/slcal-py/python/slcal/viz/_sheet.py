@@ -1,4 +1,4 @@
-"""What was found of a sheet, whichever of slcal's results says it."""
+"""The parts of a detected sheet, from any of slcal's results."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .._slcal import CornerDetection, Detection, SheetDetection, ViewObservation
 
 
 @dataclass(frozen=True)
-class Seen:
+class SheetParts:
     """The sheet's corners TL TR BR BL (4, 2), points of its edges by side, the pattern's corners (N, 2)."""
 
     corners: NDArray[np.float64] | None = None
@@ -23,7 +23,7 @@ class Seen:
     expected: int | None = None
 
 
-def of(found: Any) -> Seen:
+def of(found: Any) -> SheetParts:
     """The parts of a detection or an observation.
 
     Raises
@@ -33,14 +33,14 @@ def of(found: Any) -> Seen:
     """
     if isinstance(found, Detection):
         sheet, pattern = of(found.sheet), of(found.corners)
-        return Seen(sheet.corners, sheet.edges, pattern.camera_px, pattern.projector_px, pattern.expected)
+        return SheetParts(sheet.corners, sheet.edges, pattern.camera_px, pattern.projector_px, pattern.expected)
     if isinstance(found, SheetDetection):
-        return Seen(found.corners, found.edges)
+        return SheetParts(found.corners, found.edges)
     if isinstance(found, CornerDetection):
-        return Seen(camera_px=found.camera_px, projector_px=found.projector_px, expected=found.expected)
+        return SheetParts(camera_px=found.camera_px, projector_px=found.projector_px, expected=found.expected)
     if isinstance(found, ViewObservation):
         pairs = found.pairs
-        return Seen(found.sheet_corners, found.sheet_edges or {}, pairs[:, :2], pairs[:, 2:])
+        return SheetParts(found.sheet_corners, found.sheet_edges or {}, pairs[:, :2], pairs[:, 2:])
     raise TypeError(
         "found: expected a slcal.Detection, SheetDetection, CornerDetection, ViewObservation or Matches, "
         f"found {type(found).__name__}; slcal.detect and slcal.decode make them"

@@ -11,34 +11,34 @@ use crate::view_observation::{ViewObservation, edge_sigma, edges, sizeless};
 /// What restores an object from a pickle, and its arguments.
 type Pickled<'py, State> = (Bound<'py, PyAny>, State);
 
-/// The sheet as found in a photograph: points on its sides, and the corners in which these meet.
+/// The sheet in a photograph: points on its sides, and the corners where the sides meet.
 #[pyclass(frozen, module = "slcal", eq)]
 #[derive(PartialEq)]
 pub(crate) struct SheetDetection(pub(crate) detect::SheetDetection);
 
 #[pymethods]
 impl SheetDetection {
-    /// Corners TL, TR, BR, BL: (4, 2) float64, px; lines through the sides meet there, in a distorted photograph to within the
-    /// sides' bend. None where neighbouring sides are parallel.
+    /// Corners TL, TR, BR, BL: (4, 2) float64, px; intersections of straight lines through the sides, in a distorted
+    /// photograph as accurate as the sides are straight. None where neighbouring sides are parallel.
     #[getter]
     fn corners<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.0.observation.corners().map(|four| rows(py, four.iter().map(|c| [c.x, c.y]))).transpose()
     }
 
-    /// Points on "top", "right", "bottom" and "left": (N, 2) float64, px; empty where corners given by hand are used as they
-    /// are.
+    /// Points on "top", "right", "bottom" and "left": (N, 2) float64, px; empty where corners given by hand are used
+    /// unchanged.
     #[getter]
     fn edges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         edges(py, &self.0.observation)
     }
 
-    /// 1σ of these points across their sides, (N,) float64, px, such that they may be treated as independent.
+    /// 1σ of these points across their sides: (N,) float64, px. With it they may be treated as independent.
     #[getter]
     fn edge_sigma_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         edge_sigma(py, &self.0.observation)
     }
 
-    /// 1σ of corners given by hand that are used as they are, px; None where the sides were measured.
+    /// 1σ of corners given by hand that are used unchanged, px; None where the sides were measured.
     #[getter]
     fn corner_sigma_px(&self) -> Option<f64> {
         match self.0.observation {
@@ -47,7 +47,7 @@ impl SheetDetection {
         }
     }
 
-    /// Things worth telling: corners taken from the user.
+    /// Notes for the user, such as corners that were given by hand.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.0.notes.clone()
@@ -76,20 +76,20 @@ impl SheetDetection {
     }
 }
 
-/// The corners of the pattern that were seen.
+/// The corners of the pattern that were found.
 #[pyclass(frozen, module = "slcal", eq)]
 #[derive(PartialEq)]
 pub(crate) struct CornerDetection(pub(crate) detect::CornerDetection);
 
 #[pymethods]
 impl CornerDetection {
-    /// Where the camera sees them: (N, 2) float64, px, row by row of the pattern.
+    /// Their positions in the photograph: (N, 2) float64, px, row by row of the pattern.
     #[getter]
     fn camera_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         rows(py, self.0.pairs.iter().map(|p| [p.camera.x, p.camera.y]))
     }
 
-    /// Where the projector shows them: (N, 2) float64, px, exact.
+    /// Their positions on the projector's panel: (N, 2) float64, px, exact.
     #[getter]
     fn projector_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         rows(py, self.0.pairs.iter().map(|p| [p.projector.x, p.projector.y]))
@@ -101,7 +101,7 @@ impl CornerDetection {
         column(py, self.0.pairs.iter().map(|p| p.sigma_px))
     }
 
-    /// Corners of the whole pattern.
+    /// Number of corners of the whole pattern.
     #[getter]
     fn expected(&self) -> usize {
         self.0.expected
@@ -154,20 +154,20 @@ impl Detection {
         SheetDetection(detect::SheetDetection { observation, notes: self.0.notes.clone() })
     }
 
-    /// The corners of the pattern that were seen on the sheet; none without a pattern.
+    /// The corners of the pattern that were found on the sheet; none without a pattern.
     #[getter]
     fn corners(&self) -> CornerDetection {
         let pairs = self.0.observation.pairs.clone();
         CornerDetection(detect::CornerDetection { pairs, expected: self.0.pattern_corners })
     }
 
-    /// Both as calibration takes them.
+    /// Sheet and corners as an observation for calibration.
     #[getter]
     fn view(&self) -> ViewObservation {
         self.as_view()
     }
 
-    /// Things worth telling: corners that were not seen or lie beside the sheet, corners taken from the user.
+    /// Notes for the user: corners that were not found or lie outside the sheet, corners that were given by hand.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.0.notes.clone()

@@ -1,4 +1,4 @@
-//! How a rig is shown: in a line, in a notebook, as records.
+//! A rig as a line of text, as a table for notebooks, and as a record.
 
 use std::fmt::Write as _;
 
