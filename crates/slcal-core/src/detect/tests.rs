@@ -263,7 +263,7 @@ fn tiny_photographs_are_refused_without_a_panic() {
 }
 
 #[test]
-fn a_pattern_cut_by_the_frame_is_placed_by_its_border_or_refused() {
+fn a_truncated_pattern_is_registered_by_its_border_or_rejected() {
     let whole = Drawn::tilted(640);
     // The left part cut away: two columns of squares and the border beside them are lost.
     let cut = whole.draw().crop_imm(300, 0, 340, 480);
@@ -309,7 +309,7 @@ fn corners_by_hand_are_measured_or_kept() {
 }
 
 #[test]
-fn light_that_covers_only_part_of_the_sheet_is_not_taken_for_it() {
+fn a_footprint_smaller_than_the_sheet_is_not_detected_as_the_sheet() {
     let p = |x: f64, y: f64| Point2::new(2.0 * x, 2.0 * y);
     let mut drawn = Drawn::tilted(1280);
     let panel = [p(190.0, 120.0), p(520.0, 105.0), p(515.0, 360.0), p(205.0, 330.0)];
@@ -319,7 +319,7 @@ fn light_that_covers_only_part_of_the_sheet_is_not_taken_for_it() {
 }
 
 #[test]
-fn a_side_along_the_border_of_the_light_is_named() {
+fn a_side_along_the_border_of_the_footprint_is_named() {
     let p = |x: f64, y: f64| Point2::new(2.0 * x, 2.0 * y);
     let crossing = |top: f64, bottom: f64| {
         let mut drawn = Drawn::tilted(1280);
@@ -349,7 +349,7 @@ fn a_side_along_the_border_of_the_light_is_named() {
 }
 
 #[test]
-fn a_pattern_that_falls_partly_beside_the_sheet_is_used_where_it_lies_on_it() {
+fn corners_beside_the_sheet_are_rejected() {
     let p = |x: f64, y: f64| Point2::new(x, y);
     let mut drawn = Drawn::tilted(640);
     let panel = [p(-60.0, 40.0), p(460.0, 30.0), p(455.0, 440.0), p(-15.0, 400.0)];

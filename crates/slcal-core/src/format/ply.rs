@@ -456,7 +456,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lying_header_takes_neither_memory_nor_time() {
+    fn a_wrong_count_in_the_header_takes_neither_memory_nor_time() {
         let of = |text: &str| read_ply(text.as_bytes()).map_err(|e| e.to_string());
         let xyz = "property float x\nproperty float y\nproperty float z\nend_header\n";
         let binary = "ply\nformat binary_little_endian 1.0\n";

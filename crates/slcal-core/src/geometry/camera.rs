@@ -1,4 +1,4 @@
-//! The pinhole model with distortion; a projector is the same thing with its light reversed.
+//! The pinhole model with distortion, for cameras and projectors: a projector is an inverse camera.
 
 use nalgebra::{Matrix3, Point2, Point3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
@@ -28,7 +28,7 @@ impl Intrinsics {
         Self { fx: focal_px, fy: focal_px, skew: 0.0, cx: principal_point.x, cy: principal_point.y }
     }
 
-    /// From K as files have it (any overall scale).
+    /// From K of any overall scale.
     ///
     /// # Errors
     /// [`Error::Invalid`] when the matrix is not upper triangular with positive, finite focal lengths.
@@ -102,7 +102,7 @@ impl Camera {
             .then(|| self.intrinsics.pixel(self.distortion.distort(Vector2::new(p.x / p.z, p.y / p.z))))
     }
 
-    /// The ideal normalized point (x/z, y/z) that is seen at a pixel; `None` where the distortion has no inverse.
+    /// The undistorted normalized point (x/z, y/z) of a pixel; `None` where the distortion has no inverse.
     #[must_use]
     pub fn undistort(&self, p: Point2<f64>) -> Option<Vector2<f64>> {
         self.distortion.undistort(self.intrinsics.normalized(p))

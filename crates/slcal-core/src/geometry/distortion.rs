@@ -18,10 +18,9 @@ pub struct Distortion {
     pub k3: f64,
 }
 
-/// Newton from the distorted point converges in four or five steps inside the model's range; more means that the
-/// point has no preimage.
+/// Maximum number of Newton steps. Inside the model's range four or five suffice; with more the point has no preimage.
 const MAX_NEWTON_STEPS: usize = 30;
-/// A step squares the error: after one of this size what is left is rounding.
+/// Newton's convergence is quadratic: after a step of this size the error is rounding.
 const LAST_NEWTON_STEP: f64 = 1e-9;
 
 impl Distortion {

@@ -1,4 +1,4 @@
-//! Values of projective and Euclidean geometry: no estimation, no images, no knowledge of what they are used for.
+//! Values of projective and Euclidean geometry: no estimation, no images.
 //!
 //! Conventions: integer pixel coordinates are pixel centres; device frames are x right, y down, z forward;
 //! lengths are millimetres; transforms are named `a_from_b`.

@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_direction_has_no_pixel_but_is_seen_everywhere_the_same() {
+    fn a_point_at_infinity_has_no_pixel_and_the_same_direction_everywhere() {
         let v = ProjectivePoint(Vector3::new(3.0, 4.0, 0.0));
         assert!(v.pixel().is_none());
         for p in [Point2::new(0.0, 0.0), Point2::new(-1e6, 1e6)] {

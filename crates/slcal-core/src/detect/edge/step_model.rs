@@ -7,10 +7,10 @@ use crate::solve::median;
 
 /// Sharper sides than this cannot be told from perfect ones, px.
 pub(super) const MIN_BLUR_PX: f64 = 0.12;
-/// Crossings whose residuals exceed this many times the median have no say in what the side has in common.
+/// Crossings whose residuals exceed this many times the median do not contribute to the common parameters.
 const MAX_CHI: f64 = 2.0;
 
-/// The light across a side.
+/// The light profile across a side.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Profile<'a> {
     /// From dark to bright, pixel by pixel.
@@ -21,7 +21,7 @@ pub(super) struct Profile<'a> {
     pub(super) expected: f64,
 }
 
-/// What a side's crossings have in common.
+/// The common parameters of a side's crossings.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Common {
     pub(super) blur: f64,
@@ -91,8 +91,8 @@ pub(super) struct Equations {
 }
 
 impl Equations {
-    /// The least squares of one crossing. All pixels count alike although bright ones are noisier: with even weights,
-    /// what the true blur differs from the model in has no side to pull to.
+    /// The least squares of one crossing. All pixels have equal weights although bright ones are noisier: then a
+    /// symmetric difference between the true blur and the model does not bias the crossing.
     pub(super) fn of<'a>(
         erf: &ErfTable,
         profiles: impl Iterator<Item = Profile<'a>>,
@@ -144,7 +144,7 @@ impl Equations {
     }
 }
 
-/// The common unknowns' step, and what their uncertainty does to all crossings.
+/// The step of the common unknowns, and the effect of their uncertainty on all crossings.
 #[derive(Debug, Default)]
 pub(super) struct Summary {
     pub(super) step: Vector3<f64>,

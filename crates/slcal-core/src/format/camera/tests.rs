@@ -136,7 +136,7 @@ fn lens_models_beyond_five_coefficients_are_refused_unless_they_are_zero() {
 }
 
 #[test]
-fn files_that_are_no_camera_are_told_what_is_missing() {
+fn files_without_a_camera_name_what_is_missing() {
     refused("", &["nothing"]);
     refused("just words", &["named values"]);
     refused("pinhole:\n  fx: 700\nmodel: pinhole\n", &["camera matrix", "pinhole, model"]);

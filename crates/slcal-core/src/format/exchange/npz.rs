@@ -1,7 +1,7 @@
 //! NumPy's .npz: named arrays, as `numpy.savez` writes them; nothing in it is pickled.
 //!
-//! Conventions are this library's: integers are pixel centres, x right, y down, z forward, millimetres, radians. Any K and all terms of
-//! distortion have a place, and so has all else that a rig knows. The devices go by the names of `Rig.to_opencv`:
+//! Conventions are this library's: integers are pixel centres, x right, y down, z forward, millimetres, radians. Any K, all terms of
+//! distortion and all other values of a rig are represented. The devices have the names of `Rig.to_opencv`:
 //!
 //! | | shape | |
 //! |---|---|---|
@@ -20,7 +20,7 @@
 //! | `covariance`, `covariance_parameters` | (P, P), (P,) | |
 //! | `method` | () | |
 //!
-//! What a rig does not know is NaN within an array, or has no array.
+//! Unknown values are NaN within an array, or have no array.
 
 use std::io::{Cursor, Read as _, Write as _};
 
@@ -241,7 +241,7 @@ fn nested(values: &[f64], shape: &[usize]) -> Value {
     }
 }
 
-/// What is there beside the devices, as rig.json has it.
+/// The values beside the devices, as in rig.json.
 fn read_extras(arrays: &Arrays<'_>) -> Result<Map<String, Value>> {
     let mut found = Map::new();
     let one = |name: &str, shape: &[usize]| -> Result<Option<Value>> {

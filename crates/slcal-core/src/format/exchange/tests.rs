@@ -486,7 +486,7 @@ fn files_of_other_programs() {
 }
 
 #[test]
-fn what_is_no_import_is_told() {
+fn files_of_no_format_are_named() {
     let import = |bytes: &[u8]| {
         let files = [NamedBytes { name: "a", bytes }];
         import_rig(None, &files, &ImportConfig::default()).unwrap_err().to_string()
