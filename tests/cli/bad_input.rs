@@ -258,6 +258,6 @@ fn an_input_is_never_replaced() {
 #[test]
 fn counts_that_do_not_match() {
     let bench = with_pattern();
-    let line = "calibrate a.png b.png --size A4 --screen c.png -o rig.json";
-    bench.run(line).fails(2, &["--screen", "2 photographs"]);
+    let line = "calibrate a.png b.png --size A4 --plain c.png -o rig.json";
+    bench.run(line).fails(2, &["--plain", "2 photographs"]);
 }

@@ -180,13 +180,39 @@ fn several_photographs_are_solved_together() {
 }
 
 #[test]
-fn corners_by_hand_and_a_screen_photograph_are_used() {
+fn a_folder_and_wildcards_stand_for_their_photographs() {
+    let bench = with_photo(&Scene::default());
+    std::fs::create_dir(bench.path("photos")).unwrap();
+    for name in ["photos/p10.png", "photos/p9.png"] {
+        std::fs::copy(bench.path("photo.png"), bench.path(name)).unwrap();
+    }
+    bench.put("photos/notes.txt", "not a photograph");
+    let by_name = LINE.replace("photo.png", "photos/p9.png photos/p10.png");
+    let expected = bench.run(&format!("{by_name} --json")).ok().text();
+    assert_eq!(json(&expected)["views"][1]["photo"], "photos/p10.png");
+    // The arguments go to the command as they are, without a shell.
+    for input in ["photos", "photos/p*.png", "photos/p9.png photos/p1?.png"] {
+        let run = bench.run(&format!("{} --json --force", LINE.replace("photo.png", input))).ok();
+        assert_eq!(run.text(), expected, "{input}");
+    }
+    bench.run(&LINE.replace("photo.png", "none*.jpg")).fails(3, &["none*.jpg", "found none"]);
+    std::fs::create_dir(bench.path("empty")).unwrap();
+    bench.run(&LINE.replace("photo.png", "empty")).fails(3, &["empty", "PNG, JPEG or TIFF"]);
+}
+
+#[test]
+fn corners_by_hand_and_a_photograph_without_the_pattern_are_used() {
     let scene = Scene::default();
     let bench = with_photo(&scene);
-    bench.put("screen.png", encoded(scene.photograph(None), ImageFormat::Png));
-    let with_screen = json(&bench.run(&format!("{LINE} --screen screen.png --json")).ok().text());
-    assert!(focal_error(&with_screen, "camera", scene.camera_focal_px) < 0.1);
-    let corners: Vec<String> = with_screen["views"][0]["corners_px"]
+    bench.put("plain.png", encoded(scene.photograph(None), ImageFormat::Png));
+    let with_plain = bench.run(&format!("{LINE} --plain plain.png --json")).ok();
+    // The former name of the option.
+    let former = bench.run(&format!("{LINE} --screen plain.png --json --force")).ok();
+    assert_eq!(with_plain.stdout, former.stdout);
+    assert!(!bench.run("calibrate --help").ok().text().contains("--screen"));
+    let with_plain = json(&with_plain.text());
+    assert!(focal_error(&with_plain, "camera", scene.camera_focal_px) < 0.1);
+    let corners: Vec<String> = with_plain["views"][0]["corners_px"]
         .as_array()
         .unwrap()
         .iter()
@@ -209,7 +235,7 @@ fn corners_by_hand_and_a_screen_photograph_are_used() {
     // A photograph of another camera is not the same pose.
     let small = RgbImage::from_pixel(64, 48, image::Rgb([90; 3]));
     bench.put("small.png", encoded(small, ImageFormat::Png));
-    bench.run(&format!("{LINE} --screen small.png --force")).fails(3, &["small.png", "960x720", "64x48"]);
+    bench.run(&format!("{LINE} --plain small.png --force")).fails(3, &["small.png", "960x720", "64x48"]);
 }
 
 #[test]

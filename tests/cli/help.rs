@@ -94,5 +94,5 @@ fn a_file_that_is_not_there_is_answered_with_the_one_that_was_meant() {
         .run("decode --pattern stripe.json a.png -o m.csv")
         .fails(3, &["stripe.json", "no such file; did you mean stripes.json?"]);
     bench.run("advise --rig nothing.json").fails(3, &["no such file; check the name"]);
-    bench.run("advise --rig nowhere/rig.json").fails(3, &["nor its folder"]);
+    bench.run("advise --rig nowhere/rig.json").fails(3, &["no such folder"]);
 }

@@ -52,7 +52,7 @@ fn cameras_of_other_programs_are_known_cameras() {
     // Without a size the photograph's is taken, and that is said.
     bench.put("camera.yml", OPENCV.replace("image_width: 960\nimage_height: 720\n", ""));
     let run = bench.run(&format!("{LINE} camera.yml")).ok();
-    assert!(run.stderr.contains("camera.yml: it does not say for which image size"), "{}", run.stderr);
+    assert!(run.stderr.contains("camera.yml: the file does not state an image size"), "{}", run.stderr);
     let piped: Vec<&str> = LINE.split(' ').chain(["-"]).collect();
     let _ = bench.run_args(&piped, OPENCV.as_bytes()).ok();
 }

@@ -9,6 +9,14 @@ fn a_checkerboard_and_its_description_appear_together() {
     let bench = bench();
     let run = bench.run("pattern checker --projector 1024x768 -o checker.png").ok();
     assert!(run.stdout.is_empty());
+    for word in [
+        "checker.png: the picture to project, 1024x768 pixels",
+        "full screen",
+        "checker.json: the description",
+        "slcal calibrate",
+    ] {
+        assert!(run.stderr.contains(word), "no {word} in {}", run.stderr);
+    }
     assert_eq!(bench.names(), ["checker.json", "checker.png"]);
     let json: Value = serde_json::from_str(&bench.text("checker.json")).unwrap();
     assert_eq!(json["schema"], "slcal-pattern/1");
@@ -33,6 +41,15 @@ fn stripes_follow_the_options() {
     assert_eq!(json["palette"].as_array().map(Vec::len), Some(3));
     assert_eq!(json["centres_px"].as_array().map(Vec::len), Some(20));
     assert_eq!(json["axis"], "columns");
+    let quiet = bench.run("pattern stripes --projector 800x600 --axis rows -o rows.png -q").ok();
+    assert!(quiet.stderr.is_empty(), "{}", quiet.stderr);
+    let json: Value = serde_json::from_str(&bench.text("rows.json")).unwrap();
+    assert_eq!(json["axis"], "rows");
+    let picture = image::open(bench.path("rows.png")).unwrap().to_rgb8();
+    let row = json["centres_px"][30].as_f64().unwrap().round() as u32;
+    assert_eq!(picture.get_pixel(10, row), picture.get_pixel(790, row));
+    assert_ne!(picture.get_pixel(10, row).0, [0; 3]);
+    bench.run("pattern stripes --projector 800x600 --axis diagonal -o d.png").fails(2, &["columns", "rows"]);
 }
 
 #[test]

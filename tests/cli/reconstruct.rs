@@ -130,7 +130,7 @@ fn resuming_leaves_what_is_complete() {
         bench.put(&b, &whole[1][..whole[1].len() - 7]);
         let before = fs::metadata(bench.path(&c)).unwrap().modified().unwrap();
         let run = bench.run(&format!("{line} --resume --json")).ok();
-        assert!(run.stderr.contains(&format!("c.jpg -> {c}: left as it is")), "{}", run.stderr);
+        assert!(run.stderr.contains(&format!("c.jpg -> {c}: skipped")), "{}", run.stderr);
         let report = json(&run);
         assert!(report["clouds"][0]["points"].is_u64() && report["clouds"][1]["points"].is_u64());
         assert_eq!(report["clouds"][2]["resumed"], true);
@@ -138,6 +138,27 @@ fn resuming_leaves_what_is_complete() {
         assert_eq!(fs::metadata(bench.path(&c)).unwrap().modified().unwrap(), before);
         assert_eq!(names(&bench, format).len(), 3);
     }
+}
+
+#[test]
+fn depth_limits_leave_out_what_is_nearer_and_farther() {
+    let bench = with_photos(&THREE[..1]);
+    let depths = |options: &str| -> Vec<f64> {
+        let _ = bench.run(&format!("{MANY} a.jpg -o c.xyz --cull off --force {options}")).ok();
+        let text = bench.text("c.xyz");
+        let rows = text.lines().filter(|l| !l.starts_with('#')).filter_map(|l| l.split_whitespace().nth(2));
+        rows.map(|z| z.parse().unwrap()).collect()
+    };
+    let mut all = depths("");
+    all.sort_by(f64::total_cmp);
+    let limit = all[all.len() / 2].round();
+    let (near, far) = (depths(&format!("--near {limit}mm")), depths(&format!("--far {}cm", limit / 10.0)));
+    assert!(near.len() > 1000 && near.iter().all(|z| *z >= limit));
+    assert!(far.len() > 1000 && far.iter().all(|z| *z <= limit));
+    assert_eq!(near.len() + far.len(), all.len());
+    bench.run(&format!("{MANY} a.jpg -o d.ply --near 900")).fails(2, &["--near", "unit"]);
+    bench.run(&format!("{MANY} a.jpg -o d.ply --near 900mm --far 80cm")).fails(2, &["--far", "--near"]);
+    assert!(!bench.path("d.ply").exists());
 }
 
 #[test]
@@ -216,7 +237,7 @@ fn a_stream_that_is_cut_off_keeps_its_finished_clouds() {
     let line = format!("{MANY} --raw 1280x960:rgb24 --out-dir clouds");
     let cut = run(&line, &frame.repeat(2)[..frame.len() + 1000]);
     assert_eq!(cut.code, 3, "{}", cut.stderr);
-    for word in ["stdin, frame 1", "1000", "3686400", "cut off"] {
+    for word in ["stdin, frame 1", "1000", "3686400", "truncated"] {
         assert!(cut.stderr.contains(word), "no {word}: {}", cut.stderr);
     }
     assert_eq!(names(&bench, "clouds"), ["frame_000000.ply"]);

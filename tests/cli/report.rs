@@ -96,7 +96,7 @@ fn what_is_missing_is_said_in_a_line() {
         bench.text("rig.json").replace("a.png", "gone a.png").replace("b.png", "gone b.png"),
     );
     let run = bench.run("report --rig else/rig.json -o alone.html").ok();
-    assert!(run.stderr.contains("gone a.png: not at hand"), "{}", run.stderr);
+    assert!(run.stderr.contains("gone a.png: not found"), "{}", run.stderr);
     let html = bench.text("alone.html");
     assert!(html.contains("Plots of the residuals are not shown") && html.contains("views.0.rms_px.edges"));
     // A rig from elsewhere, with and without a projector.

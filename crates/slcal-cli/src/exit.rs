@@ -1,4 +1,4 @@
-//! What can end a run before it is done, and the exit code that each such end has.
+//! The failures of a run and their exit codes.
 
 use std::fmt;
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::name::input_name;
 /// The exit codes of the command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Exit {
-    /// Anything that has no code of its own: an output that cannot be written, for instance.
+    /// Other errors, such as an output that cannot be written.
     Other = 1,
     /// The command line is wrong.
     Usage = 2,
@@ -34,7 +34,7 @@ impl From<ErrorClass> for Exit {
     }
 }
 
-/// Why a run ended early.
+/// Why a run failed.
 #[derive(Debug, Clone)]
 pub(crate) enum Failure {
     /// An error to be shown.
@@ -44,9 +44,9 @@ pub(crate) enum Failure {
         /// What was expected, what was found, what to do.
         message: String,
     },
-    /// Errors that were shown when they happened; the work went on, and this is the code of the first.
+    /// Errors that were printed when they occurred, while the work continued; this is the code of the first.
     Reported(u8),
-    /// The reader of stdout went away; nobody is left to tell.
+    /// The reader of stdout has gone, so nothing is printed.
     ClosedPipe,
 }
 
@@ -55,13 +55,13 @@ impl Failure {
         Self::Error { exit, message: message.into() }
     }
 
-    /// A wrong command line that clap cannot see.
+    /// A wrong command line that clap cannot detect.
     pub(crate) fn usage(message: impl Into<String>) -> Self {
         Self::new(Exit::Usage, message)
     }
 
-    /// An error of the core that arose from a file: the message names the file, and a value that the core calls
-    /// invalid is a malformed input here, not a wrong command line.
+    /// An error of the core from a file. The message names the file. A value that the core calls
+    /// invalid is then a malformed input, not a wrong command line.
     pub(crate) fn in_file(path: &Path, error: &Error) -> Self {
         let exit = match Exit::from(error.class()) {
             Exit::Usage => Exit::Input,
@@ -95,10 +95,10 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Shorthand for what verbs return.
+/// The result of verbs.
 pub(crate) type Outcome<T = ()> = Result<T, Failure>;
 
-/// Names the file that a core error arose from.
+/// Adds the name of the file to an error of the core.
 pub(crate) trait InFile<T> {
     /// See [`Failure::in_file`].
     fn in_file(self, path: &Path) -> Outcome<T>;

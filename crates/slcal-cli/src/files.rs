@@ -1,4 +1,4 @@
-//! Photographs read, files and reports written as the command does it, for the Python package.
+//! Reading photographs and writing files and reports as the command does, for the Python package.
 
 use std::io::Result;
 use std::path::Path;
@@ -14,21 +14,21 @@ use crate::report::{Photo, RigPage, ShownCloud, rig_html};
 /// The photograph in the bytes of a file (PNG, JPEG or TIFF), turned upright by its EXIF orientation.
 ///
 /// # Errors
-/// A message that begins with `name` when the bytes are not such a picture, or not a whole one.
+/// A message that begins with `name` when the bytes are not such a picture, or are truncated.
 pub fn decode_photo(bytes: &[u8], name: &str) -> std::result::Result<DynamicImage, String> {
     io::decode_photo(bytes, name).map(|(photo, _)| photo).map_err(|failure| failure.to_string())
 }
 
-/// Writes a file that appears under its name when it is complete; an existing one is replaced then.
+/// Writes a file that appears under its name when it is complete; an existing file is replaced.
 ///
 /// # Errors
-/// What the system says, when its folder is missing or cannot be written into.
+/// The error of the system when the folder is missing or not writable.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     io::write_whole(path, bytes)
 }
 
-/// The HTML report on a rig, as `slcal report` writes it: with its photographs (none, or one per view, as a screen shows
-/// them), what was measured in them and how far that lies from the rig, and a cloud, as far as they are given.
+/// The HTML report on a rig, as `slcal report` writes it: with its photographs (none, or one per view, in display
+/// encoding), the observations with their residuals, and a cloud, as far as they are given.
 ///
 /// # Errors
 /// A message when a photograph cannot be written into the page.
@@ -44,7 +44,7 @@ pub fn rig_report(
     photos.resize_with(rig.views.len(), || None);
     let (observations, residuals) = match measured {
         Some((observations, residuals)) => (Some(observations), Ok(residuals)),
-        None => (None, Err("what was measured was not given".to_owned())),
+        None => (None, Err("the measurements were not given".to_owned())),
     };
     let page = RigPage {
         rig,

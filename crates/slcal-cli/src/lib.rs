@@ -2,7 +2,7 @@
 //! the Python package's entry point are the same program.
 //!
 //! `args` is the command line as typed, `verbs` has one file per verb (load → one call of the core → print or write), `io`
-//! has all files, `output` all printing and `exit` all exit codes. [`files`] is what the Python package shares of `io`.
+//! has all files, `output` all printing and `exit` all exit codes. [`files`] is the part that the Python package uses.
 
 mod args;
 mod exit;
@@ -27,10 +27,10 @@ use crate::output::{ColorArg, Printer, Verbosity, set_color};
 use crate::report::CommandLine;
 
 /// Runs a command line (the program's name first) and returns the exit code: 0 done, 2 wrong command line, 3 input
-/// unreadable or malformed, 4 sheet, pattern or stripes not found, 5 geometry degenerate, 1 anything else.
+/// unreadable or malformed, 4 sheet, pattern or stripes not found, 5 geometry degenerate, 1 other errors.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     let args: Vec<OsString> = args.into_iter().collect();
-    // Before anything is parsed: what is wrong with the command line is told in colours, too.
+    // Set before parsing, so that errors of the command line are coloured, too.
     let color = ColorArg::of(&args);
     set_color(color);
     let typed = CommandLine::new(&args);

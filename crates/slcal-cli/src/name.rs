@@ -1,4 +1,4 @@
-//! How files are called.
+//! The names of files in messages.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ pub(crate) fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// How an input is called in messages.
+/// The name of an input in messages.
 pub(crate) fn input_name(path: &Path) -> String {
     if is_dash(path) { "stdin".to_owned() } else { path.display().to_string() }
 }

@@ -1,9 +1,9 @@
-//! What was probably meant.
+//! The nearest known word to a misspelt one.
 
-/// Typing errors per letter beyond which words are different words.
+/// Largest share of typing errors per letter.
 const MOST_ERRORS: f64 = 0.34;
 
-/// The candidate that is nearest to a word with a typing error or two, if one is nearer than all others.
+/// The candidate nearest to a word with a typing error or two, if it is unique.
 pub(crate) fn nearest(word: &str, candidates: impl IntoIterator<Item = impl Into<String>>) -> Option<String> {
     let lower = word.to_lowercase();
     let most = (MOST_ERRORS * lower.chars().count() as f64).floor() as usize;
@@ -21,7 +21,7 @@ pub(crate) fn nearest(word: &str, candidates: impl IntoIterator<Item = impl Into
     best.filter(|(errors, _)| alone && *errors <= most.max(1)).map(|(_, candidate)| candidate)
 }
 
-/// "did you mean ply?; " or nothing.
+/// "did you mean ply? " or nothing.
 pub(crate) fn did_you_mean(word: &str, candidates: impl IntoIterator<Item = impl Into<String>>) -> String {
     nearest(word, candidates).map_or(String::new(), |c| format!("did you mean {c}? "))
 }

@@ -20,9 +20,9 @@ use super::triangulate::TriangulateArgs;
 use super::verify::VerifyArgs;
 use crate::output::ColorArg;
 
-/// Calibrate a projector and a camera from one photograph; reconstruct what they see from one more.
+/// Calibrate a projector and a camera from photographs of a sheet of paper, and reconstruct surfaces from one photograph.
 ///
-/// Lengths are millimetres, pixels have integer centres. Results go to stdout, messages to stderr; `-` stands for stdin
+/// Lengths are in millimetres, pixel centres are integers. Results go to stdout, messages to stderr. `-` stands for stdin
 /// or stdout.
 #[derive(Debug, Parser)]
 #[command(
@@ -32,23 +32,15 @@ use crate::output::ColorArg;
     after_help = examples::ALL
 )]
 pub(crate) struct Cli {
-    /// Say more on stderr.
+    /// Print more messages on stderr.
     #[arg(short, long, global = true, conflicts_with = "quiet", display_order = 1000, help_heading = GENERAL)]
     pub(crate) verbose: bool,
-    /// Say nothing but errors on stderr.
+    /// Print only errors on stderr.
     #[arg(short, long, global = true, display_order = 1001, help_heading = GENERAL)]
     pub(crate) quiet: bool,
-    /// Colours: on a terminal (auto), always or never; NO_COLOR and CLICOLOR_FORCE are heeded.
-    #[arg(
-        long,
-        global = true,
-        value_enum,
-        value_name = "WHEN",
-        default_value = "auto",
-        alias = "colour",
-        display_order = 1002,
-        help_heading = GENERAL
-    )]
+    /// When to use colours. auto: on a terminal, unless NO_COLOR, CLICOLOR or CLICOLOR_FORCE say otherwise.
+    #[arg(long, global = true, value_enum, value_name = "WHEN", default_value = "auto", alias = "colour",
+          display_order = 1002, help_heading = GENERAL)]
     pub(crate) color: ColorArg,
     #[command(subcommand)]
     pub(crate) verb: Verb,
@@ -56,52 +48,52 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Run the whole chain on built-in photographs.
+    /// Run calibration and reconstruction on built-in photographs.
     #[command(after_help = examples::DEMO)]
     Demo(DemoArgs),
-    /// Draw the pattern to project.
+    /// Draw a pattern to project.
     #[command(subcommand)]
     Pattern(PatternVerb),
-    /// Calibrate from photographs of a sheet with the checkerboard projected onto it.
+    /// Calibrate a projector and a camera from photographs of a sheet with the projected checkerboard.
     #[command(after_help = examples::CALIBRATE)]
     Calibrate(CalibrateArgs),
-    /// Predict how well the focal lengths would be known from given tilts, and say which photograph to take next.
+    /// Predict the uncertainty of the focal lengths against tilt, and recommend the next photograph.
     #[command(after_help = examples::ADVISE)]
     Advise(AdviseArgs),
-    /// Draw the picture that appears as an upright rectangle on the sheet.
+    /// Draw a picture that appears without keystone on the sheet.
     #[command(after_help = examples::RECTIFY)]
     Rectify(RectifyArgs),
-    /// Measure how square a rectified projection is now, and whether the rig has moved.
+    /// Measure the keystone of a rectified projection, and test whether the rig has moved.
     #[command(after_help = examples::VERIFY)]
     Verify(VerifyArgs),
-    /// Find the projected stripes in a photograph.
+    /// Identify the projected stripes in a photograph.
     #[command(after_help = examples::DECODE)]
     Decode(DecodeArgs),
-    /// Turn matches of any decoder into points.
+    /// Triangulate the matches of any decoder.
     #[command(after_help = examples::TRIANGULATE)]
     Triangulate(TriangulateArgs),
-    /// Photographs of an object under the stripes in, point clouds out.
+    /// Reconstruct point clouds from photographs of objects under the stripes.
     #[command(after_help = examples::RECONSTRUCT)]
     Reconstruct(ReconstructArgs),
-    /// Fit a plane or a sphere to a cloud and say how far the points lie from it.
+    /// Fit a plane or a sphere to a cloud and report the distances of the points from it.
     #[command(after_help = examples::EVALUATE)]
     Evaluate(EvaluateArgs),
-    /// Show a rig, and a cloud that was made with it, as one HTML file.
+    /// Write an HTML report on a rig, and on a cloud reconstructed with it.
     #[command(after_help = examples::REPORT)]
     Report(ReportArgs),
-    /// Write a rig as other programs read it.
+    /// Write a rig as files of other programs.
     #[command(after_help = examples::EXPORT)]
     Export(ExportArgs),
     /// Read a rig from files of other programs.
     #[command(after_help = examples::IMPORT)]
     Import(ImportArgs),
-    /// Experiments on rigs whose truth is known.
+    /// Simulate rigs, measurements and photographs with ground truth.
     #[command(subcommand)]
     Simulate(SimulateVerb),
-    /// Print a script that completes verbs, options and file names in a shell.
+    /// Print a completion script for a shell.
     #[command(after_help = examples::COMPLETIONS)]
     Completions(CompletionsArgs),
-    /// Print the manual page, or write one for each verb.
+    /// Print the manual page, or write a page for each verb.
     #[command(after_help = examples::MAN)]
     Man(ManArgs),
 }

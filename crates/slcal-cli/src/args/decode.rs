@@ -9,20 +9,20 @@ use super::photo::GammaArg;
 
 #[derive(Debug, Args)]
 pub(crate) struct DecodeArgs {
-    /// The photograph; `-` for stdin.
+    /// Photograph of the stripes; `-` for stdin.
     pub(crate) image: PathBuf,
     #[command(flatten)]
     pub(crate) input: DecodeInput,
-    /// Where to write the matches; `-` for stdout.
+    /// File for the matches; `-` for stdout.
     #[arg(short, long, value_name = "MATCHES.csv", help_heading = OUTPUT)]
     pub(crate) output: PathBuf,
-    /// Draw the stripes that were decoded on the photograph.
+    /// Draw the decoded stripes on the photograph.
     #[arg(long, value_name = "FILE.png", help_heading = OUTPUT)]
     pub(crate) overlay: Option<PathBuf>,
-    /// Print the report as JSON instead of a summary.
+    /// Print the result as JSON instead of a summary.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
-    /// Replace files that exist.
+    /// Replace outputs that exist.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
 }
@@ -30,13 +30,17 @@ pub(crate) struct DecodeArgs {
 /// What decoding needs.
 #[derive(Debug, Args)]
 pub(crate) struct DecodeInput {
-    /// The stripes that were projected.
+    /// Description of the projected stripes (`slcal pattern stripes` writes it).
     #[arg(long, value_name = "STRIPES.json", help_heading = INPUT)]
     pub(crate) pattern: PathBuf,
-    /// The same view with the projector dark.
+    /// Photograph of the same view with the projector dark.
+    ///
+    /// It helps on coloured surfaces and in bright rooms.
     #[arg(long, value_name = "IMAGE", help_heading = INPUT)]
     pub(crate) black: Option<PathBuf>,
-    /// The same view under the projector's full white.
+    /// Photograph of the same view with the projector all white.
+    ///
+    /// It helps on coloured surfaces and in bright rooms.
     #[arg(long, value_name = "IMAGE", help_heading = INPUT)]
     pub(crate) white: Option<PathBuf>,
     #[command(flatten)]

@@ -8,10 +8,10 @@ use super::headings::OUTPUT;
 
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
-    /// What to fit.
+    /// Surface to fit.
     #[arg(value_enum)]
     pub(crate) shape: ShapeArg,
-    /// A PLY with the points; `-` for stdin.
+    /// PLY file with the points; `-` for stdin.
     pub(crate) cloud: PathBuf,
     /// Draw the points as the camera sees them, coloured by their distance from the surface.
     #[arg(long, value_name = "FILE.png", help_heading = OUTPUT)]
@@ -19,7 +19,7 @@ pub(crate) struct EvaluateArgs {
     /// Print the result as JSON instead of a summary.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
-    /// Replace files that exist.
+    /// Replace outputs that exist.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
 }

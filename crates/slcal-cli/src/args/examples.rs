@@ -1,10 +1,10 @@
 //! Worked examples for the help of each verb. Lines have at most 80 columns; a test runs the commands one after the other, in the
-//! order of the verbs, in a folder that holds the demonstration's photographs.
+//! order of the verbs, in a folder with the photographs of the demonstration.
 
 /// At the end of `slcal --help`.
 pub(super) const ALL: &str = "\
 Exit codes: 0 done; 2 wrong command line; 3 input unreadable or malformed;
-4 sheet, pattern or stripes not found; 5 geometry degenerate; 1 anything else.
+4 sheet, pattern or stripes not found; 5 geometry degenerate; 1 other errors.
 
 Start with `slcal demo`.";
 
@@ -13,49 +13,47 @@ Example:
     slcal demo --out demo
 
 writes the patterns, the photographs, rig.json, clouds, pictures of what was
-found and report.html into demo/, and says how close it came to the truth.";
+found and report.html into demo/, and compares the results with the ground
+truth.";
 
 pub(super) const CHECKER: &str = "\
 Example:
     slcal pattern checker --projector 1024x768 -o checker.png
 
-writes checker.png, to be shown full screen at the projector's native
-resolution, and checker.json, which `slcal calibrate` needs.";
+writes checker.png, the picture to show full screen at the native resolution of
+the projector, and checker.json, the description that `slcal calibrate` needs.";
 
 pub(super) const STRIPES: &str = "\
 Example:
     slcal pattern stripes --projector 1024x768 -o stripes.png
 
-writes stripes.png, to be shown full screen at the projector's native
-resolution, and stripes.json, which `slcal reconstruct` needs.";
+writes stripes.png, the picture to show full screen at the native resolution of
+the projector, and stripes.json, the description that `slcal reconstruct` needs.";
 
 pub(super) const CALIBRATE: &str = "\
 Examples:
-  From one photograph of a sheet of A2, on its side, under the checkerboard:
+  From one photograph of an A2 sheet in landscape with the checkerboard on it:
     slcal calibrate sheet.jpg --size A2-landscape --pattern checker.json \\
         -o rig.json
-  From several, which is far better, keeping what was found:
+  From several photographs, which is far better, and keep the measurements:
     slcal calibrate a.jpg b.jpg c.jpg --size 594x420mm --pattern checker.json \\
         -o rig.json --save-observations seen.json
-  With a camera that is known:
+  With a known camera:
     slcal calibrate sheet.jpg --size A2-landscape --pattern checker.json \\
         --camera rig.json -o known.json
-  The camera alone, and a look at what was found:
+  The camera alone, with a picture of what was found:
     slcal calibrate sheet.jpg --size A2-landscape -o camera.json \\
-        --overlay seen.png
-
-The width is the side that runs most nearly along the image's x axis.";
+        --overlay seen.png";
 
 pub(super) const ADVISE: &str = "\
 Examples:
-  What one more photograph would bring:
+  What one more photograph would add:
     slcal advise --rig rig.json --pattern checker.json
-  Before the first one, for a phone and a projector of throw ratio 1.5:
+  Before the first photograph, for a phone and a projector of throw ratio 1.5:
     slcal advise --image 4000x3000 --focal-35mm 28 --size A2-landscape \\
         --projector 1920x1080 --throw 1.5
 
-Nothing is photographed: the numbers come from the Jacobian of the calibration
-itself.";
+The numbers are predictions from the Jacobian of the calibration.";
 
 pub(super) const RECTIFY: &str = "\
 Examples:
@@ -64,10 +62,10 @@ Examples:
 
 pub(super) const VERIFY: &str = "\
 Examples:
-  Has the rig moved? The checkerboard as it was drawn tells at any time:
+  Has the rig moved? Check at any time with the checkerboard as it was drawn:
     slcal verify --rig rig.json --pattern checker.json --as-drawn sheet.jpg \\
         --fail-if-moved
-  How square is a rectified projection? Project this, and photograph it:
+  How square is a rectified projection? Project upright.png and photograph it:
     slcal rectify --rig rig.json --pattern checker.json -o upright.png
     slcal verify --rig rig.json --pattern checker.json photo.jpg";
 
@@ -91,7 +89,7 @@ Examples:
   One photograph, with triangles between the points:
     slcal reconstruct --rig rig.json --pattern stripes.json board.jpg \\
         -o cloud.ply --mesh
-  Many, into a folder; run it again to go on after an interruption:
+  Many, into a folder; run it again to continue after an interruption:
     slcal reconstruct --rig rig.json --pattern stripes.json board.jpg head.jpg \\
         --out-dir clouds --resume
   A video, as raw frames:
@@ -103,7 +101,7 @@ pub(super) const EVALUATE: &str = "\
 Example:
     slcal evaluate plane cloud.ply
 
-The cloud may hold other things as well, such as a wall.";
+The fit is robust: the cloud may contain other surfaces, such as a wall.";
 
 pub(super) const REPORT: &str = "\
 Examples:
@@ -111,8 +109,8 @@ Examples:
     slcal report --rig rig.json --pattern checker.json --photo sheet.jpg \\
         --cloud cloud.ply -o with_cloud.html
 
-The file needs no network and no other file: open it in a browser, send it,
-print it. What is not at hand is left out, and the report says so.";
+The file needs no network and no other file: open it in a browser, send it or
+print it. The report states what is left out because a file is missing.";
 
 pub(super) const EXPORT: &str = "\
 Examples:
@@ -122,11 +120,12 @@ Examples:
   A folder:
     slcal export --rig rig.json --to colmap -o model
   A script, for `blender --python rig.py -- --picture stripes.png`; it cannot
-  hold the distortion of a lens, which is told with --lossy:
+  hold lens distortion, so --lossy is needed:
     slcal export --rig rig.json --to blender -o rig.py --lossy
 
-What a format has no place for is told; what would move pixels is an error,
-unless --lossy. docs/exchange.md has the conventions of each format.";
+Messages list what a format cannot hold. A loss that would move pixels is an
+error unless --lossy is given. docs/exchange.md has the conventions of each
+format.";
 
 pub(super) const IMPORT: &str = "\
 Examples:
@@ -134,43 +133,43 @@ Examples:
     slcal import ros.yaml ros_projector.yaml -o from_ros.json
     slcal import model -o from_colmap.json
 
-Files that do not say the sizes of the images need --camera-size and
+Files that do not state the image sizes need --camera-size and
 --projector-size.";
 
 pub(super) const NOISE: &str = "\
 Example:
     slcal simulate noise --levels 0.1,0.5 --draws 20 --csv noise.csv
 
-prints, per level and method, reprojection errors, the 3D error in per cent of a
-reference cube, focal lengths and translation against the truth, and the
-Cramér–Rao bound, which no unbiased estimator can beat.";
+prints, per level and method: reprojection errors, the 3D error in per cent of a
+reference cube, errors of focal lengths and translation, and the Cramér–Rao
+bound, below which no unbiased estimator can be.";
 
 pub(super) const VIEWS: &str = "\
 Example:
     slcal simulate views --poses 10 --noise 0.1 -o ten.json --truth truth.json
     slcal calibrate --observations ten.json -o ten_rig.json
 
-writes what a camera would see of ten poses, and the true rig to compare
+writes simulated observations of ten poses, and the true rig to compare
 ten_rig.json with.";
 
 pub(super) const SCENE: &str = "\
 Examples:
-  A sheet under the checkerboard:
+  A sheet with the checkerboard:
     slcal simulate scene --surface sheet --out paper
     slcal calibrate paper/photo.png --size 594x420mm \\
         --pattern paper/pattern.json -o paper_rig.json
-  A sphere under the stripes, with noise and colours that mix:
+  A sphere with the stripes, noise and colour crosstalk:
     slcal simulate scene --surface sphere --noise 3 --crosstalk 0.2 --out ball
     slcal reconstruct --rig paper_rig.json --pattern ball/pattern.json \\
         ball/photo.png -o ball.ply
     slcal triangulate --rig ball/rig.json ball/truth_matches.csv -o true.ply
 
 The folder then holds photo.png, white.png and black.png (full and no light),
-pattern.png and pattern.json, rig.json (the truth), truth_matches.csv (where the
-camera sees each slit or corner, without error), truth_cloud.ply (those points),
-and for every pixel truth_column.pfm, truth_row.pfm (projector px, NaN where its
-light does not fall), truth_depth.pfm (mm) and truth_surface.png (0 nothing, 1
-the first surface, ...).";
+pattern.png and pattern.json, rig.json (the truth), truth_matches.csv (the exact
+image of each slit or corner), truth_cloud.ply (their points), and for every
+pixel truth_column.pfm, truth_row.pfm (projector px, NaN without projector
+light), truth_depth.pfm (mm) and truth_surface.png (0 nothing, 1 the first
+surface, ...).";
 
 pub(super) const COMPLETIONS: &str = "\
 Examples:
@@ -184,5 +183,5 @@ Examples:
     slcal man | man -l -
     slcal man --out manual
 
-The second one writes a page for each verb; `man` finds them in
+The second command writes a page for each verb; `man` finds them in
 ~/.local/share/man/man1.";

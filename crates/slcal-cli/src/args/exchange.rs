@@ -10,48 +10,52 @@ use super::value::{choice, parse_pair};
 
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
-    /// The rig to write.
+    /// Rig to write.
     #[arg(long, value_name = "RIG.json", help_heading = INPUT)]
     pub(crate) rig: PathBuf,
-    /// For which program: opencv, ros, colmap, kalibr, blender or npz (NumPy).
-    #[arg(long, value_name = "FORMAT", value_parser = choice::<ExchangeFormat>(ExchangeFormat::NAMES), ignore_case = true, help_heading = OUTPUT)]
+    /// Format to write. npz holds NumPy arrays.
+    #[arg(long, value_name = "FORMAT", value_parser = choice::<ExchangeFormat>(ExchangeFormat::NAMES),
+          ignore_case = true, help_heading = OUTPUT)]
     pub(crate) to: ExchangeFormat,
-    /// The file; `-` for stdout. opencv: .yml, .xml or .json; ros: the camera's .yaml (the projector's goes beside it), or a folder;
-    /// colmap: a folder; kalibr: .yaml; blender: .py; npz: .npz.
+    /// File to write; `-` for stdout where the format has one file.
+    ///
+    /// opencv: .yml, .xml or .json. ros: the .yaml of the camera (the one of the projector is written beside it), or a
+    /// folder. colmap: a folder. kalibr: .yaml. blender: .py. npz: .npz.
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) output: PathBuf,
-    /// Leave out what the format has no place for even where it moves pixels, and say by how much.
+    /// Leave out what the format cannot hold, even where this moves pixels, and report by how much.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) lossy: bool,
     /// Print the result as JSON instead of a summary.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
-    /// Replace files that exist.
+    /// Replace outputs that exist.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct ImportArgs {
-    /// The files, or the folder that they are in; `-` for stdin.
+    /// Files to read, or their folder; `-` for stdin.
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
-    /// Whose files they are: opencv, ros, colmap, kalibr, blender or npz [default: told by their content].
-    #[arg(long, value_name = "FORMAT", value_parser = choice::<ExchangeFormat>(ExchangeFormat::NAMES), ignore_case = true, help_heading = INPUT)]
+    /// Format of the files [default: detected from their content].
+    #[arg(long, value_name = "FORMAT", value_parser = choice::<ExchangeFormat>(ExchangeFormat::NAMES),
+          ignore_case = true, help_heading = INPUT)]
     pub(crate) from: Option<ExchangeFormat>,
-    /// The rig; `-` for stdout.
+    /// File for the rig; `-` for stdout.
     #[arg(short, long, value_name = "RIG.json", help_heading = OUTPUT)]
     pub(crate) output: PathBuf,
-    /// Size of the camera's images, for files that do not say it.
+    /// Size of the camera images, for files that do not state it.
     #[arg(long, value_name = "WxH", value_parser = parse_pair, help_heading = INPUT)]
     pub(crate) camera_size: Option<[u32; 2]>,
-    /// Size of the projector's panel, for files that do not say it.
+    /// Size of the projector panel, for files that do not state it.
     #[arg(long, value_name = "WxH", value_parser = parse_pair, help_heading = INPUT)]
     pub(crate) projector_size: Option<[u32; 2]>,
     /// Print the result as JSON instead of a summary.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
-    /// Replace files that exist.
+    /// Replace outputs that exist.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
 }

@@ -1,4 +1,4 @@
-//! The command line as it is typed, one file per verb; what it means is decided by the verbs.
+//! The command line, one file per verb.
 
 mod advise;
 mod calibrate;
@@ -11,6 +11,8 @@ mod examples;
 mod exchange;
 mod headings;
 mod help;
+#[cfg(test)]
+mod manual;
 mod pattern;
 mod photo;
 mod reconstruct;

@@ -9,7 +9,10 @@ use super::value::parse_encoding;
 /// How code values become light.
 #[derive(Debug, Args)]
 pub(crate) struct GammaArg {
-    /// Encoding of the photographs: srgb, linear (raw conversions, many 16 bit files) or an exponent.
-    #[arg(long, value_name = "srgb|linear|N", value_parser = parse_encoding, default_value_t, allow_hyphen_values = true, help_heading = INPUT)]
+    /// Encoding of the photographs: srgb, linear, or an exponent from 0.1 to 10.
+    ///
+    /// Raw conversions and many 16-bit files are linear.
+    #[arg(long, value_name = "srgb|linear|N", value_parser = parse_encoding, default_value_t,
+          allow_hyphen_values = true, help_heading = INPUT)]
     pub(crate) gamma: Encoding,
 }

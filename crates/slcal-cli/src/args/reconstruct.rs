@@ -16,54 +16,69 @@ use crate::io::RawFormat;
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("place").required(true))]
 pub(crate) struct ReconstructArgs {
-    /// Photographs of the object under the stripes; `-` for one on stdin.
+    /// Photographs of the object under the stripes, in files or folders; `-` for one on stdin.
+    ///
+    /// A folder stands for its photographs in natural order (img2 before img10), as does a name with * or ? that the
+    /// shell has not expanded.
     #[arg(required_unless_present = "raw", value_name = "IMAGE")]
     pub(crate) images: Vec<PathBuf>,
-    /// The calibrated rig.
+    /// Calibrated rig.
     #[arg(long, value_name = "RIG.json", help_heading = INPUT)]
     pub(crate) rig: PathBuf,
     #[command(flatten)]
     pub(crate) input: DecodeInput,
     #[command(flatten)]
     pub(crate) shape: CloudArgs,
-    /// Which triangles, and with them lone points, are removed: auto, off, or those above an area in mm².
-    #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value_t, allow_hyphen_values = true, help_heading = MODEL)]
+    /// Triangles to remove, and with them isolated points: auto, off, or those above an area in mm².
+    ///
+    /// auto removes triangles that are far more slanted than their neighbours, or far longer in the image.
+    #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value_t,
+          allow_hyphen_values = true, help_heading = MODEL)]
     pub(crate) cull: CullRule,
-    /// Where to write the cloud of one IMAGE: .ply, .pcd, .xyz, .obj or .glb by the name; `-` for a PLY on stdout.
+    /// File for the cloud of one IMAGE: .ply, .pcd, .xyz, .obj or .glb; `-` for a PLY on stdout.
     #[arg(short, long, value_name = "CLOUD.ply", group = "place", help_heading = OUTPUT)]
     pub(crate) output: Option<PathBuf>,
-    /// Where to write the clouds, each named after its IMAGE; made when it does not exist.
+    /// Folder for the clouds, each named after its IMAGE; created when it does not exist.
+    ///
+    /// Two images of the same name are refused.
     #[arg(long, value_name = "DIR", group = "place", help_heading = OUTPUT)]
     pub(crate) out_dir: Option<PathBuf>,
-    /// What the clouds in DIR are.
+    /// Format of the clouds in DIR.
     #[arg(long, value_parser = choice::<CloudFormat>(CloudFormat::NAMES), ignore_case = true, default_value_t,
-          conflicts_with = "output",
-          help_heading = OUTPUT)]
+          conflicts_with = "output", help_heading = OUTPUT)]
     pub(crate) format: CloudFormat,
-    /// Read frames without a file format from stdin, pixels as rgb24, bgr24 or rgb48le; the clouds are frame_000000 and on.
+    /// Read frames without a file format from stdin until it ends: rgb24, bgr24 (8 bit) or rgb48le (16 bit).
+    ///
+    /// The clouds are called frame_000000, frame_000001 and so on.
     #[arg(long, value_name = "WxH:rgb24", value_parser = RawFormat::parse, conflicts_with = "output",
-          allow_hyphen_values = true,
-          help_heading = INPUT)]
+          allow_hyphen_values = true, help_heading = INPUT)]
     pub(crate) raw: Option<RawFormat>,
-    /// How many frames are worked on at a time; as many as the machine has cores when not given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256), help_heading = GENERAL)]
+    /// Number of frames that are processed at the same time [default: the number of cores].
+    ///
+    /// The results and their order do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256),
+          help_heading = GENERAL)]
     pub(crate) jobs: Option<u16>,
-    /// Leave out frames whose cloud is in DIR already, complete.
+    /// Leave out frames whose complete cloud exists in DIR; incomplete clouds are computed again.
+    ///
+    /// The clouds are checked, not their inputs: after a change of rig or options, use --force.
     #[arg(long, conflicts_with_all = ["force", "output", "report"], help_heading = OUTPUT)]
     pub(crate) resume: bool,
-    /// Draw the points on the photograph, coloured by their distance (one IMAGE only).
+    /// Draw the points on the photograph, coloured by their distance from the camera (one IMAGE only).
     #[arg(long, value_name = "FILE.png", help_heading = OUTPUT)]
     pub(crate) overlay: Option<PathBuf>,
-    /// Write a report to look at: one HTML file with the photograph, the cloud in space and how it was decoded (one IMAGE only).
+    /// Write an HTML report with the photograph, the cloud in 3D and the decoding (one IMAGE only).
     #[arg(long, value_name = "FILE.html", help_heading = OUTPUT)]
     pub(crate) report: Option<PathBuf>,
     /// Fit a plane or a sphere to the cloud, for the report.
     #[arg(long, value_enum, requires = "report", help_heading = OUTPUT)]
     pub(crate) fit: Option<ShapeArg>,
-    /// Print the report as JSON instead of a summary.
+    /// Print the result as JSON instead of a summary.
+    ///
+    /// One object with a list `clouds`.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
-    /// Replace files that exist.
+    /// Replace outputs that exist.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
 }

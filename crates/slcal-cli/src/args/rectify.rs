@@ -9,19 +9,21 @@ use super::headings::{INPUT, OUTPUT};
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("what").required(true))]
 pub(crate) struct RectifyArgs {
-    /// The calibrated rig, with the sheet where it is now.
+    /// Calibrated rig. The sheet must still stand where it stood in its first view.
     #[arg(long, value_name = "RIG.json", help_heading = INPUT)]
     pub(crate) rig: PathBuf,
-    /// A checkerboard to draw anew.
+    /// Checkerboard to draw.
+    ///
+    /// It is drawn anew, not resampled.
     #[arg(long, value_name = "FILE.json", group = "what", help_heading = INPUT)]
     pub(crate) pattern: Option<PathBuf>,
-    /// A picture to show.
+    /// Picture to show.
     #[arg(long, value_name = "FILE", group = "what", help_heading = INPUT)]
     pub(crate) image: Option<PathBuf>,
-    /// The picture to project; `-` for stdout.
+    /// PNG file for the picture to project; `-` for stdout.
     #[arg(short, long, value_name = "FILE.png", help_heading = OUTPUT)]
     pub(crate) output: PathBuf,
-    /// Replace files that exist.
+    /// Replace outputs that exist.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
 }

@@ -9,17 +9,17 @@ use super::headings::OUTPUT;
 
 #[derive(Debug, Args)]
 pub(crate) struct CompletionsArgs {
-    /// Whose script to print.
+    /// The shell to print the script for.
     #[arg(value_enum)]
     pub(crate) shell: Shell,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct ManArgs {
-    /// A folder for one page per verb; without it the main page goes to stdout.
+    /// Folder for one page per verb. Without it, the main page is printed to stdout.
     #[arg(long, value_name = "DIR", help_heading = OUTPUT)]
     pub(crate) out: Option<PathBuf>,
-    /// Replace files that exist.
+    /// Replace outputs that exist.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
 }

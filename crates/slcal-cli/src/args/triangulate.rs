@@ -12,22 +12,23 @@ use super::value::parse_cull;
 
 #[derive(Debug, Args)]
 pub(crate) struct TriangulateArgs {
-    /// The matches, a CSV table; `-` for stdin.
+    /// Table of matches, CSV; `-` for stdin.
+    ///
+    /// It needs the columns u, v and projector_column or projector_row, or both.
     pub(crate) matches: PathBuf,
-    /// The calibrated rig.
+    /// Calibrated rig.
     #[arg(long, value_name = "RIG.json", help_heading = INPUT)]
     pub(crate) rig: PathBuf,
     #[command(flatten)]
     pub(crate) shape: CloudArgs,
-    /// Which triangles, and with them lone points, are removed: auto, off, or those above an area in mm².
+    /// Triangles to remove, and with them isolated points: auto, off, or those above an area in mm².
     #[arg(long, value_name = "auto|off|MM2", value_parser = parse_cull, default_value_t = CullRule::Off,
-          allow_hyphen_values = true,
-          help_heading = MODEL)]
+          allow_hyphen_values = true, help_heading = MODEL)]
     pub(crate) cull: CullRule,
-    /// Where to write the cloud: .ply, .pcd, .xyz, .obj or .glb by the name; `-` for a PLY on stdout.
+    /// File for the cloud: .ply, .pcd, .xyz, .obj or .glb; `-` for a PLY on stdout.
     #[arg(short, long, value_name = "CLOUD.ply", help_heading = OUTPUT)]
     pub(crate) output: PathBuf,
-    /// Replace files that exist.
+    /// Replace outputs that exist.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
 }

@@ -1,4 +1,4 @@
-//! Values as they are typed: the core's options, lengths, panels, points and corners.
+//! Parsers of values: options of the core, lengths, panels, points and corners.
 
 use std::str::FromStr;
 
@@ -11,7 +11,7 @@ use slcal_core::{Error, PrincipalPointRule};
 
 use crate::similar::did_you_mean;
 
-/// A choice of the core that has nothing but names: help and shells list them.
+/// Parses an option of the core whose values are names; help and shells list them.
 pub(super) fn choice<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
 where
     T: FromStr<Err = Error> + Clone + Send + Sync + 'static,
@@ -19,7 +19,7 @@ where
     PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
 }
 
-/// An option of the core; `names` are what was probably meant by a word that it does not know.
+/// Parses an option of the core; an unknown word is answered with the nearest of `names`.
 fn option<T: FromStr<Err = Error>>(
     text: &str,
     names: impl IntoIterator<Item = impl Into<String>>,
@@ -35,17 +35,17 @@ pub(super) fn parse_encoding(text: &str) -> Result<Encoding, String> {
     option(text, Encoding::NAMES.iter().copied())
 }
 
-/// Parses which triangles are removed.
+/// Parses the rule for removing triangles.
 pub(super) fn parse_cull(text: &str) -> Result<CullRule, String> {
     option(text, CullRule::NAMES.iter().copied())
 }
 
-/// Parses what is known of the projector's principal point.
+/// Parses the rule for the principal point of the projector.
 pub(super) fn parse_projector_pp(text: &str) -> Result<PrincipalPointRule, String> {
     option(text, PrincipalPointRule::NAMES.iter().copied())
 }
 
-/// Parses what is known of the camera's principal point.
+/// Parses the rule for the principal point of the camera.
 pub(super) fn parse_camera_pp(text: &str) -> Result<PrincipalPointRule, String> {
     match parse_projector_pp(text)? {
         PrincipalPointRule::Shift => {
@@ -69,7 +69,7 @@ pub(super) fn parse_size(text: &str) -> Result<RectangleSize, String> {
 pub(super) fn parse_length(text: &str) -> Result<f64, String> {
     let wrong = || "expected a length above zero with a unit, such as 1100mm, 110cm, 1.1m or 43in".to_owned();
     let lower = text.trim().to_lowercase();
-    // "m" last: it ends the others as well.
+    // "m" is last because the others end with it, too.
     let (number, unit) = [("mm", 1.0), ("cm", 10.0), ("in", 25.4), ("m", 1000.0)]
         .iter()
         .find_map(|&(unit, mm)| Some((lower.strip_suffix(unit)?, mm)))

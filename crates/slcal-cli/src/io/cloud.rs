@@ -1,4 +1,4 @@
-//! The formats of clouds, told by the output's name.
+//! The formats of clouds, by the name of the output.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use slcal_core::format::{CloudFormat, read_ply};
 use crate::exit::{Failure, Outcome};
 use crate::name::is_dash;
 
-/// The format of an output by its extension; PLY for stdout and for devices, whose names say nothing.
+/// The format of an output by its extension; PLY for stdout and for devices.
 pub(crate) fn cloud_format_of(path: &Path) -> Outcome<CloudFormat> {
     match path.extension().and_then(|e| e.to_str()?.parse().ok()) {
         Some(format) => Ok(format),
@@ -20,8 +20,8 @@ pub(crate) fn cloud_format_of(path: &Path) -> Outcome<CloudFormat> {
     }
 }
 
-/// Whether a file is there and holds a whole cloud, as far as its format can tell: the binary ones state their length,
-/// the text ones only how a line ends.
+/// Whether a file exists and holds a complete cloud, as far as its format shows: binary formats state their length,
+/// text formats only end with a line.
 pub(crate) fn cloud_is_complete(format: CloudFormat, path: &Path) -> bool {
     let Ok(bytes) = fs::read(path) else { return false };
     match format {
@@ -39,7 +39,7 @@ fn is_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir())
 }
 
-/// The length that a binary PCD must have by its header.
+/// The length of a binary PCD according to its header.
 fn pcd_length(bytes: &[u8]) -> Option<usize> {
     const END: &[u8] = b"DATA binary\n";
     let start = bytes.windows(END.len()).position(|w| w == END)? + END.len();

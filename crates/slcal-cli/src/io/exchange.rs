@@ -1,4 +1,4 @@
-//! Where the files of other programs stand: one file, one per device, or a folder.
+//! The paths of files of other programs: one file, one per device, or a folder.
 
 use std::path::{Path, PathBuf};
 
@@ -11,10 +11,10 @@ const COLMAP: [&str; 3] = ["cameras.txt", "images.txt", "points3D.txt"];
 /// The files of a rig for ROS, the last one optional.
 const ROS: [&str; 2] = ["camera.yaml", "projector.yaml"];
 
-/// Where an export goes.
+/// The paths of an export.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExportPlaces {
-    /// A folder that the files stand in and that may have to be made.
+    /// The folder of the files, which may have to be created.
     pub folder: Option<PathBuf>,
     /// A path for each file, in their order.
     pub paths: Vec<PathBuf>,
@@ -28,10 +28,10 @@ fn misnamed(expected: impl Into<String>, path: &Path) -> Error {
     Error::invalid("output", expected, path.display())
 }
 
-/// How FileStorage is written, by the output's name.
+/// The syntax of FileStorage, by the name of the output.
 ///
 /// # Errors
-/// [`Error::Invalid`] that says which endings there are.
+/// [`Error::Invalid`] that lists the extensions.
 pub fn storage_of(path: &Path) -> Result<StorageText> {
     if is_dash(path) || has_extension(path, &["yml", "yaml"]) {
         Ok(StorageText::Yaml)
@@ -44,10 +44,10 @@ pub fn storage_of(path: &Path) -> Result<StorageText> {
     }
 }
 
-/// The places of an export's files with these usual names, for an output called `path`.
+/// The paths of the files of an export, whose usual names are `names`, for the output `path`.
 ///
 /// # Errors
-/// [`Error::Invalid`] that says what the output should be called.
+/// [`Error::Invalid`] that says how to name the output.
 pub fn export_places(path: &Path, format: ExchangeFormat, names: &[&str]) -> Result<ExportPlaces> {
     let in_folder = |folder: &Path| ExportPlaces {
         folder: Some(folder.to_owned()),
@@ -92,7 +92,7 @@ pub fn export_places(path: &Path, format: ExchangeFormat, names: &[&str]) -> Res
     }
 }
 
-/// The files that are meant by these paths: a folder stands for the files of a model or a rig in it, cameras.txt for those beside it
+/// Expands paths to files: a folder to the files of its model or rig, cameras.txt to the files of its model
 /// as well.
 ///
 /// # Errors

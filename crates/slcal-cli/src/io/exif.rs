@@ -1,4 +1,4 @@
-//! What a photograph's EXIF tags say about its lens.
+//! The focal length in the EXIF tags of a photograph.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -8,16 +8,16 @@ use exif::{In, Reader, Tag, Value};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::name::input_name;
 
-/// Ratios of sides that differ by more than this part are not one picture resized.
+/// Relative difference of two aspect ratios beyond which one picture is not the other resized.
 const SAME_SHAPE: f64 = 0.01;
-/// 35 mm equivalents that lenses have, mm: from fisheyes to telescopes.
+/// Plausible 35 mm equivalents, mm: from fisheyes to telescopes.
 const PLAUSIBLE_MM: std::ops::RangeInclusive<f64> = 5.0..=5000.0;
 
-/// The focal length as its 35 mm equivalent, mm, of a photograph whose file has these bytes and whose picture has this size
-/// when it is upright.
+/// The 35 mm equivalent focal length, mm, of a photograph with the bytes of its file and the size of its upright
+/// picture.
 ///
-/// Refused are a digital zoom, of which nobody knows whether the tag includes it, and pictures that were cropped after they
-/// were taken.
+/// A digital zoom is refused, because the tag may or may not include it. So are pictures that were cropped
+/// afterwards.
 pub(crate) fn focal_35mm(path: &Path, bytes: &[u8], size: [u32; 2]) -> Outcome<f64> {
     let refused = |found: &str| {
         Failure::new(
@@ -36,14 +36,14 @@ pub(crate) fn focal_35mm(path: &Path, bytes: &[u8], size: [u32; 2]) -> Outcome<f
     let Some(equivalent) = number(Tag::FocalLengthIn35mmFilm).filter(|f| *f != 0.0) else {
         let real = number(Tag::FocalLength).map_or_else(
             || "no focal length".to_owned(),
-            |f| format!("only the real one, {f:.2} mm, whose sensor is unknown"),
+            |f| format!("only the actual focal length, {f:.2} mm, for a sensor of unknown size"),
         );
         return Err(refused(&real));
     };
     if !PLAUSIBLE_MM.contains(&equivalent) {
         return Err(refused(&format!("{equivalent} mm")));
     }
-    // Zero means that no digital zoom was used.
+    // Zero means no digital zoom.
     if let Some(zoom) = number(Tag::DigitalZoomRatio).filter(|z| *z != 0.0 && (z - 1.0).abs() > SAME_SHAPE) {
         return Err(refused(&format!("a digital zoom of {zoom:.2}, which the tag may or may not include")));
     }
@@ -51,7 +51,7 @@ pub(crate) fn focal_35mm(path: &Path, bytes: &[u8], size: [u32; 2]) -> Outcome<f
         && w > 0.0
         && h > 0.0
     {
-        // The tags are those of the picture before it was turned upright.
+        // The tags are from before the rotation.
         let shape = |a: f64, b: f64| a.max(b) / a.min(b);
         let here = shape(f64::from(size[0]), f64::from(size[1]));
         if (shape(w, h) / here - 1.0).abs() > SAME_SHAPE {

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::name::is_dash;
 
-/// Endings of the photographs of a folder; its other files are passed over.
+/// Extensions of the photographs in a folder; other files are ignored.
 const EXTENSIONS: [&str; 5] = ["png", "jpg", "jpeg", "tif", "tiff"];
 
-/// The files that these paths mean: a folder means its photographs, `*` and `?` in a name mean the files that match.
+/// Expands paths: a folder to its photographs, a name with `*` or `?` to the matching files.
 pub(crate) fn photographs(paths: &[PathBuf]) -> Outcome<Vec<PathBuf>> {
     let mut files = Vec::new();
     for path in paths {
@@ -33,7 +33,7 @@ pub(crate) fn photographs(paths: &[PathBuf]) -> Outcome<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// The files of a folder that are wanted, at least one.
+/// The wanted files of a folder, at least one, in natural order.
 fn of_folder(
     folder: &Path,
     wanted: impl Fn(&Path) -> bool,
@@ -75,12 +75,11 @@ fn matches(pattern: &str, name: &str) -> bool {
     }
 }
 
-/// Numbers by their value, all else by its letters: img2 before img10.
+/// Natural order: numbers by value, other text by letters, so that img2 is before img10.
 fn natural(a: &str, b: &str) -> Ordering {
     let split = |text: &str| {
         let digits = text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-        let letters = text.find(|c: char| c.is_ascii_digit()).unwrap_or(text.len());
-        if digits > 0 { digits } else { letters }
+        if digits > 0 { digits } else { text.chars().next().map_or(0, char::len_utf8) }
     };
     let (mut left, mut right) = (a, b);
     while !left.is_empty() && !right.is_empty() {

@@ -12,17 +12,17 @@ use crate::exit::{Exit, Failure, Outcome};
 use crate::name::input_name;
 use crate::output::{Printer, Remarks};
 
-/// What a photograph may be.
+/// Accepted photographs.
 const FORMATS: &str = "PNG, JPEG or TIFF, 8 or 16 bit, grey or RGB(A)";
 
-/// Photographs above this are refused before a pixel is decoded: larger than any camera's, smaller than what a file made
-/// to exhaust the memory announces.
+/// Limit of the size of photographs, checked before decoding: above any camera, below a file that is made
+/// to exhaust the memory.
 pub(super) const MAX_PIXELS: u64 = 250_000_000;
 
-/// What decoding may allocate: 16 bit RGB of [`MAX_PIXELS`].
+/// Limit of the memory of decoding: 16-bit RGB of [`MAX_PIXELS`].
 const MAX_DECODED_BYTES: u64 = MAX_PIXELS * 6;
 
-/// Extensions of camera raw files; most of them are TIFF inside, with a thumbnail that would be read instead.
+/// Extensions of camera raw files. Most are TIFF files whose thumbnail would be read instead.
 const RAW_EXTENSIONS: [&str; 14] =
     ["dng", "cr2", "cr3", "crw", "nef", "nrw", "arw", "sr2", "raf", "orf", "rw2", "pef", "srw", "raw"];
 
@@ -31,7 +31,7 @@ pub(crate) fn load_photo(path: &Path, printer: Printer) -> Outcome<DynamicImage>
     load_photo_and_file(path, printer).map(|(photo, _)| photo)
 }
 
-/// Reads a photograph and returns its file's bytes, too.
+/// Reads a photograph and returns the bytes of its file, too.
 pub(crate) fn load_photo_and_file(path: &Path, printer: Printer) -> Outcome<(DynamicImage, Vec<u8>)> {
     let mut remarks = Remarks::default();
     let loaded = read_photo(path, &mut remarks);
@@ -39,14 +39,14 @@ pub(crate) fn load_photo_and_file(path: &Path, printer: Printer) -> Outcome<(Dyn
     loaded
 }
 
-/// The same for work that must not print.
+/// The same without printing.
 pub(crate) fn read_photo(path: &Path, remarks: &mut Remarks) -> Outcome<(DynamicImage, Vec<u8>)> {
     let name = input_name(path);
     let bytes = read_bytes(path, "a photograph")?;
     let (photo, orientation) = decode_photo(&bytes, &name)?;
     if orientation != Orientation::NoTransforms {
         remarks.note(format!(
-            "{name}: turned upright as its EXIF orientation asks ({orientation:?}): {}x{} pixels",
+            "{name}: rotated according to its EXIF orientation ({orientation:?}): {}x{} pixels",
             photo.width(),
             photo.height()
         ));
@@ -55,7 +55,7 @@ pub(crate) fn read_photo(path: &Path, remarks: &mut Remarks) -> Outcome<(Dynamic
     Ok((photo, bytes))
 }
 
-/// Decodes the bytes of a photograph called `name` in messages, whose ending tells camera raw files.
+/// Decodes a photograph. `name` is for messages; its extension identifies camera raw files.
 pub(crate) fn decode_photo(bytes: &[u8], name: &str) -> Outcome<(DynamicImage, Orientation)> {
     let extension =
         Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -63,7 +63,7 @@ pub(crate) fn decode_photo(bytes: &[u8], name: &str) -> Outcome<(DynamicImage, O
         return Err(refused(
             name,
             "a camera raw file",
-            "develop it to a 16 bit TIFF first, for instance with `darktable-cli IN OUT.tif` or `dcraw -T -6 IN` \
+            "develop it to a 16-bit TIFF first, for example with `darktable-cli IN OUT.tif` or `dcraw -T -6 IN` \
              (and say --gamma linear if the result is linear)",
         ));
     }
@@ -71,7 +71,7 @@ pub(crate) fn decode_photo(bytes: &[u8], name: &str) -> Outcome<(DynamicImage, O
         return Err(refused(
             name,
             "a HEIC/AVIF picture",
-            "convert it to JPEG or PNG first, for instance with `heif-convert IN OUT.png` or by setting the phone to \
+            "convert it to JPEG or PNG first, for example with `heif-convert IN OUT.png` or by setting the phone to \
              \"most compatible\"",
         ));
     }
@@ -79,7 +79,7 @@ pub(crate) fn decode_photo(bytes: &[u8], name: &str) -> Outcome<(DynamicImage, O
         refused(
             name,
             &recognise(bytes).unwrap_or_else(|| what_it_is(bytes).to_owned()),
-            "the name's ending does not matter, the content does; give the photograph itself",
+            "the content decides, not the name; give the photograph itself",
         )
     })?;
     if !matches!(format, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Tiff) {
@@ -94,8 +94,8 @@ pub(crate) fn decode_photo(bytes: &[u8], name: &str) -> Outcome<(DynamicImage, O
     };
     let undecoded = |e: &ImageError| match e {
         ImageError::Unsupported(_) => {
-            let found = format!("a {format:?} of a kind that is not read ({e})");
-            refused(name, &found, "convert it to an RGB PNG or TIFF of 8 or 16 bit first")
+            let found = format!("a {format:?} of an unsupported kind ({e})");
+            refused(name, &found, "convert it to an RGB PNG or TIFF with 8 or 16 bit first")
         }
         e => broken(e),
     };
@@ -114,7 +114,7 @@ pub(crate) fn decode_photo(bytes: &[u8], name: &str) -> Outcome<(DynamicImage, O
     }
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     if format == ImageFormat::Jpeg && !jpeg_is_complete(bytes) {
-        // The decoder fills what is missing with grey.
+        // The decoder fills missing data with grey.
         return Err(broken(&"the data ends before the picture does"));
     }
     let mut photo = DynamicImage::from_decoder(decoder).map_err(|e| undecoded(&e))?;
@@ -126,7 +126,7 @@ fn refused(name: &str, found: &str, advice: &str) -> Failure {
     Failure::new(Exit::Input, format!("{name}: expected a photograph ({FORMATS}), found {found}; {advice}"))
 }
 
-/// ISO base media files whose brand is a still picture's.
+/// Whether this is an ISO base media file with the brand of a still picture.
 fn is_heic(bytes: &[u8]) -> bool {
     bytes.get(4..8) == Some(b"ftyp")
         && bytes.get(8..12).is_some_and(|brand| {

@@ -1,4 +1,4 @@
-//! Frames without any file format around them: a stream of pixels, as `ffmpeg -f rawvideo` writes it.
+//! Frames without a file format: a stream of pixels, as `ffmpeg -f rawvideo` writes it.
 
 use std::io::{ErrorKind, Read};
 
@@ -7,7 +7,7 @@ use slcal_core::photo::{Layout, PhotoView, Samples};
 use super::photo::MAX_PIXELS;
 use crate::exit::{Exit, Failure, Outcome};
 
-/// What a stream's pixels are, by the names that ffmpeg gives them.
+/// Pixel formats by their ffmpeg names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Pixels {
     Rgb24,
@@ -15,7 +15,7 @@ enum Pixels {
     Rgb48Le,
 }
 
-/// What a stream's frames are.
+/// The format of the frames of a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct RawFormat {
     /// Width and height, px.
@@ -26,7 +26,7 @@ pub(crate) struct RawFormat {
 impl RawFormat {
     /// Parses `WxH:rgb24`.
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
-        let usual = || "expected WxH:rgb24, WxH:bgr24 or WxH:rgb48le, for instance 1280x960:rgb24".to_owned();
+        let usual = || "expected WxH:rgb24, WxH:bgr24 or WxH:rgb48le, for example 1280x960:rgb24".to_owned();
         let (size, pixels) = text.split_once(':').ok_or_else(usual)?;
         let (width, height) = size.split_once('x').ok_or_else(usual)?;
         let side = |s: &str| s.parse::<u32>().ok().filter(|n| *n > 0).ok_or_else(usual);
@@ -40,7 +40,7 @@ impl RawFormat {
             "rgb48le" => Pixels::Rgb48Le,
             grey if grey.starts_with("gray") || grey.starts_with("grey") => {
                 return Err(
-                    "the stripes are told apart by their colours, which a grey picture does not have; \
+                    "the stripes are identified by their colours, which a grey picture does not have; \
                             record in colour, as rgb24, bgr24 or rgb48le"
                         .to_owned(),
                 );
@@ -71,7 +71,7 @@ enum RawSamples {
 }
 
 impl RawFrame {
-    /// Reads the next frame, called `name` in messages; `None` when the stream ends before it.
+    /// Reads the next frame; `name` is for messages. `None` at the end of the stream.
     pub(crate) fn read(input: &mut impl Read, format: RawFormat, name: &str) -> Outcome<Option<Self>> {
         let mut bytes = vec![0; format.length()];
         let mut filled = 0;
@@ -84,7 +84,7 @@ impl RawFrame {
                         Exit::Input,
                         format!(
                             "{name}: expected {} bytes for a frame of {w}x{h} pixels, found the end of the stream after \
-                             {filled}; the recording was cut off, or its frames have another size or format",
+                             {filled}; the recording is truncated, or its frames have another size or format",
                             bytes.len()
                         ),
                     ));
@@ -104,7 +104,7 @@ impl RawFrame {
         Ok(Some(Self { format, samples }))
     }
 
-    /// The frame as the decoder sees it.
+    /// The frame as a view.
     pub(crate) fn view(&self) -> slcal_core::Result<PhotoView<'_>> {
         let [width, height] = self.format.size.map(|n| n as usize);
         let samples = match &self.samples {
@@ -139,7 +139,7 @@ mod tests {
             }
             assert!(RawFrame::read(&mut stream, format, "x").unwrap().is_none());
             let failure = RawFrame::read(&mut &bytes[1..], format, "x").unwrap_err();
-            assert!(failure.code() == 3 && failure.to_string().contains("cut off"), "{failure}");
+            assert!(failure.code() == 3 && failure.to_string().contains("truncated"), "{failure}");
         }
     }
 

@@ -8,22 +8,22 @@ use crate::exit::{Exit, Failure, Outcome};
 use crate::name::{input_name, is_dash};
 use crate::similar::nearest;
 
-/// Inputs above this are refused unread: the largest photographs that are accepted stay below it even uncompressed.
+/// Limit of the size of inputs: above the largest accepted photographs, even uncompressed.
 const MAX_INPUT_MIB: u64 = 2048;
 
-/// The bytes of an input file, or of stdin for `-`. `kind` says what was expected ("a photograph").
+/// The bytes of an input file, or of stdin for `-`. `kind` is the expected kind of file ("a photograph").
 pub(crate) fn read_bytes(path: &Path, kind: &str) -> Outcome<Vec<u8>> {
     read_at_most(path, kind, MAX_INPUT_MIB)
 }
 
-/// Names of a folder that are looked at for the one that was meant.
+/// Limit of the names in a folder that are compared with a missing one.
 const MOST_NAMES: usize = 10_000;
 
-/// What to say of a file that is not there: the name in its folder that was probably meant.
+/// The message on a missing file, with the nearest name in its folder.
 fn missing(path: &Path) -> String {
     let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
     let Ok(entries) = fs::read_dir(folder.unwrap_or(Path::new("."))) else {
-        return "no such file, nor its folder; check the name".to_owned();
+        return "no such file, and no such folder; check the name".to_owned();
     };
     let names = entries.take(MOST_NAMES).filter_map(|e| e.ok()?.file_name().into_string().ok());
     let word = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
@@ -36,15 +36,13 @@ fn missing(path: &Path) -> String {
     }
 }
 
-/// The same with a limit of its own, MiB.
+/// The same with another limit, MiB.
 pub(crate) fn read_at_most(path: &Path, kind: &str, limit_mib: u64) -> Outcome<Vec<u8>> {
     let unreadable = |e: &std::io::Error| {
         let advice = match e.kind() {
             std::io::ErrorKind::NotFound => missing(path),
-            std::io::ErrorKind::PermissionDenied => {
-                "not allowed to read it; check its permissions".to_owned()
-            }
-            std::io::ErrorKind::IsADirectory => "it is a folder; give the file".to_owned(),
+            std::io::ErrorKind::PermissionDenied => "no permission to read it".to_owned(),
+            std::io::ErrorKind::IsADirectory => "it is a folder; give a file".to_owned(),
             _ => return Failure::new(Exit::Input, format!("{}: expected {kind}: {e}", input_name(path))),
         };
         Failure::new(Exit::Input, format!("{}: expected {kind}: {advice}", input_name(path)))
@@ -61,7 +59,7 @@ pub(crate) fn read_at_most(path: &Path, kind: &str, limit_mib: u64) -> Outcome<V
         return Err(Failure::new(
             Exit::Input,
             format!(
-                "{}: expected {kind} of at most {limit_mib} MiB, found more; is it the right file?",
+                "{}: expected {kind} of at most {limit_mib} MiB, found a larger file; is it the right one?",
                 input_name(path)
             ),
         ));
@@ -69,15 +67,13 @@ pub(crate) fn read_at_most(path: &Path, kind: &str, limit_mib: u64) -> Outcome<V
     if bytes.is_empty() && is_dash(path) {
         return Err(Failure::new(
             Exit::Input,
-            format!(
-                "stdin: expected {kind}, found an empty file; make it again, and name - for one input only"
-            ),
+            format!("stdin: expected {kind}, found no data; use - for one input only"),
         ));
     }
     if bytes.is_empty() {
         return Err(Failure::new(
             Exit::Input,
-            format!("{}: expected {kind}, found an empty file; make it again", input_name(path)),
+            format!("{}: expected {kind}, found an empty file", input_name(path)),
         ));
     }
     Ok(bytes)

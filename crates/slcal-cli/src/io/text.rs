@@ -18,21 +18,21 @@ pub(crate) fn load_rig(path: &Path) -> Outcome<Rig> {
     read_rig(read_bytes(path, "a rig JSON")?.as_slice()).in_file(path)
 }
 
-/// Camera files above this are refused unread: they have a few kilobytes, rigs of hundreds of views a few megabytes.
+/// Limit of camera files: they have a few kilobytes, rigs of hundreds of views a few megabytes.
 const MAX_CAMERA_MIB: u64 = 64;
 
-/// Reads the intrinsics of a camera from a file of any kind.
+/// Reads the intrinsics of a camera from a file of any known format.
 pub(crate) fn load_camera(path: &Path) -> Outcome<KnownCamera> {
     read_camera(read_at_most(path, "a camera file (OpenCV, ROS or rig JSON)", MAX_CAMERA_MIB)?.as_slice())
         .in_file(path)
 }
 
-/// The bytes of a file of another program that holds a rig or a part of one.
+/// The bytes of a file of another program with a rig or a part of one.
 pub(crate) fn read_exchange(path: &Path) -> Outcome<Vec<u8>> {
     read_at_most(path, "a file of another program with a camera or a rig", MAX_CAMERA_MIB)
 }
 
-/// Observations above this are refused unread: a million points take half of it.
+/// Limit of observations: a million points take half of it.
 const MAX_OBSERVATIONS_MIB: u64 = 128;
 
 /// Reads an observations JSON.
@@ -73,7 +73,7 @@ fn wrong_kind(path: &Path, expected: &str, found: &str) -> Failure {
     )
 }
 
-/// Reads a mesh, PLY or OBJ by the name, its coordinates multiplied by `scale`.
+/// Reads a mesh, PLY or OBJ by its name, and multiplies its coordinates by `scale`.
 pub(crate) fn load_mesh(path: &Path, scale: f64) -> Outcome<TriangleMesh> {
     let is_obj = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
     let bytes = read_bytes(path, "a mesh as PLY or OBJ")?;

@@ -1,4 +1,4 @@
-//! Outputs: refused before the work when they cannot be written, and visible under their name only when complete.
+//! Outputs: checked before the work, and visible under their name only when complete.
 
 use std::fs::{self, OpenOptions};
 use std::io::{Cursor, Write as _};
@@ -18,10 +18,10 @@ static TEMPORARIES: RwLock<()> = RwLock::new(());
 /// The exit code of a run that was interrupted, as shells report it for Ctrl-C.
 const INTERRUPTED: i32 = 130;
 
-/// Lets an interrupt (Ctrl-C, a request to terminate) end the run between two files, not within one: nothing unfinished is
-/// left behind. Where interrupts are ignored, or handled by the program around this one, they stay so.
+/// Makes an interrupt (Ctrl-C, a request to terminate) end the run between two files, so that nothing unfinished is
+/// left behind. Interrupts that are ignored, or handled by the embedding program, stay so.
 pub(crate) fn end_whole_on_interrupt() {
-    // Without the handler, an interrupt in the few milliseconds of writing may leave a hidden temporary file: no reason to
+    // Without the handler, an interrupt during writing may leave a hidden temporary file, which is no reason to
     // refuse to run.
     let _ = ctrlc::try_set_handler(|| {
         let _alone = TEMPORARIES.write().unwrap_or_else(PoisonError::into_inner);
@@ -34,12 +34,12 @@ fn with_temporaries() -> RwLockReadGuard<'static, ()> {
     TEMPORARIES.read().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Where a result goes, known to be writable.
+/// The destination of a result, known to be writable.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Destination {
     /// `-`.
     Stdout,
-    /// A device or a pipe: written in place, since it cannot be replaced.
+    /// A device or a pipe, written in place.
     Device(PathBuf),
     /// A file that appears under its name when it is complete.
     File {
@@ -61,17 +61,17 @@ impl Destination {
         let shown = path.display();
         match fs::metadata(path) {
             Ok(found) if found.is_dir() => {
-                return Err(unwritable(path, "it is a folder; give a file name in it"));
+                return Err(unwritable(path, "it is a folder; give the name of a file in it"));
             }
             Ok(found) if !found.is_file() => return Ok(Self::Device(path.to_owned())),
             Ok(_) if !force => {
                 return Err(Failure::new(
                     Exit::Other,
-                    format!("{shown}: expected a new file, found an existing one; --force replaces it"),
+                    format!("{shown}: expected a new file, but it exists; use --force to replace it"),
                 ));
             }
             Err(_) if fs::symlink_metadata(path).is_ok_and(|m| m.is_symlink()) => {
-                return Err(unwritable(path, "it is a link to a place that does not exist; remove it first"));
+                return Err(unwritable(path, "it is a link to a file that does not exist; remove it first"));
             }
             _ => {}
         }
@@ -81,10 +81,10 @@ impl Destination {
         }
         let folder = folder_of(&path);
         if !folder.is_dir() {
-            let why = format!("the folder {} does not exist; make it first", folder.display());
+            let why = format!("the folder {} does not exist; create it first", folder.display());
             return Err(unwritable(&path, &why));
         }
-        // The only test of permission that holds everywhere; the file is gone at the end of the statement.
+        // The only portable test of permission; the file is removed at the end of the statement.
         let _held = with_temporaries();
         temporary(folder).map_err(|e| {
             unwritable(&path, &format!("nothing can be written into {} ({})", folder.display(), e.kind()))
@@ -92,12 +92,12 @@ impl Destination {
         Ok(Self::File { path, force })
     }
 
-    /// The same for a drawing, if one is asked for: it is a file, as stdout has what is said of the result.
+    /// The same for an optional picture, which must be a file, because stdout is for the result.
     pub(crate) fn prepare_overlay(path: Option<&PathBuf>, force: bool) -> Outcome<Option<Self>> {
         Self::prepare_beside("--overlay", path, force)
     }
 
-    /// The same for a report.
+    /// The same for an optional report.
     pub(crate) fn prepare_report(path: Option<&PathBuf>, force: bool) -> Outcome<Option<Self>> {
         Self::prepare_beside("--report", path, force)
     }
@@ -106,7 +106,7 @@ impl Destination {
         let place = path.map(|p| Self::prepare(p, force)).transpose()?;
         if place == Some(Self::Stdout) {
             return Err(Failure::usage(format!(
-                "{option}: expected a file, found -; the result itself goes to stdout"
+                "{option}: expected a file, found -; stdout is for the result"
             )));
         }
         Ok(place)
@@ -120,7 +120,7 @@ impl Destination {
         }
     }
 
-    /// How it is called in messages.
+    /// Its name in messages.
     pub(crate) fn name(&self) -> String {
         match self {
             Self::Stdout => "stdout".to_owned(),
@@ -129,13 +129,13 @@ impl Destination {
     }
 }
 
-/// Refuses a command line whose outputs are the same file twice.
+/// Refuses two outputs with the same file.
 pub(crate) fn check_distinct<'a>(destinations: impl IntoIterator<Item = &'a Destination>) -> Outcome {
     let mut seen = Vec::new();
     for destination in destinations {
         if !matches!(destination, Destination::Device(_)) && seen.contains(&destination) {
             return Err(Failure::usage(format!(
-                "{} is named as the output of two results; give each its own",
+                "{} is the output of two results; use separate files",
                 destination.name()
             )));
         }
@@ -144,15 +144,15 @@ pub(crate) fn check_distinct<'a>(destinations: impl IntoIterator<Item = &'a Dest
     Ok(())
 }
 
-/// Refuses a command line that would print both its output and `--json`.
+/// Refuses `--json` together with an output on stdout.
 pub(crate) fn check_json(json: bool, output: &Destination) -> Outcome {
     if json && *output == Destination::Stdout {
-        return Err(Failure::usage("--json and -o - both print to stdout; give one of them"));
+        return Err(Failure::usage("--json and -o - both print to stdout; use one of them"));
     }
     Ok(())
 }
 
-/// Refuses a command line whose output would replace one of its own inputs: no `--force` means that.
+/// Refuses an output that would replace an input, even with `--force`.
 pub(crate) fn check_spares<'a>(
     destinations: impl IntoIterator<Item = &'a Destination>,
     inputs: impl IntoIterator<Item = &'a Path>,
@@ -163,7 +163,7 @@ pub(crate) fn check_spares<'a>(
             && inputs.contains(path)
         {
             return Err(Failure::usage(format!(
-                "{} is an input and would be replaced by an output; give the output another name",
+                "{} is an input and would be replaced by an output; use another name for the output",
                 path.display()
             )));
         }
@@ -171,7 +171,7 @@ pub(crate) fn check_spares<'a>(
     Ok(())
 }
 
-/// Writes all results, each to its place, or none: every file is complete beside its place before the first takes its name.
+/// Writes all results or none: all temporary files are complete before the first gets its final name.
 pub(crate) fn write_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
     replace_all(files)?;
     for (destination, bytes) in files {
@@ -188,9 +188,9 @@ pub(crate) fn write_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
     Ok(())
 }
 
-/// The part of [`write_all`] that concerns plain files.
+/// The part of [`write_all`] for plain files.
 fn replace_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
-    // Declared first, so that it is let go when the temporary files are gone.
+    // Declared first, so that it is dropped after the temporary files.
     let _held = with_temporaries();
     let mut ready = Vec::new();
     for (destination, bytes) in files {
@@ -208,7 +208,7 @@ fn replace_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
     Ok(())
 }
 
-/// Writes one file or replaces it, whole or not at all; a device or a pipe is written in place.
+/// Writes or replaces one file completely or not at all; a device or a pipe is written in place.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     // A link stays one.
     let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
@@ -216,7 +216,7 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
         return OpenOptions::new().write(true).open(&path).and_then(|mut f| f.write_all(bytes));
     }
     let folder = folder_of(&path);
-    // Says what is missing itself, not the temporary file that could not be made there.
+    // The error then names the folder, not the temporary file.
     fs::metadata(folder)?;
     let _held = with_temporaries();
     let mut file = temporary(folder)?;
@@ -225,7 +225,7 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     file.persist(&path).map(|_| ()).map_err(|e| e.error)
 }
 
-/// What a writer of the core writes, as the bytes of a file.
+/// The bytes that a writer of the core writes.
 pub(crate) fn bytes_of(write: impl FnOnce(&mut Vec<u8>) -> slcal_core::Result<()>) -> Outcome<Vec<u8>> {
     let mut bytes = Vec::new();
     write(&mut bytes)?;
@@ -240,7 +240,7 @@ pub(crate) fn make_folder(folder: &Path) -> Outcome {
     fs::create_dir(folder).map_err(|e| {
         Failure::new(
             Exit::Other,
-            format!("{}: expected a folder for the outputs, but it cannot be made: {e}", folder.display()),
+            format!("{}: expected a folder for the outputs, but it cannot be created: {e}", folder.display()),
         )
     })
 }
@@ -255,14 +255,14 @@ pub(crate) fn png_bytes(picture: &DynamicImage) -> Outcome<Vec<u8>> {
 }
 
 fn unwritable(path: &Path, why: &str) -> Failure {
-    Failure::new(Exit::Other, format!("{}: expected a place for an output, but {why}", path.display()))
+    Failure::new(Exit::Other, format!("{}: expected a place for the output, but {why}", path.display()))
 }
 
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// A file with the permissions that a plain new file has (temporary files are private otherwise).
+/// A temporary file with the permissions of a plain new file (otherwise it would be private).
 fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".slcal-").suffix(".part");

@@ -1,4 +1,4 @@
-//! `slcal advise`: which photograph to take next.
+//! `slcal advise`: the next best view.
 
 use slcal_core::advise::{CameraPlan, advise_first, advise_next};
 use slcal_core::geometry::Camera;
@@ -40,7 +40,7 @@ fn plan(args: &AdviseArgs) -> Outcome<CameraPlan> {
     Ok(CameraPlan { camera, projector, size, distance_mm, noise_px, config })
 }
 
-/// Names the option that states a value.
+/// Names the option of a value in the message.
 fn stated_by(option: &str, device: slcal_core::Result<Camera>) -> Outcome<Camera> {
     device.map_err(|error| match error {
         Error::Invalid { expected, found, .. } => {
@@ -54,7 +54,7 @@ fn camera(args: &AdviseArgs, pp: PrincipalPointRule) -> Outcome<Camera> {
     if let Some(path) = &args.camera {
         let known = load_camera(path)?;
         let [width, height] = known.size.ok_or_else(|| {
-            let wanted = "expected an image size in the file, to know where the frame ends; add image_width and image_height";
+            let wanted = "expected an image size in the file (image_width and image_height)";
             Failure::new(Exit::Input, format!("{}: {wanted}", path.display()))
         })?;
         return Ok(Camera { width, height, intrinsics: known.intrinsics, distortion: known.distortion });
@@ -69,7 +69,7 @@ fn camera(args: &AdviseArgs, pp: PrincipalPointRule) -> Outcome<Camera> {
     Ok(camera.with_principal_point(pp.expected(image)))
 }
 
-/// A projector as it usually is: with lens shift its axis leaves through the panel's lower edge.
+/// A usual projector: with lens shift its axis passes through the lower edge of the panel.
 fn projector(args: &AdviseArgs, panel: [u32; 2], pp: PrincipalPointRule) -> Outcome<Camera> {
     let projector = match (args.throw, args.projector_focal) {
         (Some(ratio), _) => stated_by("--throw", Camera::from_throw(panel, ratio))?,

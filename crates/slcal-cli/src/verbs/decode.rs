@@ -1,4 +1,4 @@
-//! `slcal decode`: a photograph of stripes in, matches out.
+//! `slcal decode`: from a photograph of stripes to matches.
 
 use std::path::{Path, PathBuf};
 
@@ -52,7 +52,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     print_result(&text)
 }
 
-/// The photographs under a dark and a white projector, and how all of them are to be read.
+/// The photographs with the projector dark and white, and the configuration of the decoder.
 pub(super) struct References {
     black: Option<(PathBuf, DynamicImage)>,
     white: Option<(PathBuf, DynamicImage)>,
@@ -80,12 +80,12 @@ impl References {
         self.config
     }
 
-    /// All photographs of one scene, `photo` the striped one.
+    /// All photographs of one scene; `photo` shows the stripes.
     pub(super) fn input<'a>(&'a self, path: &Path, photo: &'a DynamicImage) -> Outcome<DecodeInput<'a>> {
         self.around(PhotoView::try_from(photo).in_file(path)?)
     }
 
-    /// The same around the striped photograph's pixels.
+    /// The same for the pixels of the striped photograph.
     pub(super) fn around<'a>(&'a self, photo: PhotoView<'a>) -> Outcome<DecodeInput<'a>> {
         let [black, white] = [&self.black, &self.white].map(|frame| view(frame.as_ref(), &photo));
         Ok(DecodeInput { photo, black: black?, white: white? })

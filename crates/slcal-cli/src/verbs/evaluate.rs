@@ -45,7 +45,7 @@ pub(super) fn run(args: &EvaluateArgs, printer: Printer) -> Outcome {
 }
 
 fn draw_plane(args: &EvaluateArgs, cloud: &PointCloud, fit: &PlaneFit) -> Outcome<Vec<u8>> {
-    // The normal points to the camera: what is nearer counts up.
+    // The normal points to the camera: points nearer to it are positive.
     let distances: Vec<f64> =
         cloud.points.iter().map(|p| fit.plane.signed_distance_mm(&p.position)).collect();
     let map = DeviationMap {

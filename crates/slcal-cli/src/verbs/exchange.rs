@@ -132,7 +132,7 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The option that gives what an error finds missing.
+/// The option that provides a missing value.
 fn option_for(error: &Error) -> &'static str {
     match error {
         Error::Invalid { what: ErrorSubject::CameraImageSize, found, .. } if found == "none" => {

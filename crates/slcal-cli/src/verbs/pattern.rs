@@ -1,4 +1,4 @@
-//! `slcal pattern`: draws what is to be projected, and its description beside it.
+//! `slcal pattern`: draws the picture to project and writes its description.
 
 use image::{DynamicImage, RgbImage};
 use slcal_core::format::write_pattern;
@@ -42,7 +42,7 @@ fn stripes(args: &StripesArgs, printer: Printer) -> Outcome {
     places.write(picture, &Pattern::Stripes(pattern), "slcal reconstruct", printer)
 }
 
-/// Where the picture and its description go.
+/// Destinations of the picture and its description.
 struct Places {
     picture: Destination,
     description: Option<Destination>,
@@ -87,7 +87,7 @@ impl Places {
     }
 }
 
-/// How a picture is projected as it is, pixel by pixel.
+/// How to show a picture without scaling.
 const SHOW: &str = if cfg!(target_os = "macos") {
     "Show it full screen and unscaled on the projector: open it in Preview and press Control-Command-F"
 } else {

@@ -1,4 +1,4 @@
-//! `slcal rectify`: the picture to project so that it appears upright on the sheet.
+//! `slcal rectify`: the picture to project so that it appears without keystone on the sheet.
 
 use std::path::PathBuf;
 
@@ -35,7 +35,7 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
     drop(busy);
     let mut layout = TextLayout::new();
     let placed = format!(
-        "{:.1} x {:.1} mm on the sheet, {:.1} mm from its left and {:.1} mm from its top",
+        "{:.1} x {:.1} mm on the sheet, {:.1} mm from its left edge and {:.1} mm from its top edge",
         place.size_mm.width_mm,
         place.size_mm.height_mm,
         unsigned(place.origin_mm.x, 1),

@@ -1,4 +1,4 @@
-//! `slcal report`: a rig, and a cloud made with it, as one HTML file.
+//! `slcal report`: a rig, and a cloud reconstructed with it, as one HTML file.
 
 use std::path::{Path, PathBuf};
 
@@ -25,11 +25,11 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
     };
     check_spares([&place], inputs().map(PathBuf::as_path))?;
     if inputs().filter(|p| is_dash(p)).count() > 1 {
-        return Err(Failure::usage("stdin (-) can be one input only; give the others as files"));
+        return Err(Failure::usage("only one input can come from stdin (-); give the others as files"));
     }
     let rig = load_rig(&args.rig)?;
     let photos = photos(args, &rig, printer)?;
-    // Also those that were found by their names.
+    // Photographs that were found by their names count, too.
     check_spares([&place], photos.iter().flatten().map(|p| p.path.as_path()))?;
     let (observations, residuals) = match seen(args, &rig, &photos, printer)? {
         Ok((seen, residuals)) => (Some(seen), residuals),
@@ -43,7 +43,7 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
     };
     let count = photos.len();
     let gamma = args.gamma.gamma;
-    // The photograph itself, which may be large, is not needed any more.
+    // Frees the photograph, which may be large.
     let shown =
         |photo: Option<Photo>| photo.map(|p| Shown::new(&for_display(p.picture, gamma), count)).transpose();
     let page = RigPage {
@@ -65,12 +65,12 @@ struct Photo {
     picture: DynamicImage,
 }
 
-/// The photographs of the rig's views, as far as they are at hand.
+/// The photographs of the views, as far as they are found.
 fn photos(args: &ReportArgs, rig: &Rig, printer: Printer) -> Outcome<Vec<Option<Photo>>> {
     let views = rig.views.len();
     if !args.photo.is_empty() && args.photo.len() != views {
         return Err(Failure::usage(format!(
-            "--photo: expected one for each of the {views} views of {}, in their order, or none; found {}",
+            "--photo: expected one for each of the {views} views of {}, in the same order, or none; found {}",
             input_name(&args.rig),
             args.photo.len()
         )));
@@ -81,7 +81,7 @@ fn photos(args: &ReportArgs, rig: &Rig, printer: Printer) -> Outcome<Vec<Option<
         let Some(path) = given.cloned().or_else(|| at_hand(&args.rig, view.photo.as_deref()?)) else {
             let name = view.photo.as_deref().unwrap_or("without a name");
             printer.note(format!(
-                "photograph {name}: not at hand, so it is not shown; --photo says where it is"
+                "photograph {name}: not found, so it is not shown; name its file with --photo"
             ));
             photos.push(None);
             continue;
@@ -94,7 +94,7 @@ fn photos(args: &ReportArgs, rig: &Rig, printer: Printer) -> Outcome<Vec<Option<
                 }
                 photos.push(Some(Photo { path, picture }));
             }
-            // One that was only happened upon may be something else.
+            // A file that was found by its name may be another picture.
             Err(failure) if given.is_none() => {
                 printer.note(format!("{failure}; it is not shown"));
                 photos.push(None);
@@ -105,7 +105,7 @@ fn photos(args: &ReportArgs, rig: &Rig, printer: Printer) -> Outcome<Vec<Option<
     Ok(photos)
 }
 
-/// Where a photograph of that name is: beside the rig, or in the current folder.
+/// The path of a photograph by its name: beside the rig, or in the current folder.
 fn at_hand(rig: &Path, name: &str) -> Option<PathBuf> {
     let name = Path::new(name);
     let beside = rig.parent().unwrap_or(Path::new(""));
@@ -134,10 +134,10 @@ fn sized(path: &Path, picture: DynamicImage, rig: &Rig) -> Outcome<DynamicImage>
     ))
 }
 
-/// How far what was seen lies from the rig, or why that is not known.
+/// The residuals, or why they are unknown.
 type Residuals = Result<Vec<ViewResiduals>, String>;
 
-/// What was seen, from a file or from the photographs once more, with its residuals; why not, where neither is at hand.
+/// The observations, from a file or detected again in the photographs, with their residuals; or why there are none.
 fn seen(
     args: &ReportArgs,
     rig: &Rig,
@@ -153,12 +153,11 @@ fn seen(
         check_panel(path, pattern.projector, &args.rig, rig)?;
     }
     if rig.projector.is_some() && pattern.is_none() {
-        return Ok(Err("give what was measured (--observations) or the checkerboard (--pattern)".to_owned()));
+        return Ok(Err("give the measurements (--observations) or the checkerboard (--pattern)".to_owned()));
     }
     if photos.is_empty() || photos.iter().any(Option::is_none) {
         return Ok(Err(
-            "the photographs are not all at hand (--photo), nor what was measured (--observations)"
-                .to_owned(),
+            "some photographs (--photo) and the measurements (--observations) are missing".to_owned()
         ));
     }
     let detect = DetectConfig { encoding: args.gamma.gamma, ..DetectConfig::default() };
@@ -175,7 +174,7 @@ fn seen(
     }
     let size = [rig.camera.model.width, rig.camera.model.height];
     let seen = Observations { camera: size, projector: pattern.map(|p| p.projector), views };
-    // What was measured anew may not fit.
+    // New detections may not match the views of the rig.
     let residuals = residuals(rig, &seen).map_err(|e| e.to_string());
     Ok(Ok((seen, residuals)))
 }

@@ -1,4 +1,4 @@
-//! `slcal completions` and `slcal man`: the command line as shells and readers of manuals want it.
+//! `slcal completions` and `slcal man`: completion scripts and manual pages.
 
 use std::io::Write as _;
 
@@ -40,13 +40,13 @@ pub(super) fn man(args: &ManArgs, printer: Printer) -> Outcome {
     Ok(())
 }
 
-/// The page of a verb and of those beneath it.
+/// The pages of a verb and its subverbs.
 fn all_pages(command: &Command, pages: &mut Vec<(String, Vec<u8>)>) -> Outcome {
     pages.push(page(command)?);
     command.get_subcommands().filter(|c| !c.is_hide_set()).try_for_each(|verb| all_pages(verb, pages))
 }
 
-/// The name of a page's file, and what it holds.
+/// File name and content of a page.
 fn page(command: &Command) -> Outcome<(String, Vec<u8>)> {
     let page = Man::new(command.clone())
         .source(format!("{NAME} {}", env!("CARGO_PKG_VERSION")))
@@ -55,7 +55,7 @@ fn page(command: &Command) -> Outcome<(String, Vec<u8>)> {
     page.render(&mut bytes)
         .map_err(|e| Failure::new(Exit::Other, format!("cannot write the manual page: {e}")))?;
     let name = page.get_filename();
-    // The section in which the manual's readers look for them.
+    // The conventional section of examples.
     let page = String::from_utf8_lossy(&bytes).replace(".SH EXTRA\nExample", ".SH EXAMPLES\nExample");
     Ok((name, page.replace(".SH EXTRA\n", ".SH NOTES\n").into_bytes()))
 }

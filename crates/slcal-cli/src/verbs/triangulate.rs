@@ -1,4 +1,4 @@
-//! `slcal triangulate`: matches of any decoder in, cloud out.
+//! `slcal triangulate`: from the matches of any decoder to a cloud.
 
 use slcal_core::cloud_from_matches;
 use slcal_core::format::read_matches;

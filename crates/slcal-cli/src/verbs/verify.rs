@@ -64,18 +64,18 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     Ok(())
 }
 
-/// The core asks for the size, too, but does not know the option that states it.
+/// The core checks the size, too, but does not know the option for the message.
 fn check_size(args: &VerifyArgs, rig: &Rig) -> Outcome {
     if args.size.is_some() || !rig.views.is_empty() {
         return Ok(());
     }
     Err(Failure::usage(format!(
-        "--size: expected the sheet's size, since {} holds no view of a sheet",
+        "--size: expected the size of the sheet, because {} has no view of a sheet",
         args.rig.display()
     )))
 }
 
-/// As the core does, with the names of both files.
+/// The check of the core, with the names of both files in the message.
 fn check_camera(args: &VerifyArgs, photo: &DynamicImage, rig: &Rig) -> Outcome {
     let (camera, found) = (rig.camera.model, [photo.width(), photo.height()]);
     if [camera.width, camera.height] == found {
@@ -84,7 +84,7 @@ fn check_camera(args: &VerifyArgs, photo: &DynamicImage, rig: &Rig) -> Outcome {
     Err(Failure::new(
         Exit::Input,
         format!(
-            "{}: expected a photograph of {}x{} pixels, by the camera of {}, found {}x{}; a rig holds for one camera at one \
+            "{}: expected a photograph of {}x{} pixels, by the camera of {}, found {}x{}; a rig is valid for one camera at one \
              resolution, uncropped",
             input_name(&args.photo),
             camera.width,

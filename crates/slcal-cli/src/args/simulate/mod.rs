@@ -15,13 +15,13 @@ use super::examples;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SimulateVerb {
-    /// Calibrate again and again under rising noise, by both methods, and compare with the truth.
+    /// Calibrate repeatedly under increasing noise, with both methods, and compare with the ground truth.
     #[command(after_help = examples::NOISE)]
     Noise(Box<NoiseArgs>),
-    /// Observations of a sheet in several poses, with noise, and the rig that is the truth behind them.
+    /// Write noisy observations of a sheet in several poses, and the true rig.
     #[command(after_help = examples::VIEWS)]
     Views(Box<ViewsArgs>),
-    /// Photographs of a plane, a sphere, a step, a sheet or a mesh under the projector's light, with the truth of every pixel.
+    /// Render photographs of a surface under the projector light, with ground truth for every pixel.
     #[command(after_help = examples::SCENE)]
     Scene(Box<SceneArgs>),
 }

@@ -13,11 +13,11 @@ use crate::args::value::{choice, parse_point};
 
 #[derive(Debug, Args)]
 pub(crate) struct NoiseArgs {
-    /// Standard deviations of the noise on each image coordinate, px: a list (0.1,0.2,0.5), or MAX/STEPS for zero and
-    /// that many equal steps up to a largest.
+    /// σ of the noise on each image coordinate, px: a list (0.1,0.2,0.5), or MAX/STEPS.
+    ///
+    /// MAX/STEPS stands for zero and STEPS equal steps up to MAX.
     #[arg(long, value_name = "LIST|MAX/STEPS", value_parser = parse_levels, default_value = "1/10",
-          allow_hyphen_values = true,
-          help_heading = SETTINGS)]
+          allow_hyphen_values = true, help_heading = SETTINGS)]
     pub(crate) levels: Levels,
     /// Draws of the noise per level.
     #[arg(long, value_name = "N", default_value_t = 50, allow_hyphen_values = true, help_heading = SETTINGS)]
@@ -25,28 +25,30 @@ pub(crate) struct NoiseArgs {
     /// Seed of the noise: the same seed gives the same output.
     #[arg(long, value_name = "N", default_value_t = 1, allow_hyphen_values = true, help_heading = SETTINGS)]
     pub(crate) seed: u64,
-    /// Tilt of the sheet about the camera's horizontal, then its vertical axis, degrees.
+    /// Tilt of the sheet about the horizontal, then the vertical axis of the camera, degrees.
     #[arg(long, value_name = "X,Y", value_parser = parse_point, default_value = "25,28",
-          allow_hyphen_values = true,
-          help_heading = SETTINGS)]
+          allow_hyphen_values = true, help_heading = SETTINGS)]
     pub(crate) tilt: Point2<f64>,
-    /// What the methods are told about principal points: exact as in the published experiment, or the default priors, from
-    /// which the truth is then drawn (two-vp takes the centres for exact).
-    #[arg(long, value_parser = choice::<PrincipalPoints>(PrincipalPoints::NAMES), default_value_t, help_heading = MODEL)]
+    /// Knowledge of the principal points: exact (as in the published experiment) or prior.
+    ///
+    /// prior: the truth is drawn from the default priors, and the methods get what they get by default (two-vp takes
+    /// the centres as exact).
+    #[arg(long, value_parser = choice::<PrincipalPoints>(PrincipalPoints::NAMES), default_value_t,
+          help_heading = MODEL)]
     pub(crate) principal_points: PrincipalPoints,
-    /// Edge of the reference cube that stands on the sheet [default: a quarter of the sheet's
-    /// shorter side, or less where that is not seen whole].
+    /// Edge of the reference cube on the sheet [default: a quarter of the shorter side of the sheet, or less where not
+    /// all of it is visible].
     #[arg(long, value_name = "MM", allow_hyphen_values = true, help_heading = SETTINGS)]
     pub(crate) cube: Option<f64>,
     #[command(flatten)]
     pub(crate) rig: RigArgs,
-    /// Write the table as CSV; `-` for stdout.
+    /// File for the table as CSV; `-` for stdout.
     #[arg(long, value_name = "FILE.csv", help_heading = OUTPUT)]
     pub(crate) csv: Option<PathBuf>,
     /// Print the result as JSON instead of a table.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
-    /// Replace files that exist.
+    /// Replace outputs that exist.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
 }

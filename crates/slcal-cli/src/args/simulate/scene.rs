@@ -13,24 +13,25 @@ use crate::args::value::parse_point;
 
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {
-    /// What the rig looks at: plane, sphere, step (a wall with two blocks before it), sheet (of --size), or a mesh.
-    #[arg(long, value_name = "plane|sphere|step|sheet|FILE.ply|FILE.obj", default_value = "plane", help_heading = SETTINGS)]
+    /// Surface in the scene: plane, sphere, step (a wall with two blocks in front of it), sheet (of --size), or a mesh.
+    #[arg(long, value_name = "plane|sphere|step|sheet|FILE.ply|FILE.obj", default_value = "plane",
+          help_heading = SETTINGS)]
     pub(crate) surface: PathBuf,
-    /// What the projector shows: stripes or checker as `slcal pattern` draws them, or a pattern file [default: checker for a
-    /// sheet, else stripes].
+    /// Projected pattern: stripes or checker as `slcal pattern` draws them, or a pattern file [default: checker for a
+    /// sheet, stripes otherwise].
     #[arg(long, value_name = "stripes|checker|FILE.json", help_heading = INPUT)]
     pub(crate) pattern: Option<PathBuf>,
-    /// The folder for all files; made when it does not exist.
+    /// Folder for all files; created when it does not exist.
     #[arg(long, value_name = "DIR", help_heading = OUTPUT)]
     pub(crate) out: PathBuf,
-    /// A rig of one's own instead of the options under "Rig" (--distance and --size still place the surface).
+    /// Rig file, instead of the options under "Rig" (--distance and --size still place the surface).
     #[arg(long, value_name = "RIG.json",
           conflicts_with_all = ["camera", "focal", "projector", "projector_focal", "lens_shift", "baseline", "distortion"],
           help_heading = INPUT)]
     pub(crate) rig: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) of_rig: RigArgs,
-    /// The camera's distortion, as many coefficients as are not zero.
+    /// Distortion coefficients of the camera; missing ones are zero.
     #[arg(long, value_name = "k1,k2,p1,p2,k3", value_parser = parse_distortion, default_value = "0",
           help_heading = "Rig", allow_hyphen_values = true)]
     pub(crate) distortion: Distortion,
@@ -38,10 +39,10 @@ pub(crate) struct SceneArgs {
     pub(crate) place: PlaceArgs,
     #[command(flatten)]
     pub(crate) light: LightArgs,
-    /// Print what was made as JSON instead of a summary.
+    /// Print the result as JSON instead of a summary.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
-    /// Replace files that exist.
+    /// Replace outputs that exist.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
 }
@@ -50,30 +51,32 @@ pub(crate) struct SceneArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Surface")]
 pub(crate) struct PlaceArgs {
-    /// Tilt about the camera's horizontal and vertical axis and, if wanted, roll, degrees [default: 10,20 for a plane,
-    /// 25,28 for a sheet, else none].
+    /// Tilt about the horizontal and vertical axis of the camera and, optionally, roll, degrees [default: 10,20 for a
+    /// plane, 25,28 for a sheet, otherwise none].
     #[arg(long, value_name = "X,Y[,ROLL]", value_parser = parse_pose, allow_hyphen_values = true)]
     pub(crate) tilt: Option<PoseArg>,
-    /// How far right of and below the camera's axis its middle stands, mm.
-    #[arg(long, value_name = "X,Y", value_parser = parse_point, default_value = "0,0", allow_hyphen_values = true)]
+    /// Offset of the middle of the surface to the right of and below the optical axis of the camera, mm.
+    #[arg(long, value_name = "X,Y", value_parser = parse_point, default_value = "0,0",
+          allow_hyphen_values = true)]
     pub(crate) aside: Point2<f64>,
     /// Radius of the sphere [default: 0.18 of the distance].
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     pub(crate) radius: Option<f64>,
-    /// Share of light that it returns: grey, or red,green,blue.
+    /// Albedo of the surface: grey, or red,green,blue.
     #[arg(long, value_name = "A|R,G,B", value_parser = parse_channels, default_value = "0.9",
           allow_hyphen_values = true)]
     pub(crate) albedo: Channels,
-    /// A wall so far behind its middle, parallel to it [default: behind a sphere and a mesh, close to them].
+    /// Distance of a wall behind the middle of the surface, parallel to it [default: close behind a sphere or a mesh].
     #[arg(long, value_name = "MM|none", value_parser = parse_wall, allow_hyphen_values = true)]
     pub(crate) wall: Option<WallArg>,
-    /// Grey share of light that the wall returns.
+    /// Albedo of the wall, grey.
     #[arg(long, value_name = "A", default_value_t = 0.4, allow_hyphen_values = true)]
     pub(crate) wall_albedo: f64,
-    /// Frame of the mesh: object (y up, z to the viewer; its middle is put at the distance) or camera (it stands where it is).
+    /// Frame of the mesh: object (y up, z towards the viewer; its middle is moved to the distance) or camera (used as
+    /// it is).
     #[arg(long, value_enum, default_value = "object")]
     pub(crate) mesh_frame: MeshFrameArg,
-    /// Multiplies the mesh's coordinates, for those that are not in millimetres.
+    /// Factor for the coordinates of the mesh, when they are not millimetres.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true)]
     pub(crate) mesh_scale: f64,
 }
@@ -82,30 +85,33 @@ pub(crate) struct PlaceArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Photograph")]
 pub(crate) struct LightArgs {
-    /// Neither noise nor blur, 16 bit.
+    /// No noise, no blur, 16 bit.
     #[arg(long, conflicts_with_all = ["noise", "blur", "bits"])]
     pub(crate) exact: bool,
-    /// Standard deviation of the noise, grey levels of 255.
+    /// σ of the noise, grey levels of 255.
     #[arg(long, value_name = "LEVELS", default_value_t = 1.0, allow_hyphen_values = true)]
     pub(crate) noise: f64,
-    /// σ of the camera's blur, px.
+    /// σ of the blur of the camera, px.
     #[arg(long, value_name = "PX", default_value_t = 0.6, allow_hyphen_values = true)]
     pub(crate) blur: f64,
-    /// σ of the projector's blur, panel px.
+    /// σ of the blur of the projector, panel px.
     #[arg(long, value_name = "PX", default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) projector_blur: f64,
-    /// What the projector sends out where it shows black, as a share of full light.
+    /// Light of the projector where it shows black, as a share of full light.
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) projector_black: f64,
-    /// Light that each channel gets of those next to it (red, green, blue), or all nine numbers, camera's red first.
+    /// Share of light that each channel gets from its neighbours (red, green, blue), or nine numbers.
+    ///
+    /// The nine numbers are a matrix by rows, beginning with the red of the camera.
     #[arg(long, value_name = "SHARE|RR,RG,RB,GR,..,BB", value_parser = parse_crosstalk, default_value = "0",
           allow_hyphen_values = true)]
     pub(crate) crosstalk: Crosstalk,
-    /// Light from everywhere, as a share of the projector's: grey, or red,green,blue.
+    /// Ambient light as a share of the projector light: grey, or red,green,blue.
     #[arg(long, value_name = "A|R,G,B", value_parser = parse_channels, default_value = "0.03",
           allow_hyphen_values = true)]
     pub(crate) ambient: Channels,
-    /// Light, as a share of full scale, of what is white and faces the projector under full light; more saturates.
+    /// Brightness of a white surface that faces the projector under full light, as a share of full scale; above 1 it
+    /// saturates.
     #[arg(long, value_name = "SHARE", default_value_t = 0.8, allow_hyphen_values = true)]
     pub(crate) exposure: f64,
     /// Bits per sample, 8 or 16.

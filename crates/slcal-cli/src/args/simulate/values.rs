@@ -1,4 +1,4 @@
-//! Poses and lenses as they are typed.
+//! Parsers of poses and lenses.
 
 /// Tilts and roll, degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]

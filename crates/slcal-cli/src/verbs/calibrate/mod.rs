@@ -1,4 +1,4 @@
-//! `slcal calibrate`: photographs of the sheet, or the observations of any detector, in; rig out.
+//! `slcal calibrate`: from photographs of the sheet, or from observations, to a rig.
 
 mod overlay;
 mod photographs;
@@ -39,7 +39,7 @@ pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -
         }
         _ => Ok(()),
     };
-    // Why there is no rig matters more than why there is no picture.
+    // The failure of the calibration matters more than that of the picture.
     let (calibration, observations) = done?;
     drawn?;
     let report = match places.report.as_ref().zip(gallery) {
@@ -78,7 +78,7 @@ fn report(
     Ok(rig_html(&page))
 }
 
-/// The calibration and what it was computed from.
+/// The calibration and its observations.
 fn calibrate(
     args: &CalibrateArgs,
     places: &Places,
@@ -103,16 +103,15 @@ fn calibrate(
         calibrator.observations()?
     };
     if let Some((path, camera)) = &known {
-        let unsized_note = camera
-            .size
-            .is_none()
-            .then(|| "it does not say for which image size; taken for this one".to_owned());
+        let unsized_note = camera.size.is_none().then(|| {
+            "the file does not state an image size; the size of the photographs is assumed".to_owned()
+        });
         for note in camera.notes.iter().chain(&unsized_note) {
             printer.note(format!("{}: {note}", input_name(path)));
         }
     }
     if let Some(place) = &places.observations {
-        // Before the calibration: what was found is wanted most where it cannot be calibrated from.
+        // Written before the calibration, because measurements are most useful when it fails.
         write_all(&[(place.clone(), bytes_of(|out| write_observations(&external, out))?)])?;
     }
     let inputs = args.observations.iter().chain(&args.photos).map(|p| input_name(p)).collect::<Vec<_>>();
@@ -125,7 +124,9 @@ fn calibrate(
     let count = |o: &Observations| o.views.iter().map(|v| v.pairs.len()).sum::<usize>();
     let (used, all) = (count(&done.observations), count(&external.observations));
     if used < all {
-        printer.note(format!("{used} of {all} pairs are used, spread evenly: more would add time only"));
+        printer.note(format!(
+            "{used} of {all} pairs are used, evenly spread; more would not improve the result"
+        ));
     }
     let mut calibration = done.calibration;
     for (view, photo) in calibration.rig.views.iter_mut().zip(external.photos) {
@@ -164,19 +165,19 @@ impl Places {
         let inputs = args.photos.iter().chain(&args.plain).chain(&args.observations).chain(&args.camera);
         let stdin = inputs.filter(|p| is_dash(p)).count();
         if stdin > 1 {
-            return Err(Failure::usage("stdin (-) can be one input only; give the others as files"));
+            return Err(Failure::usage("only one input can come from stdin (-); give the others as files"));
         }
         let printed = all().filter(|d| **d == Destination::Stdout).count() + usize::from(args.json);
         if printed > 1 && rig != Some(Destination::Stdout) {
-            return Err(Failure::usage("stdout can take one result only; give the others files"));
+            return Err(Failure::usage("only one result can go to stdout; write the others to files"));
         }
         if args.json && rig == Some(Destination::Stdout) {
-            return Err(Failure::usage("--json and -o - both print the rig; give one of them"));
+            return Err(Failure::usage("--json and -o - both print the rig; use one of them"));
         }
         for (option, count) in [("--plain", args.plain.len()), ("--corners", args.corners.len())] {
             if count != 0 && count != args.photos.len() {
                 return Err(Failure::usage(format!(
-                    "{option}: expected one for each of the {} photographs, in their order, or none; found {count}",
+                    "{option}: expected one for each of the {} photographs, in the same order, or none; found {count}",
                     args.photos.len()
                 )));
             }
@@ -188,7 +189,7 @@ impl Places {
 fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
     if args.exif && args.method == Method::TwoVp {
         return Err(Failure::usage(
-            "--exif: expected --method ml, as two-vp computes the focal length from the vanishing points alone",
+            "--exif: expected --method ml, because two-vp computes the focal length from the vanishing points alone",
         ));
     }
     let config = CalibrateConfig {
@@ -207,7 +208,7 @@ fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
     Ok(config)
 }
 
-/// Writes the rig and its report, together or not at all, and says what came out.
+/// Writes the rig and its report, both or none, and prints the summary.
 fn finish(
     args: &CalibrateArgs,
     calibration: &Calibration,

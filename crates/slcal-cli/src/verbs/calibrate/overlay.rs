@@ -1,4 +1,4 @@
-//! The picture of a calibration: what was found in the photographs, and how well it fits when they were calibrated from.
+//! The picture of a calibration: the detections in the photographs, and their residuals once there is a rig.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::picture::contact_sheet::{self, Tile};
 use crate::picture::residual_drawing::{self, MeasuredView};
 use crate::picture::sheet::{self, Partly};
 
-/// The photographs as they will be drawn upon.
+/// The photographs to draw on.
 pub(super) struct Gallery {
     /// How many there will be.
     expected: usize,
@@ -26,7 +26,7 @@ struct Shot {
     name: String,
     /// As taken, px.
     size: [u32; 2],
-    /// As large as it will be shown.
+    /// In its size in the picture.
     photo: DynamicImage,
     seen: Seen,
 }
@@ -36,7 +36,7 @@ enum Seen {
     Not { why: String, partly: Partly },
 }
 
-/// A rig and what it was calibrated from.
+/// A rig and its observations.
 #[derive(Clone, Copy)]
 pub(super) struct Calibrated<'a> {
     pub(super) rig: &'a Rig,
@@ -48,7 +48,7 @@ impl Gallery {
         Self { expected, shots: Vec::new() }
     }
 
-    /// Takes a photograph as a screen shows it; `partly` says what there is to see when not everything was found.
+    /// Adds a photograph in display encoding; `partly` is what can be drawn when not everything was found.
     pub(super) fn add(
         &mut self,
         path: &Path,
@@ -76,7 +76,7 @@ impl Gallery {
         self.shots.iter().map(|s| &s.photo)
     }
 
-    /// Draws and writes; `misses` are the residuals of what was calibrated, `failed` says why there is no rig.
+    /// Draws and writes the picture; `misses` are the residuals, `failed` is why there is no rig.
     pub(super) fn write(
         &self,
         place: &Destination,
@@ -94,7 +94,7 @@ impl Gallery {
     }
 }
 
-/// Views, their observations and their residuals; none when they do not belong together.
+/// Views with their observations and residuals; none when their numbers differ.
 fn fits<'a>(c: Calibrated<'a>, misses: &'a [ViewResiduals]) -> Vec<MeasuredView<'a>> {
     let views = c.rig.views.iter().zip(&c.observations.views).zip(misses);
     views.map(|((view, observed), residuals)| MeasuredView { observed, residuals, view }).collect()
@@ -123,7 +123,7 @@ impl Shot {
         drawing
     }
 
-    /// A message without the name of the file, which the headline has.
+    /// A message without the name of the file, which is in the headline.
     fn without_name(&self, why: &Failure) -> String {
         let why = why.to_string();
         why.strip_prefix(&format!("{}: ", self.name)).map_or_else(|| why.clone(), str::to_owned)
@@ -139,7 +139,7 @@ impl Shot {
                 residual_drawing::draw(&mut drawing, fit, factor);
                 caption.extend(Some(fit.in_words()).filter(|t| !t.is_empty()));
                 if fit.outliers() > 0 {
-                    caption.push(format!("{} of {} points left out", fit.outliers(), fit.count()));
+                    caption.push(format!("{} of {} points are outliers", fit.outliers(), fit.count()));
                 }
                 odd = fit.odd_in_words();
             }
@@ -197,7 +197,7 @@ fn sheet_of(
                 Seen::Not { partly: Partly::Sheet(view), .. } => Some(view),
                 Seen::Not { .. } => None,
             });
-            sheet::legend(format!("{} of {expected} photographs were looked at", shots.len()), found)
+            sheet::legend(format!("{} of {expected} photographs were processed", shots.len()), found)
         }
     };
     let why = shots.iter().find_map(|s| match &s.seen {

@@ -1,4 +1,4 @@
-//! What the photographs show.
+//! Detection of sheet and pattern in the photographs.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use crate::output::Printer;
 use crate::picture::for_display;
 use crate::picture::sheet::Partly;
 
-/// Finds sheet and pattern in every photograph, and puts what was found into the gallery.
+/// Detects sheet and pattern in every photograph, and adds the detections to the gallery.
 pub(super) fn observe_all(
     args: &CalibrateArgs,
     config: CalibrateConfig,
@@ -38,7 +38,7 @@ pub(super) fn observe_all(
         let (photo, file) = load_photo_and_file(path, printer)?;
         let size = [photo.width(), photo.height()];
         if let Some((file, known)) = known.filter(|_| i == 0) {
-            // Before the work on the pictures begins.
+            // Checked before any detection.
             calibrator.config_mut().known_camera = Some(known.for_image(size).in_file(file)?);
         }
         let mut shot = SheetPhoto::new(PhotoView::try_from(&photo).in_file(path)?).name(&name);
@@ -68,7 +68,7 @@ pub(super) fn observe_all(
     drop(busy);
     if let (Some(mm), Some(prior)) = (stated, calibrator.config().focal_prior) {
         printer.note(format!(
-            "EXIF: a focal length of {mm} mm on 35 mm film, {:.0} px with σ of {:.1} % here, is expected",
+            "EXIF: focal length {mm} mm (35 mm equivalent), used as a prior of {:.0} px with σ of {:.1} %",
             prior.focal_px,
             100.0 * prior.sigma_share
         ));
@@ -77,10 +77,10 @@ pub(super) fn observe_all(
 }
 
 fn sheet_size(args: &CalibrateArgs) -> Outcome<RectangleSize> {
-    args.size.ok_or_else(|| Failure::usage("--size: expected the sheet's size, found none"))
+    args.size.ok_or_else(|| Failure::usage("--size: expected the size of the sheet, found none"))
 }
 
-/// What can be drawn when not everything was found: the corners that were given by hand, or the sheet that would be taken
+/// What can be drawn when not everything was found: the corners given by hand, or the sheet that is detected
 /// without a pattern.
 fn partly(i: usize, photo: &DynamicImage, args: &CalibrateArgs) -> Partly {
     if let Some(corners) = args.corners.get(i) {

@@ -1,4 +1,4 @@
-//! Which frames there are, how they are called, and where their clouds go.
+//! The frames, their names, and the destinations of their clouds.
 
 use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};
@@ -11,7 +11,7 @@ use crate::args::ReconstructArgs;
 use crate::exit::{Failure, Outcome};
 use crate::io::{Destination, RawFormat, RawFrame, cloud_is_complete, input_name, is_dash};
 
-/// What is to be reconstructed.
+/// A frame to reconstruct.
 #[derive(Debug)]
 pub(super) struct Frame {
     /// The file; `-` for stdin.
@@ -20,12 +20,12 @@ pub(super) struct Frame {
     pub(super) number: Option<usize>,
     /// The pixels, when they came from a stream.
     pub(super) raw: Option<RawFrame>,
-    /// Where the cloud goes, or why it goes nowhere.
+    /// The destination of the cloud, or why there is none.
     pub(super) place: Outcome<Place>,
 }
 
 impl Frame {
-    /// How messages call it.
+    /// Its name in messages.
     pub(super) fn name(&self) -> String {
         match self.number {
             Some(n) => stream_name(n),
@@ -38,16 +38,16 @@ fn stream_name(number: usize) -> String {
     format!("stdin, frame {number}")
 }
 
-/// Where a cloud goes.
+/// The destination of a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Place {
-    /// The name, as it follows from the command line.
+    /// Its name as given by the command line.
     pub(super) name: String,
     /// `None` when an earlier run has written it.
     pub(super) output: Option<Destination>,
 }
 
-/// The rules by which clouds get their names in a folder.
+/// The naming rules of clouds in a folder.
 #[derive(Debug, Clone)]
 pub(super) struct OutputFolder {
     path: PathBuf,
@@ -63,7 +63,7 @@ impl OutputFolder {
         args.out_dir.as_ref().map(|path| Self { path: path.clone(), format, force, resume })
     }
 
-    /// The file for a cloud: the name is kept whole, dots and all.
+    /// The file for a cloud; the name keeps its dots.
     fn file(&self, stem: &OsStr) -> PathBuf {
         let mut name = stem.to_owned();
         name.push(".");
@@ -76,18 +76,18 @@ impl OutputFolder {
         if self.resume && cloud_is_complete(self.format, &file) {
             return Ok(Place { name: file.display().to_string(), output: None });
         }
-        // What is incomplete is of no use to anybody who resumes.
+        // An incomplete cloud is replaced when a run resumes.
         let output = Destination::prepare(&file, self.force || self.resume)?;
         Ok(Place { name: file.display().to_string(), output: Some(output) })
     }
 
-    /// The places for photographs, which must have names of their own.
+    /// The destinations for photographs, whose names must differ.
     pub(super) fn places(&self, images: &[PathBuf]) -> Outcome<Vec<Place>> {
         let mut seen: HashMap<OsString, &Path> = HashMap::new();
         for image in images {
             if let Some(other) = seen.insert(stem(image), image) {
                 return Err(Failure::usage(format!(
-                    "{} and {} would both become {}; rename one of them, or give each an --out-dir of its own",
+                    "{} and {} would both be written to {}; rename one of them, or use separate folders (--out-dir)",
                     input_name(other),
                     input_name(image),
                     self.file(&stem(image)).display()
@@ -97,8 +97,8 @@ impl OutputFolder {
         images.iter().map(|image| self.place(&stem(image))).collect()
     }
 
-    /// Refuses a folder that holds clouds of a stream already, unless they may stay or go: found out before any frame is
-    /// worked on, though nobody knows yet how many will come.
+    /// Refuses a folder with clouds of an earlier stream, unless they may be kept or replaced. This is checked before any frame is
+    /// processed, although the number of frames is unknown.
     pub(super) fn check_for_stream(&self) -> Outcome {
         self.place(&stream_stem(0))?;
         if self.force || self.resume {
@@ -113,11 +113,11 @@ impl OutputFolder {
         let mut files: Vec<PathBuf> =
             found.filter(|e| is_frame(&e.file_name())).map(|entry| entry.path()).collect();
         files.sort();
-        // The first that exists is refused like any output that exists.
+        // The first existing file is refused like any existing output.
         files.first().map_or(Ok(()), |file| Destination::prepare(file, false).map(|_| ()))
     }
 
-    /// The frames of a stream on stdin, until it ends; a frame that is cut off ends it with an error.
+    /// The frames of a stream on stdin until its end; a truncated frame ends it with an error.
     pub(super) fn frames(self, format: RawFormat) -> impl Iterator<Item = Frame> + Send {
         let mut number = 0;
         let mut over = false;
@@ -146,7 +146,7 @@ impl OutputFolder {
 fn empty_stream(name: &str) -> Failure {
     Failure::new(
         crate::exit::Exit::Input,
-        format!("{name}: expected a frame, found an empty stream; record again"),
+        format!("{name}: expected a frame, found an empty stream; check the program that writes it"),
     )
 }
 
@@ -154,7 +154,7 @@ fn stream_stem(number: usize) -> OsString {
     format!("frame_{number:06}").into()
 }
 
-/// The name of a photograph less its last ending.
+/// The file name of a photograph without its extension.
 fn stem(image: &Path) -> OsString {
     if is_dash(image) { "stdin".into() } else { image.file_stem().unwrap_or(image.as_os_str()).to_owned() }
 }

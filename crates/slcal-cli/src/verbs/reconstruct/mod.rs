@@ -68,27 +68,27 @@ pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer)
     job.run(config, args.images.iter().zip(places).map(of_file), Some(count), printer)
 }
 
-/// What clap cannot see.
+/// Checks of the command line beyond those of clap.
 fn check_usage(args: &ReconstructArgs) -> Outcome {
     let photos = args.images.len();
     if args.raw.is_some() && args.images.iter().any(|p| !is_dash(p)) {
         return Err(Failure::usage(
-            "--raw reads its frames from stdin; give photographs in a run of their own",
+            "--raw reads frames from stdin; reconstruct photographs in a separate run",
         ));
     }
     if args.images.iter().filter(|p| is_dash(p)).count() > 1 {
-        return Err(Failure::usage("stdin (-) can be one photograph only; give the others as files"));
+        return Err(Failure::usage("only one photograph can come from stdin (-); give the others as files"));
     }
     if args.output.is_some() && photos > 1 {
         return Err(Failure::usage(format!(
-            "-o takes the cloud of one photograph, found {photos}; give --out-dir DIR"
+            "-o takes the cloud of one photograph, found {photos} photographs; use --out-dir DIR"
         )));
     }
     if args.overlay.is_some() && (photos > 1 || args.raw.is_some()) {
-        return Err(Failure::usage("--overlay takes one photograph; run the others without it"));
+        return Err(Failure::usage("--overlay takes one photograph; process the others without it"));
     }
     if args.report.is_some() && (photos > 1 || args.raw.is_some()) {
-        return Err(Failure::usage("--report takes one photograph; run the others without it"));
+        return Err(Failure::usage("--report takes one photograph; process the others without it"));
     }
     Ok(())
 }
@@ -112,7 +112,7 @@ fn check_raw_size(raw: RawFormat, rig: &Rig, path: &Path) -> Outcome {
     ))
 }
 
-/// One place per photograph; none for a stream, whose length nobody knows.
+/// One destination per photograph; none for a stream, whose length is unknown.
 fn places(args: &ReconstructArgs) -> Outcome<Vec<Place>> {
     if let Some(output) = &args.output {
         let place = Destination::prepare(output, args.force)?;
@@ -138,7 +138,7 @@ fn check_places(args: &ReconstructArgs, places: &[Place], beside: &[&Destination
     check_spares(new(), photos.chain(args.input.files()).chain([args.rig.as_path()]))
 }
 
-/// What all frames have in common.
+/// The inputs and settings common to all frames.
 struct Job<'a> {
     scene: References,
     rig: &'a Rig,
@@ -151,7 +151,7 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Reconstructs all frames, several at a time, and reports on them in their order.
+    /// Reconstructs all frames, several at a time, and reports them in order.
     fn run(
         &self,
         config: ReconstructConfig,
@@ -179,7 +179,7 @@ impl Job<'_> {
         Done { frame: Frame { raw: None, ..frame }, remarks, outcome }
     }
 
-    /// From the picture to the file.
+    /// Reconstructs a frame and writes its files.
     fn reconstruct(
         &self,
         frame: &Frame,
@@ -218,7 +218,7 @@ impl Job<'_> {
         photo: Option<&DynamicImage>,
         result: &Reconstruction,
     ) -> Outcome<Vec<u8>> {
-        // As it was typed; a destination knows its links resolved.
+        // As typed: a destination has its links resolved.
         let typed = self.args.output.as_deref().filter(|p| !is_dash(p)).map(input_name);
         let page = CloudPage {
             rig: self.rig,
@@ -234,7 +234,7 @@ impl Job<'_> {
     }
 }
 
-/// The surface that was asked for, or why none fits.
+/// The fitted surface, or why the fit failed.
 fn fit(shape: ShapeArg, cloud: &PointCloud) -> Result<FittedSurface, String> {
     let config = FitConfig::default();
     let fitted = match shape {
@@ -244,7 +244,7 @@ fn fit(shape: ShapeArg, cloud: &PointCloud) -> Result<FittedSurface, String> {
     fitted.map_err(|e| e.to_string())
 }
 
-/// How clouds are made; the frame of the sheet needs a rig that has seen one.
+/// The configuration of the reconstruction; the frame of the sheet needs a rig with a view.
 pub(super) fn cloud_config(
     args: &CloudArgs,
     cull: CullRule,
@@ -262,7 +262,7 @@ pub(super) fn cloud_config(
     }
     let triangulate =
         TriangulateConfig { near_mm: args.near, far_mm: args.far, ..TriangulateConfig::default() };
-    triangulate.validate()?;
+    triangulate.validate().map_err(|_| Failure::usage("--far: expected a distance above that of --near"))?;
     Ok(ReconstructConfig {
         triangulate,
         cull,
@@ -272,7 +272,7 @@ pub(super) fn cloud_config(
     })
 }
 
-/// The points that were kept, drawn on the photograph, as PNG.
+/// The remaining points drawn on the photograph, as PNG.
 pub(super) fn draw(photo: &DynamicImage, name: &str, result: &Reconstruction) -> Outcome<Vec<u8>> {
     let size = [photo.width(), photo.height()];
     png_bytes(&stripes::reconstructed(size, name, result).over(photo)?)

@@ -1,4 +1,4 @@
-//! Work on several items at a time whose results come in the order of the items.
+//! Parallel work on items, with results in the order of the items.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,10 +7,10 @@ use std::thread;
 
 use crate::exit::Outcome;
 
-/// Lets each worker, in a thread of its own, take one item after another, and hands the results to `take` in the order of the
-/// items, each as soon as it and all before it are there. Items are made when a worker is free, one at a time.
+/// Each worker takes one item after another in its own thread. `take` gets the results in the order of the
+/// items, as early as possible. Items are generated one at a time, when a worker is free.
 ///
-/// Fails with what `take` fails with; no item is begun after that.
+/// Fails with the failure of `take`; no item is begun after that.
 pub(super) fn in_order<T: Send, R: Send>(
     items: impl Iterator<Item = T> + Send,
     workers: Vec<impl FnMut(T) -> R + Send>,

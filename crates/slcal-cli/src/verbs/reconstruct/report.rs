@@ -1,4 +1,4 @@
-//! What is said of each frame, as JSON and in words.
+//! The report on each frame, as JSON and in words.
 
 use serde::Serialize;
 use slcal_core::Reconstruction;
@@ -18,10 +18,10 @@ pub(super) fn print_reports(clouds: &[Report]) -> Outcome {
     print_json(&Reports { schema: "slcal-reconstruct/1", clouds })
 }
 
-/// What became of one frame.
+/// The outcome of one frame.
 #[derive(Debug, Serialize)]
 pub(super) struct Report {
-    /// Its name; what is no Unicode in it is replaced, as in messages.
+    /// Its name; bytes that are not Unicode are replaced.
     pub(super) image: String,
     /// Which frame of a stream.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -57,10 +57,10 @@ impl ErrorReport {
 pub(super) struct CloudReport {
     #[serde(flatten)]
     numbers: slcal_core::CloudReport,
-    /// The whole story, for one frame.
+    /// The summary, for a single frame.
     #[serde(skip)]
     pub(super) text: String,
-    /// The same in a line, for one of many.
+    /// A line, for one frame of many.
     #[serde(skip)]
     pub(super) line: String,
 }

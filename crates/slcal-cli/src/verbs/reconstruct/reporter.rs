@@ -1,4 +1,4 @@
-//! What is said while frames are done, and at the end.
+//! Messages and results while frames are processed, and at the end.
 
 use super::frames::Frame;
 use super::report::{ErrorReport, FrameResult, Report, print_reports};
@@ -7,27 +7,27 @@ use crate::exit::{Failure, Outcome};
 use crate::io::{input_name, is_dash};
 use crate::output::{Printer, Progress, Remarks, print_result, sanitized};
 
-/// A frame that was worked on.
+/// A processed frame.
 pub(super) struct Done {
     pub(super) frame: Frame,
     pub(super) remarks: Remarks,
     pub(super) outcome: Outcome<FrameResult>,
 }
 
-/// What is said while frames are done, and at the end.
+/// Prints the result of each frame, and a report at the end.
 pub(super) struct Reporter<'a> {
     args: &'a ReconstructArgs,
     printer: Printer,
     progress: Progress,
     /// For `--json` alone: a stream may be endless.
     reports: Vec<Report>,
-    /// Counts of clouds written, left as they were, and not made.
+    /// Numbers of clouds written, skipped and failed.
     written: usize,
     resumed: usize,
     failed: usize,
     /// The exit code of the first error.
     code: Option<u8>,
-    /// Whether nobody reads stdout any more. The clouds are wanted all the same.
+    /// Whether the reader of stdout has gone. The clouds are still written.
     stdout_closed: bool,
 }
 
@@ -50,7 +50,7 @@ impl<'a> Reporter<'a> {
         }
     }
 
-    /// The next frame, in order. The one photograph of `-o` that fails ends the run; with a folder it is told and passed over.
+    /// Takes the next frame, in order. A failure ends the run with `-o`; with a folder it is printed and the run continues.
     pub(super) fn take(&mut self, done: Done) -> Outcome {
         let Done { frame, remarks, outcome } = done;
         let output = frame.place.as_ref().ok().map(|p| p.name.clone());
@@ -84,7 +84,7 @@ impl<'a> Reporter<'a> {
         Ok(())
     }
 
-    /// The result in words: the whole story for one photograph, a line for one of many.
+    /// The result in words: a summary for a single photograph, a line for one of many.
     fn print(&self, heading: &str, result: &FrameResult) -> Outcome {
         match (result, &self.args.output) {
             (FrameResult::Cloud(_), _) if self.args.json || self.stdout_closed => Ok(()),
@@ -97,7 +97,7 @@ impl<'a> Reporter<'a> {
             }
             (FrameResult::Cloud(report), Some(_)) => print_result(&report.text),
             (FrameResult::Resumed { .. }, _) => {
-                self.printer.note(format!("{heading}: left as it is, complete"));
+                self.printer.note(format!("{heading}: skipped, its cloud is complete"));
                 Ok(())
             }
             (FrameResult::Failed { .. }, _) => Ok(()),
@@ -120,7 +120,7 @@ impl<'a> Reporter<'a> {
         let json = if self.args.json { print_reports(&self.reports) } else { Ok(()) };
         if self.written + self.resumed + self.failed > 1 {
             self.printer.note(format!(
-                "{} clouds written, {} left as they were, {} frames failed",
+                "{} clouds written, {} skipped, {} frames failed",
                 self.written, self.resumed, self.failed
             ));
         }

@@ -1,4 +1,4 @@
-//! `slcal simulate`: experiments on rigs whose truth is known.
+//! `slcal simulate`: rigs, measurements and photographs with ground truth.
 
 mod outputs;
 mod scene;
@@ -17,7 +17,7 @@ use crate::io::{Destination, bytes_of, check_distinct, write_all};
 use crate::output::{Printer, Table, TextLayout, print_json, print_result, unbroken};
 use crate::summary;
 
-/// The noise of `views` is a stream of its own, beyond those of its poses.
+/// The random stream of the noise of `views`, separate from those of its poses.
 const NOISE_STREAM: u64 = 1 << 32;
 
 pub(super) fn run(verb: &SimulateVerb, printer: Printer) -> Outcome {
@@ -32,7 +32,7 @@ fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
     let csv = args.csv.as_deref().map(|p| Destination::prepare(p, args.force)).transpose()?;
     let csv_to_stdout = csv == Some(Destination::Stdout);
     if args.json && csv_to_stdout {
-        return Err(Failure::usage("--json and --csv - would both go to stdout; give one of them a file"));
+        return Err(Failure::usage("--json and --csv - both print to stdout; write one of them to a file"));
     }
     let config = NoiseConfig {
         rig: args.rig.config(),
@@ -104,7 +104,7 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
     print_result(&text)
 }
 
-/// What no photograph would show is simulated all the same; the user is told.
+/// Corners outside the image are simulated, too; a message says so.
 fn tell_outside(scene: &Scene, printer: Printer) {
     let outside = scene.outside_picture();
     if outside > 0 {

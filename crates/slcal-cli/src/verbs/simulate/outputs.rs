@@ -1,4 +1,4 @@
-//! What `slcal simulate scene` leaves in its folder, and what it says of it.
+//! The files and the summary of `slcal simulate scene`.
 
 use std::path::Path;
 
@@ -32,7 +32,7 @@ pub(super) fn contents(scene: &SimulatedScene) -> Outcome<Vec<Vec<u8>>> {
     let truth = scene.photographer.truth();
     let map = |values: Vec<f32>| bytes_of(|out| write_pfm(truth.width(), &values, out));
     let surfaces = GrayImage::from_raw(truth.width() as u32, truth.height() as u32, scene.surfaces())
-        .ok_or_else(|| Failure::new(Exit::Other, "a map of another size than the photograph"))?;
+        .ok_or_else(|| Failure::new(Exit::Other, "the map and the photograph differ in size"))?;
     Ok(vec![
         png_bytes(&scene.photo)?,
         png_bytes(&scene.white)?,
@@ -49,7 +49,7 @@ pub(super) fn contents(scene: &SimulatedScene) -> Outcome<Vec<Vec<u8>>> {
     ])
 }
 
-/// What was made, as JSON.
+/// The report, as JSON.
 #[derive(Serialize)]
 pub(super) struct SceneOutputs {
     #[serde(flatten)]
@@ -70,7 +70,7 @@ impl SceneOutputs {
         layout.line(
             "photograph",
             format!(
-                "{w} x {h} px; {:.1} % see a surface, {:.1} % in the projector's light",
+                "{w} x {h} px; {:.1} % show a surface, {:.1} % are lit by the projector",
                 percent(scene.seen_pixels),
                 percent(scene.lit_pixels)
             ),
@@ -78,7 +78,7 @@ impl SceneOutputs {
         if let Some([near, far]) = scene.depth_mm {
             layout.line("depth", format!("{near:.1} to {far:.1} mm"));
         }
-        layout.line("matches", format!("{} without error in truth_matches.csv", scene.matches));
+        layout.line("matches", format!("{} exact matches in truth_matches.csv", scene.matches));
         layout.line("files", format!("in {}:", unbroken(&sanitized(&folder.display().to_string()))));
         layout.line("", self.files.join(", "));
         layout.into_text()

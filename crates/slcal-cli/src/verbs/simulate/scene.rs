@@ -1,4 +1,4 @@
-//! `slcal simulate scene`: photographs of a rig before a surface, and the truth behind them.
+//! `slcal simulate scene`: rendered photographs of a surface, with ground truth.
 
 use std::path::Path;
 
@@ -16,20 +16,20 @@ use crate::io::{
 use crate::output::{Printer, print_json, print_result};
 
 pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
-    let busy = printer.busy("setting the scene up");
+    let busy = printer.busy("preparing the scene");
     let stage = setup(args)?.set_up()?;
     let places = places(args)?;
     let [w, h] = [stage.rig.camera.model.width, stage.rig.camera.model.height];
     printer.detail(format!("{w} x {h} pixels ..."));
-    busy.say(format!("taking photographs of {w}x{h} pixels"));
+    busy.say(format!("rendering photographs of {w}x{h} pixels"));
     let scene = stage.photograph()?;
     if scene.matches.items.is_empty() {
         printer.note(
-            "the camera sees none of the pattern on the surface: place it in the light of the projector (--distance, --aside, \
+            "the camera sees none of the pattern on the surface; move the surface into the projector light (--distance, --aside, \
              --tilt)",
         );
     }
-    busy.say("writing the truth of every pixel");
+    busy.say("computing the ground truth of every pixel");
     let outputs = SceneOutputs::of(&scene);
     write_all(&places.into_iter().zip(contents(&scene)?).collect::<Vec<_>>())?;
     drop(busy);
@@ -39,7 +39,7 @@ pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
     print_result(&outputs.in_words(&args.out))
 }
 
-/// Where the files go, in a folder that is made when it does not exist.
+/// The destinations of the files, in a folder that is created when it does not exist.
 fn places(args: &SceneArgs) -> Outcome<Vec<Destination>> {
     make_folder(&args.out)?;
     let places = NAMES
@@ -85,7 +85,7 @@ fn setup(args: &SceneArgs) -> Outcome<SceneSetup> {
     let surface = surface(args)?;
     if place.wall.is_some() && matches!(surface, SurfaceKind::Plane | SurfaceKind::Step) {
         return Err(Failure::usage(
-            "--wall: expected with a sphere, a sheet or a mesh; a plane hides it, a step has its own",
+            "--wall: expected a sphere, a sheet or a mesh as surface; a plane hides the wall, and a step has one",
         ));
     }
     let known_rig = args.rig.as_deref().map(known_rig).transpose()?;
@@ -144,8 +144,8 @@ fn known_rig(path: &Path) -> Outcome<Rig> {
     Ok(rig)
 }
 
-/// What is projected. A pattern file must be for the rig's projector; the core sees to that, too, but knows neither the
-/// files nor the options.
+/// The projected pattern. A pattern file must match the projector of the rig. The core checks this, too, but does not know
+/// the files and options for the message.
 fn pattern(args: &SceneArgs, known_rig: Option<&Rig>) -> Outcome<PatternKind> {
     let path = match (args.pattern.as_deref(), args.pattern.as_deref().and_then(Path::to_str)) {
         (None, _) => return Ok(PatternKind::Usual),
@@ -164,7 +164,7 @@ fn pattern(args: &SceneArgs, known_rig: Option<&Rig>) -> Outcome<PatternKind> {
         _ if panel != projector => {
             let [w, h] = panel;
             return Err(Failure::usage(format!(
-                "{}: it is a pattern for a projector of {w}x{h}, the simulated one has {}x{}; give --projector {w}x{h}",
+                "{}: the pattern is for a projector of {w}x{h}, but the simulated projector has {}x{}; use --projector {w}x{h}",
                 path.display(),
                 projector[0],
                 projector[1]
