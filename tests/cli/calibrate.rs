@@ -180,6 +180,16 @@ fn several_photographs_are_solved_together() {
 }
 
 #[test]
+fn a_size_in_centimetres_is_asked_about() {
+    let bench = with_photo(&Scene::default());
+    let run = bench.run(&LINE.replace("A2-landscape", "59.4x42mm")).ok();
+    let rig = json(&bench.text("rig.json"));
+    let codes: Vec<_> = rig["quality"]["warnings"].as_array().unwrap().iter().map(|w| &w["code"]).collect();
+    assert!(codes.contains(&&Value::from("size-in-centimetres")), "{codes:?}");
+    assert!(run.words().contains("centimetres?"), "{}", run.text());
+}
+
+#[test]
 fn a_folder_and_wildcards_stand_for_their_photographs() {
     let bench = with_photo(&Scene::default());
     std::fs::create_dir(bench.path("photos")).unwrap();

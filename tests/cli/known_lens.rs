@@ -148,7 +148,7 @@ fn exif_that_cannot_be_relied_on_is_refused() {
     };
     refused(&[], &["no focal length"]);
     refused(&[(0xA405, 3, 0)], &["no focal length"]);
-    refused(&[(0x920A, 5, 8)], &["only the real one, 2.00 mm"]);
+    refused(&[(0x920A, 5, 8)], &["only the actual focal length, 2.00 mm"]);
     refused(&[(0xA404, 5, 8), EQUIVALENT], &["digital zoom of 2.00"]);
     refused(&[(0xA002, 4, 960), (0xA003, 4, 540), EQUIVALENT], &["960x720", "960x540"]);
     refused(&[(0xA405, 3, 65535)], &["65535 mm"]);

@@ -187,7 +187,7 @@ fn a_photograph_comes_through_stdin() {
     assert_eq!(bytes(&bench, "a.pcd"), bytes(&bench, "piped.pcd"));
     let _ = run(&format!("{MANY} - a.jpg --out-dir clouds"), &photo).ok();
     assert_eq!(bytes(&bench, "clouds/stdin.ply"), bytes(&bench, "clouds/a.ply"));
-    run(&format!("{MANY} - -o c.ply"), &[]).fails(3, &["stdin", "empty"]);
+    run(&format!("{MANY} - -o c.ply"), &[]).fails(3, &["stdin", "no data"]);
     run(&format!("{MANY} - -o c.ply"), b"no picture").fails(3, &["stdin", "text file"]);
     run(&format!("{MANY} - - --out-dir d"), &photo).fails(2, &["stdin"]);
     assert!(!bench.names().iter().any(|n| n == "c.ply" || n == "d"));

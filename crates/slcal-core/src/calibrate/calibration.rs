@@ -19,10 +19,14 @@ use crate::rig::Verdict;
 /// `config.allow_degenerate` is not set.
 pub fn calibrate_observations(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
     validate::check(observations, config)?;
-    match config.method {
-        Method::Ml => maximum_likelihood(observations, config),
-        Method::TwoVp => two_vp::rig::calibrate(observations, config),
+    let mut calibration = match config.method {
+        Method::Ml => maximum_likelihood(observations, config)?,
+        Method::TwoVp => two_vp::rig::calibrate(observations, config)?,
+    };
+    if let Some(quality) = &mut calibration.rig.quality {
+        quality.warnings.extend(hypotheses::centimetres::hint(observations));
     }
+    Ok(calibration)
 }
 
 fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {

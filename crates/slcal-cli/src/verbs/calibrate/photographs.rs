@@ -7,7 +7,7 @@ use slcal_core::detect::{DetectConfig, observe};
 use slcal_core::format::KnownCamera;
 use slcal_core::geometry::RectangleSize;
 use slcal_core::photo::PhotoView;
-use slcal_core::{CalibrateConfig, Calibrator, SheetPhoto};
+use slcal_core::{CalibrateConfig, Calibrator, Error, ErrorSubject, SheetPhoto};
 
 use super::overlay::Gallery;
 use crate::args::CalibrateArgs;
@@ -55,7 +55,11 @@ pub(super) fn observe_all(
             shot = shot.corners(*corners);
         }
         printer.detail(format!("{name}: looking for the sheet"));
-        let found = calibrator.add(shot).in_file(path);
+        let found = calibrator.add(shot).map_err(|error| {
+            // The file that the error is about.
+            let plain = matches!(error, Error::Invalid { what: ErrorSubject::PlainPhotograph, .. });
+            Failure::in_file(args.plain.get(i).filter(|_| plain).unwrap_or(path), &error)
+        });
         if let Some(gallery) = gallery.as_deref_mut() {
             let partly = if found.is_err() { partly(i, &photo, args) } else { Partly::default() };
             gallery.add(path, for_display(photo, args.gamma.gamma), found.as_deref(), partly);

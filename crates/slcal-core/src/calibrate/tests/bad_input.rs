@@ -59,6 +59,25 @@ fn views_that_agree_are_not_suspected() {
 }
 
 #[test]
+fn a_sheet_of_centimetres_is_asked_about() {
+    let code = "size-in-centimetres";
+    let mut o = seen(2, 3);
+    assert!(warning_of(&calibrate_observations(&o, &lenient()).unwrap(), code).is_none());
+    for view in &mut o.views {
+        view.size.width_mm /= 10.0;
+        view.size.height_mm /= 10.0;
+    }
+    let two_vp = CalibrateConfig { method: Method::TwoVp, ..lenient() };
+    o.views.truncate(1);
+    for config in [lenient(), two_vp] {
+        let c = calibrate_observations(&o, &config).unwrap();
+        let warning = warning_of(&c, code).unwrap();
+        assert!(warning.message.contains("59.4 x 42.0 mm"), "{}", warning.message);
+        assert!(warning.advice.contains("594 x 420 mm"), "{}", warning.advice);
+    }
+}
+
+#[test]
 fn a_view_of_another_sheet_is_named() {
     for odd in 0..4 {
         let mut o = seen(4, 3);
