@@ -138,7 +138,9 @@ fn a_pattern_that_is_not_this_one() {
     bench.run(&CALIBRATE.replace("checker.json", "stripes.json")).fails(3, &["stripes.json", "checker"]);
     // Not a pattern, not JSON, not there.
     bench.put("other.json", r#"{"schema": "slcal-rig/1"}"#);
-    bench.run(&CALIBRATE.replace("checker.json", "other.json")).fails(3, &["other.json", "slcal-pattern/1"]);
+    bench
+        .run(&CALIBRATE.replace("checker.json", "other.json"))
+        .fails(3, &["other.json", "this is a rig (slcal-rig/1), where a pattern is expected"]);
     bench.put("other.json", "{");
     bench.run(&CALIBRATE.replace("checker.json", "other.json")).fails(3, &["other.json"]);
     bench.run(&CALIBRATE.replace("checker.json", "none.json")).fails(3, &["none.json", "no such file"]);

@@ -156,7 +156,9 @@ fn files_without_a_camera_name_what_is_missing() {
     );
     refused("{]", &["JSON"]);
     refused("a: [1, 2", &["YAML"]);
-    assert!(read_camera(&[0xFF_u8, 0xD8, 0xFF, 0xE0][..]).unwrap_err().to_string().contains("other bytes"));
+    assert!(
+        read_camera(&[0xFF_u8, 0xD8, 0xFF, 0xE0][..]).unwrap_err().to_string().contains("a JPEG picture")
+    );
 }
 
 #[test]
