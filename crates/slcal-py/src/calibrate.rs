@@ -2,13 +2,12 @@
 
 use pyo3::prelude::*;
 use slcal_core::{
-    CalibrateConfig, DistortionModel, ExternalObservations, FocalPrior, PrincipalPointRule,
-    calibrate_external,
+    CalibrateConfig, DistortionModel, ExternalCalibration, FocalPrior, PrincipalPointRule, calibrate_external,
 };
 
 use crate::convert::object::optional;
 use crate::convert::option;
-use crate::errors::{self, Raise as _, Stage};
+use crate::errors::{Raise as _, Stage};
 use crate::geometry::Camera;
 use crate::observations::observations_of;
 use crate::observe::{Request, observe_all};
@@ -28,7 +27,6 @@ struct Options<'a, 'py> {
     distortion: Option<&'a Bound<'py, PyAny>>,
     projector_distortion: Option<&'a Bound<'py, PyAny>>,
     method: Option<&'a Bound<'py, PyAny>>,
-    focal_35mm: Option<f64>,
     allow_degenerate: bool,
 }
 
@@ -47,33 +45,16 @@ impl Options<'_, '_> {
                 DistortionModel::Auto,
             )?,
             allow_degenerate: self.allow_degenerate,
+            known_camera: self.camera.map(|c| c.0.model),
             ..default
         })
     }
-
-    fn rig(&self, py: Python<'_>, mut config: CalibrateConfig, seen: &ExternalObservations) -> PyResult<Rig> {
-        let size = seen.observations.camera;
-        config.known_camera = self.camera.map(|c| of_size(py, c, size)).transpose()?;
-        config.focal_prior = self.focal_35mm.map(|mm| FocalPrior::from_35mm_equivalent(mm, size));
-        config.validate().raise(py, Stage::Detect)?;
-        let done = py.detach(|| calibrate_external(seen, &config)).raise(py, Stage::Detect)?;
-        let mut calibration = done.calibration;
-        for (view, photo) in calibration.rig.views.iter_mut().zip(&seen.photos) {
-            view.photo.clone_from(photo);
-        }
-        Ok(Rig { rig: calibration.rig, report: Some(calibration.report) })
-    }
 }
 
-/// The known camera, if its images are as large as the photographs.
-fn of_size(py: Python<'_>, camera: &Camera, size: [u32; 2]) -> PyResult<slcal_core::geometry::Camera> {
-    let model = camera.0.model;
-    if [model.width, model.height] == size {
-        return Ok(model);
+impl From<ExternalCalibration> for Rig {
+    fn from(done: ExternalCalibration) -> Self {
+        Self { rig: done.calibration.rig, report: Some(done.calibration.report) }
     }
-    let expected = format!("the camera of photographs of {}x{} pixels", size[0], size[1]);
-    let found = format!("one of {}x{}; intrinsics hold for one resolution", model.width, model.height);
-    Err(errors::invalid(py, "camera", &expected, &found))
 }
 
 /// Calibrates a camera and a projector from photographs of one white sheet with a checkerboard projected on it.
@@ -173,16 +154,15 @@ fn calibrate(
         distortion,
         projector_distortion,
         method,
-        focal_35mm,
         allow_degenerate,
     };
     // Before the work on the photographs begins.
     let config = options.config()?;
     let pattern = optional::<CheckerPattern>(pattern, "pattern")?.map(|p| &p.get().0);
     let plain = option::plain(plain, screen)?;
-    let seen = observe_all(&Request { photos, size_mm, pattern, plain, corners, gamma, names })?;
-    config.validate_for(seen.observations.views.len(), pattern.is_some()).raise(py, Stage::Detect)?;
-    options.rig(py, config, &seen)
+    let asked = Request { photos, size_mm, pattern, plain, corners, gamma, names, focal_35mm };
+    let calibrator = observe_all(&asked, config)?;
+    py.detach(|| calibrator.calibrate()).raise(py, Stage::Detect).map(Rig::from)
 }
 
 /// Calibrates from observations: those of `slcal.observe`, or of any other detector.
@@ -232,10 +212,14 @@ fn calibrate_observations(
         distortion,
         projector_distortion,
         method,
-        focal_35mm,
         allow_degenerate,
     };
-    let config = options.config()?;
+    let (py, mut config) = (observations.py(), options.config()?);
     let seen = observations_of(observations)?;
-    options.rig(observations.py(), config, &seen)
+    config.focal_prior = focal_35mm.map(|mm| FocalPrior::from_35mm_equivalent(mm, seen.observations.camera));
+    let mut done = py.detach(|| calibrate_external(&seen, &config)).raise(py, Stage::Detect)?;
+    for (view, photo) in done.calibration.rig.views.iter_mut().zip(&seen.photos) {
+        view.photo.clone_from(photo);
+    }
+    Ok(done.into())
 }

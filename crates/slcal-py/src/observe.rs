@@ -2,15 +2,14 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use slcal_core::detect::{DetectConfig, observe as observe_one};
-use slcal_core::photo::{Encoding, PhotoView};
-use slcal_core::{ExternalObservations, Unstated};
+use slcal_core::photo::Encoding;
+use slcal_core::{CalibrateConfig, Calibrator, SheetPhoto};
 
 use crate::convert::array::Numbers;
-use crate::convert::image::{Photo, Pixels, photos_of};
+use crate::convert::image::{Photo, photos_of};
 use crate::convert::object::optional;
 use crate::convert::option;
-use crate::errors::{self, Stage, raised_from};
+use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::observations::Observations;
 use crate::pattern::CheckerPattern;
 use crate::view_observation::four_corners;
@@ -73,7 +72,9 @@ fn observe(
 ) -> PyResult<Observations> {
     let pattern = optional::<CheckerPattern>(pattern, "pattern")?.map(|p| &p.get().0);
     let plain = option::plain(plain, screen)?;
-    observe_all(&Request { photos, size_mm, pattern, plain, corners, gamma, names }).map(Observations)
+    let asked = Request { photos, size_mm, pattern, plain, corners, gamma, names, focal_35mm: None };
+    let calibrator = observe_all(&asked, CalibrateConfig::default())?;
+    calibrator.observations().map(Observations).raise(photos.py(), Stage::Detect)
 }
 
 /// The arguments of [`observe`].
@@ -86,10 +87,11 @@ pub(crate) struct Request<'a, 'py> {
     pub(crate) corners: Option<&'a Bound<'py, PyAny>>,
     pub(crate) gamma: Option<&'a Bound<'py, PyAny>>,
     pub(crate) names: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) focal_35mm: Option<f64>,
 }
 
-/// Finds sheet and pattern in every photograph; every σ is stated.
-pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservations> {
+/// Finds sheet and pattern in every photograph.
+pub(crate) fn observe_all(asked: &Request<'_, '_>, config: CalibrateConfig) -> PyResult<Calibrator> {
     let py = asked.photos.py();
     let photos = photos_of(asked.photos, "photos")?;
     let size = option::sheet_size(asked.size_mm)?;
@@ -115,55 +117,33 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>) -> PyResult<ExternalObservati
     one_each("corners", corners.len())?;
     let names = asked.names.map_or(Ok(Vec::new()), names_of)?;
     one_each("names", names.len())?;
-    let configs: Vec<DetectConfig> = (0..n)
-        .map(|i| DetectConfig {
-            encoding,
-            corners: corners.get(i).copied().flatten(),
-            ..DetectConfig::default()
-        })
-        .collect();
-
-    let pixels: Vec<Pixels<'_>> = photos.iter().map(Photo::pixels).collect();
-    let plain_pixels: Vec<Pixels<'_>> = plain.iter().map(Photo::pixels).collect();
-    let views = pixels.iter().map(|p| p.view(py)).collect::<PyResult<Vec<_>>>()?;
-    let plain = plain_pixels.iter().map(|p| p.view(py)).collect::<PyResult<Vec<_>>>()?;
-    let camera = one_size(py, [("photos", &views), (plain_name, &plain)])?;
-
-    let pattern = asked.pattern;
-    let mut seen = Vec::with_capacity(n);
-    for (i, (view, config)) in views.iter().zip(&configs).enumerate() {
+    let mut calibrator = Calibrator::new(size).with_encoding(encoding).with_config(config);
+    if let Some(pattern) = asked.pattern {
+        calibrator = calibrator.with_pattern(pattern);
+    }
+    for (i, photo) in photos.iter().enumerate() {
         py.check_signals()?;
-        let found = py.detach(|| observe_one(*view, plain.get(i).copied(), size, pattern, config));
+        let (pixels, plain) = (photo.pixels(), plain.get(i).map(Photo::pixels));
+        let mut shot = SheetPhoto::new(pixels.view(py)?);
+        if let Some(plain) = &plain {
+            shot = shot.plain(plain.view(py)?);
+        }
+        if let Some(corners) = corners.get(i).copied().flatten() {
+            shot = shot.corners(corners);
+        }
+        if let Some(mm) = asked.focal_35mm {
+            shot = shot.focal_35mm(mm);
+        }
+        if let Some(name) = names.get(i) {
+            shot = shot.name(name);
+        }
         let place = (n > 1).then(|| {
             names.get(i).map_or_else(|| format!("photos[{i}]"), |name| format!("photos[{i}] ({name})"))
         });
-        let found = found.map_err(|e| raised_from(py, &e, Stage::Detect, place.as_deref()))?;
-        seen.push(found.observation);
+        py.detach(|| calibrator.add(shot).map(|_| ()))
+            .map_err(|e| raised_from(py, &e, Stage::Detect, place.as_deref()))?;
     }
-    let observations =
-        slcal_core::Observations { camera, projector: pattern.map(|p| p.projector), views: seen };
-    let photos = (0..n).map(|i| names.get(i).cloned()).collect();
-    Ok(ExternalObservations { observations, unstated: vec![Unstated::default(); n], photos })
-}
-
-/// The size of all photographs in lists with their names.
-fn one_size(py: Python<'_>, lists: [(&str, &[PhotoView<'_>]); 2]) -> PyResult<[u32; 2]> {
-    let size = |p: &PhotoView<'_>| [p.width() as u32, p.height() as u32];
-    let first = lists[0].1.first().map(size).unwrap_or_default();
-    for (what, list) in lists {
-        if let Some(i) = list.iter().position(|p| size(p) != first) {
-            let ([w, h], [fw, fh]) = (size(&list[i]), first);
-            return Err(errors::invalid(
-                py,
-                &format!("{what}[{i}]"),
-                &format!(
-                    "{fw}x{fh} pixels like photos[0], as all photographs come from one camera at one setting, uncropped"
-                ),
-                &format!("{w}x{h}"),
-            ));
-        }
-    }
-    Ok(first)
+    Ok(calibrator)
 }
 
 fn names_of(names: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
