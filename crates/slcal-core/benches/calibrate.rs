@@ -50,7 +50,7 @@ fn observations(views: usize) -> Observations {
             let (a, b) = (corners[i], corners[(i + 1) % 4]);
             let on_side = |k: usize| a + (b - a) * ((k as f64 + 0.5) / POINTS as f64);
             let points = (0..POINTS).map(on_side).map(|p| pose.transform(&Point3::new(p.x, p.y, 0.0)));
-            points.map(|p| EdgePoint { position: seen(p), sigma_px: 0.1 }).collect()
+            points.map(|p| EdgePoint { position: seen(p), sigma_px: Some(0.1) }).collect()
         });
         let normal = pose.rotation * Vector3::z();
         let plane = Plane::from_point_normal(&pose.translation.into(), normal).expect("a plane");
@@ -58,10 +58,10 @@ fn observations(views: usize) -> Observations {
             let q = Point2::new(271.5 + 48.0 * f64::from(k % 10), 233.5 + 48.0 * f64::from(k / 10));
             let direction = back.rotation * projector.bearing(q).expect("no distortion");
             let p = Ray { origin: back.translation.into(), direction }.meet(&plane).expect("lit");
-            CornerPair { camera: seen(p), projector: q, sigma_px: 0.1 }
+            CornerPair { camera: seen(p), projector: q, sigma_px: Some(0.1) }
         });
         let pairs = pairs.collect();
-        ViewObservation { size: SIZE, sheet: SheetObservation::Edges(sides), pairs }
+        ViewObservation { photo: None, size: SIZE, sheet: SheetObservation::Edges(sides), pairs }
     });
     let views = views.collect();
     Observations { camera: [1280, 960], projector: Some([1024, 768]), views }

@@ -38,16 +38,14 @@ mod rendered_scenes;
 mod rig;
 
 pub use calibrate::{
-    CalibrateConfig, Calibration, CalibrationReport, DistortionModel, ExternalCalibration, FocalPrior,
-    Method, NoiseFound, NoiseOf, PairResidual, PointResidual, PrincipalPointRule, ViewResiduals,
-    calibrate_external, calibrate_observations, external_residuals, residuals,
+    CalibrateConfig, Calibration, CalibrationReport, DistortionModel, FocalPrior, Method, NoiseFound,
+    NoiseOf, PairResidual, PointResidual, PrincipalPointRule, ViewResiduals, calibrate_observations,
+    residuals,
 };
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Access, Cause, Error, ErrorClass, ErrorSubject, Result};
 pub use matches::{Match, Matches};
-pub use observations::{
-    CornerPair, EdgePoint, ExternalObservations, Observations, SheetObservation, Unstated, ViewObservation,
-};
+pub use observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 pub use parameter::{LensParameter, Parameter, PoseParameter};
 pub use pipeline::{
     Calibrator, CloudReport, PhotoVerifier, ReconstructConfig, Reconstruction, Reconstructor, SheetPhoto,

@@ -4,14 +4,24 @@ use nalgebra::Point2;
 
 use crate::geometry::{Line, RectangleSize};
 
+/// Stands for a σ that is not known where only the ratios of weights matter.
+pub(crate) const UNKNOWN_SIGMA_PX: f64 = 1.0;
+
 /// A sub-pixel point on the image of one side of the sheet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgePoint {
     /// Position in the camera image, px.
     pub position: Point2<f64>,
-    /// Standard deviation across the side, px, such that the points of a side may be treated as independent:
-    /// whoever measures correlated points widens their σ accordingly.
-    pub sigma_px: f64,
+    /// Standard deviation across the side, px, such that the points of a side may be treated as independent: whoever measures
+    /// correlated points widens their σ accordingly. `None` where it is not known.
+    pub sigma_px: Option<f64>,
+}
+
+impl EdgePoint {
+    /// The position with its weight 1/σ²; points of unknown σ weigh alike.
+    pub(crate) fn weighted(&self) -> (Point2<f64>, f64) {
+        (self.position, self.sigma_px.unwrap_or(UNKNOWN_SIGMA_PX).powi(-2))
+    }
 }
 
 /// How the sheet was observed.
@@ -23,8 +33,8 @@ pub enum SheetObservation {
     Corners {
         /// TL, TR, BR, BL, px; may lie outside the frame.
         corners: [Point2<f64>; 4],
-        /// 1σ per coordinate, px.
-        sigma_px: f64,
+        /// 1σ per coordinate, px; `None` where it is not known.
+        sigma_px: Option<f64>,
     },
 }
 
@@ -38,7 +48,7 @@ impl SheetObservation {
             Self::Edges(sides) => {
                 let mut lines = [Line(nalgebra::Vector3::zeros()); 4];
                 for (line, points) in lines.iter_mut().zip(sides) {
-                    *line = Line::fit(points.iter().map(|p| (p.position, p.sigma_px.powi(-2))))?;
+                    *line = Line::fit(points.iter().map(EdgePoint::weighted))?;
                 }
                 let [top, right, bottom, left] = lines;
                 Some([
@@ -59,13 +69,15 @@ pub struct CornerPair {
     pub camera: Point2<f64>,
     /// Drawn in the projector image, px; exact.
     pub projector: Point2<f64>,
-    /// 1σ of each camera coordinate, px.
-    pub sigma_px: f64,
+    /// 1σ of each camera coordinate, px; `None` where it is not known.
+    pub sigma_px: Option<f64>,
 }
 
-/// One pose of the sheet.
+/// One pose of the sheet. Its sheet and its pairs each state their σ for all points or for none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewObservation {
+    /// Name of the photograph, where it has one.
+    pub photo: Option<String>,
     /// Size of the sheet.
     pub size: RectangleSize,
     /// Its outline in the camera image.
@@ -81,8 +93,42 @@ impl ViewObservation {
     pub const SIGMA_RANGE_PX: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
     /// Sides of a sheet, mm: outside of it a unit was mistaken.
     pub const SIDE_RANGE_MM: std::ops::RangeInclusive<f64> = RectangleSize::SIDE_RANGE_MM;
-    /// Stands for a σ that is unstated.
-    pub const UNSTATED_SIGMA_PX: f64 = 1.0;
+
+    /// 1σ of every point of the sheet.
+    pub(crate) fn sheet_sigmas(&self) -> impl Iterator<Item = Option<f64>> {
+        let (sides, corners) = match &self.sheet {
+            SheetObservation::Edges(sides) => (Some(sides), None),
+            SheetObservation::Corners { sigma_px, .. } => (None, Some(*sigma_px)),
+        };
+        sides.into_iter().flatten().flatten().map(|p| p.sigma_px).chain(corners)
+    }
+
+    /// Replaces every σ of the sheet and of the pairs.
+    pub(crate) fn map_sigma(
+        &mut self,
+        sheet: impl Fn(Option<f64>) -> Option<f64>,
+        pairs: impl Fn(Option<f64>) -> Option<f64>,
+    ) {
+        match &mut self.sheet {
+            SheetObservation::Edges(sides) => {
+                sides.iter_mut().flatten().for_each(|p| p.sigma_px = sheet(p.sigma_px));
+            }
+            SheetObservation::Corners { sigma_px, .. } => *sigma_px = sheet(*sigma_px),
+        }
+        self.pairs.iter_mut().for_each(|p| p.sigma_px = pairs(p.sigma_px));
+    }
+
+    /// Whether the σ of the sheet's points is known.
+    #[must_use]
+    pub fn states_sheet_sigma(&self) -> bool {
+        self.sheet_sigmas().all(|s| s.is_some())
+    }
+
+    /// Whether the σ of the pairs is known.
+    #[must_use]
+    pub fn states_pair_sigma(&self) -> bool {
+        self.pairs.iter().all(|p| p.sigma_px.is_some())
+    }
 }
 
 /// Everything that a calibration is computed from.
@@ -94,40 +140,4 @@ pub struct Observations {
     pub projector: Option<[u32; 2]>,
     /// One entry per pose.
     pub views: Vec<ViewObservation>,
-}
-
-/// Which σ of one view its source did not state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Unstated {
-    /// That of the sheet's edge points or corners.
-    pub sheet: bool,
-    /// That of the pairs.
-    pub pairs: bool,
-}
-
-/// Observations from a detector of one's own, which may not know its noise: see
-/// [`calibrate_external`](crate::calibrate_external).
-#[derive(Debug, Clone, PartialEq)]
-pub struct ExternalObservations {
-    /// What was seen. A σ that is unstated stands as any positive number, which nothing depends on.
-    pub observations: Observations,
-    /// One entry per view; missing entries mean that everything is stated.
-    pub unstated: Vec<Unstated>,
-    /// Name of each view's photograph, where it has one.
-    pub photos: Vec<Option<String>>,
-}
-
-impl From<Observations> for ExternalObservations {
-    /// Observations with every σ stated and no names.
-    fn from(observations: Observations) -> Self {
-        Self { observations, unstated: Vec::new(), photos: Vec::new() }
-    }
-}
-
-impl ExternalObservations {
-    /// What view `i` leaves unstated.
-    #[must_use]
-    pub fn unstated(&self, i: usize) -> Unstated {
-        self.unstated.get(i).copied().unwrap_or_default()
-    }
 }

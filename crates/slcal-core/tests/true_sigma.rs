@@ -60,12 +60,17 @@ fn positions(scene: &Drawn, view: &ViewObservation, scores: &mut [Scores; 3]) ->
     let (mut corners, mut edges, mut count) = (0.0_f64, 0.0_f64, 0.0_f64);
     for p in &view.pairs {
         let d = p.camera - scene.camera_from_projector.map(p.projector).unwrap();
-        scores[0].0.extend([d.x / p.sigma_px, d.y / p.sigma_px]);
+        scores[0].0.extend([d.x / p.sigma_px.unwrap(), d.y / p.sigma_px.unwrap()]);
         corners += d.norm_squared() / 2.0;
-        if std::env::var("SLCAL_VERBOSE").is_ok() && d.norm() > 5.0 * p.sigma_px {
+        if std::env::var("SLCAL_VERBOSE").is_ok() && d.norm() > 5.0 * p.sigma_px.unwrap() {
             println!(
                 "corner {:?} at {:.3} {:.3} off by {:+.4} {:+.4} ({:.4})",
-                p.projector, p.camera.x, p.camera.y, d.x, d.y, p.sigma_px
+                p.projector,
+                p.camera.x,
+                p.camera.y,
+                d.x,
+                d.y,
+                p.sigma_px.unwrap()
             );
         }
     }
@@ -76,11 +81,11 @@ fn positions(scene: &Drawn, view: &ViewObservation, scores: &mut [Scores; 3]) ->
         let (mut sum, mut weight) = (0.0_f64, 0.0_f64);
         for p in side {
             let d = line.signed_distance_px(p.position);
-            scores[1].0.push(d / p.sigma_px);
+            scores[1].0.push(d / p.sigma_px.unwrap());
             edges += d * d;
             count += 1.0;
-            sum += d / p.sigma_px.powi(2);
-            weight += p.sigma_px.powi(-2);
+            sum += d / p.sigma_px.unwrap().powi(2);
+            weight += p.sigma_px.unwrap().powi(-2);
         }
         scores[2].0.push(sum / weight.sqrt());
         if std::env::var("SLCAL_VERBOSE").is_ok() {

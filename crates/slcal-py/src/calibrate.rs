@@ -1,9 +1,7 @@
 //! Photographs, or the observations of any detector, in; rig out.
 
 use pyo3::prelude::*;
-use slcal_core::{
-    CalibrateConfig, DistortionModel, ExternalCalibration, FocalPrior, PrincipalPointRule, calibrate_external,
-};
+use slcal_core::{CalibrateConfig, Calibration, DistortionModel, FocalPrior, PrincipalPointRule};
 
 use crate::convert::object::optional;
 use crate::convert::option;
@@ -51,9 +49,9 @@ impl Options<'_, '_> {
     }
 }
 
-impl From<ExternalCalibration> for Rig {
-    fn from(done: ExternalCalibration) -> Self {
-        Self { rig: done.calibration.rig, report: Some(done.calibration.report) }
+impl From<Calibration> for Rig {
+    fn from(done: Calibration) -> Self {
+        Self { rig: done.rig, report: Some(done.report) }
     }
 }
 
@@ -216,10 +214,6 @@ fn calibrate_observations(
     };
     let (py, mut config) = (observations.py(), options.config()?);
     let seen = observations_of(observations)?;
-    config.focal_prior = focal_35mm.map(|mm| FocalPrior::from_35mm_equivalent(mm, seen.observations.camera));
-    let mut done = py.detach(|| calibrate_external(&seen, &config)).raise(py, Stage::Detect)?;
-    for (view, photo) in done.calibration.rig.views.iter_mut().zip(&seen.photos) {
-        view.photo.clone_from(photo);
-    }
-    Ok(done.into())
+    config.focal_prior = focal_35mm.map(|mm| FocalPrior::from_35mm_equivalent(mm, seen.camera));
+    py.detach(|| slcal_core::calibrate_observations(&seen, &config)).raise(py, Stage::Detect).map(Rig::from)
 }

@@ -3,7 +3,7 @@
 use image::{DynamicImage, RgbImage};
 use pyo3::prelude::*;
 use slcal_core::photo::PhotoView;
-use slcal_core::{Rig as CoreRig, external_residuals};
+use slcal_core::{Rig as CoreRig, residuals};
 
 use crate::cloud::PointCloud;
 use crate::convert::image::photos_of;
@@ -25,7 +25,9 @@ fn save(
     let photos = photos.map(|p| pictures(rig, p)).transpose()?.unwrap_or_default();
     let (seen, residuals) = match observations {
         Some(given) => {
-            Some(external_residuals(rig, &observations_of(given)?).raise(py, Stage::Detect)?).unzip()
+            let seen = observations_of(given)?;
+            let residuals = residuals(rig, &seen).raise(py, Stage::Detect)?;
+            (Some(seen), Some(residuals))
         }
         None => (None, None),
     };

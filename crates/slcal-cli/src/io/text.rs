@@ -7,7 +7,7 @@ use slcal_core::format::{
 };
 use slcal_core::pattern::{CheckerPattern, Pattern, StripePattern};
 use slcal_core::simulate::TriangleMesh;
-use slcal_core::{ExternalObservations, Projector, Rig};
+use slcal_core::{Observations, Projector, Rig};
 
 use super::read::{read_at_most, read_bytes};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
@@ -36,7 +36,7 @@ pub(crate) fn read_exchange(path: &Path) -> Outcome<Vec<u8>> {
 const MAX_OBSERVATIONS_MIB: u64 = 128;
 
 /// Reads an observations JSON.
-pub(crate) fn load_observations(path: &Path) -> Outcome<ExternalObservations> {
+pub(crate) fn load_observations(path: &Path) -> Outcome<Observations> {
     read_observations(read_at_most(path, "an observations JSON", MAX_OBSERVATIONS_MIB)?.as_slice())
         .in_file(path)
 }

@@ -205,11 +205,12 @@ mod tests {
         let pair = |x: f64| CornerPair {
             camera: Point2::new(x, 300.0),
             projector: Point2::new(x, 7.0),
-            sigma_px: 0.1,
+            sigma_px: Some(0.1),
         };
         ViewObservation {
+            photo: None,
             size: RectangleSize::new(594.0, 420.0).unwrap(),
-            sheet: SheetObservation::Corners { corners: CORNERS.map(Point2::from), sigma_px: 0.1 },
+            sheet: SheetObservation::Corners { corners: CORNERS.map(Point2::from), sigma_px: Some(0.1) },
             pairs: vec![pair(400.0), pair(450.0)],
         }
     }

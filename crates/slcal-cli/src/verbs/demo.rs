@@ -8,8 +8,8 @@ use slcal_core::geometry::RectangleSize;
 use slcal_core::pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
 use slcal_core::photo::PhotoView;
 use slcal_core::{
-    Calibration, Calibrator, Device, ExternalCalibration, Observations, ReconstructConfig, Reconstruction,
-    Reconstructor, Rig, SheetPhoto, ViewResiduals, residuals,
+    Calibration, Calibrator, Device, ReconstructConfig, Reconstruction, Reconstructor, Rig, SheetPhoto,
+    ViewResiduals, residuals,
 };
 
 use super::reconstruct::draw;
@@ -67,7 +67,7 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
     let stripes = StripePattern::new(PANEL, &StripeConfig::default())?;
     let busy = printer.busy("calibrating from the photograph of the sheet");
     let sheet_photo = decode_photo(SHEET, "sheet.jpg")?.0;
-    let (detection, observations, calibration) = calibrate(&sheet_photo, &checker)?;
+    let (detection, calibration) = calibrate(&sheet_photo, &checker)?;
     let rig = &calibration.rig;
     busy.say("reconstructing a board and a head from one photograph each");
     let (board_photo, head_photo) = (decode_photo(BOARD, "board.jpg")?.0, decode_photo(HEAD, "head.jpg")?.0);
@@ -75,7 +75,7 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
     let head = cloud(rig, &stripes, &head_photo)?;
     let flatness = fit_plane(&board.cloud, &FitConfig::default())?.report;
 
-    let misses = residuals(rig, &observations)?;
+    let misses = residuals(rig, &calibration.observations)?;
     let seen = draw_sheet(&sheet_photo, &detection, rig, &misses)?;
     let contents = [
         png_bytes(&DynamicImage::ImageRgb8(checker.image()?))?,
@@ -90,23 +90,19 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
         bytes_of(|out| write_ply(&board.cloud, out))?,
         bytes_of(|out| write_ply(&head.cloud, out))?,
         draw(&head_photo, "head.jpg", &head)?,
-        report(&sheet_photo, rig, &observations, misses, &head)?,
+        report(&sheet_photo, &calibration, misses, &head)?,
     ];
     write_all(&places.into_iter().zip(contents).collect::<Vec<_>>())?;
     drop(busy);
     print_result(&story(args, &calibration, &detection, &flatness, &head)?)
 }
 
-fn calibrate(
-    sheet: &DynamicImage,
-    checker: &CheckerPattern,
-) -> Outcome<(Detection, Observations, Calibration)> {
+fn calibrate(sheet: &DynamicImage, checker: &CheckerPattern) -> Outcome<(Detection, Calibration)> {
     let size = RectangleSize::new(SHEET_SIZE_MM[0], SHEET_SIZE_MM[1])?;
     let mut calibrator = Calibrator::new(size).with_pattern(checker);
     let photo = SheetPhoto::new(PhotoView::try_from(sheet)?).name("sheet.jpg");
     let detection = calibrator.add(photo)?.clone();
-    let ExternalCalibration { calibration, observations, .. } = calibrator.calibrate()?;
-    Ok((detection, observations, calibration))
+    Ok((detection, calibrator.calibrate()?))
 }
 
 /// What was found on the sheet and how well it fits.
@@ -130,8 +126,7 @@ fn draw_sheet(
 /// The report on the calibration, with the head.
 fn report(
     photo: &DynamicImage,
-    rig: &Rig,
-    observations: &Observations,
+    Calibration { rig, observations, .. }: &Calibration,
     residuals: Vec<ViewResiduals>,
     head: &Reconstruction,
 ) -> Outcome<Vec<u8>> {

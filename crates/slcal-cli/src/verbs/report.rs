@@ -6,7 +6,7 @@ use image::DynamicImage;
 use slcal_core::detect::{DetectConfig, observe};
 use slcal_core::format::read_ply;
 use slcal_core::photo::PhotoView;
-use slcal_core::{Observations, Rig, ViewResiduals, external_residuals, residuals};
+use slcal_core::{Observations, Rig, ViewResiduals, residuals};
 
 use crate::args::ReportArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
@@ -145,7 +145,8 @@ fn seen(
     printer: Printer,
 ) -> Outcome<Result<(Observations, Residuals), String>> {
     if let Some(path) = &args.observations {
-        let (seen, residuals) = external_residuals(rig, &load_observations(path)?).in_file(path)?;
+        let seen = load_observations(path)?;
+        let residuals = residuals(rig, &seen).in_file(path)?;
         return Ok(Ok((seen, Ok(residuals))));
     }
     let pattern = args.pattern.as_deref().map(load_checker).transpose()?;

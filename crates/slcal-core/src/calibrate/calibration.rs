@@ -2,14 +2,19 @@
 
 use super::config::{CalibrateConfig, Method};
 use super::report::{Calibration, CalibrationReport};
+use super::variance_components::{measure_noise, warning};
 use super::{build_rig, diagnostics, hypotheses, two_vp, validate};
 use crate::error::Result;
 use crate::estimate::Kind;
 use crate::observations::Observations;
-use crate::rig::Verdict;
+use crate::rig::{Rig, Verdict};
 
 /// Calibrates camera and projector (the camera alone when `observations.projector` is `None`) from what was seen in one
 /// photograph or several.
+///
+/// A σ that is not stated is measured by the residuals where there are enough of them, pooled over the views, and assumed
+/// otherwise (with the warning `noise-assumed`). Of more than 4000 points of a side or pairs of a view an evenly spread
+/// part is used.
 ///
 /// # Errors
 /// [`Error::Invalid`](crate::Error::Invalid) for inconsistent observations (no view, NaN, σ not positive, collinear or
@@ -19,17 +24,25 @@ use crate::rig::Verdict;
 /// `config.allow_degenerate` is not set.
 pub fn calibrate_observations(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
     validate::check(observations, config)?;
-    let mut calibration = match config.method {
-        Method::Ml => maximum_likelihood(observations, config)?,
-        Method::TwoVp => two_vp::rig::calibrate(observations, config)?,
-    };
-    if let Some(quality) = &mut calibration.rig.quality {
-        quality.warnings.extend(hypotheses::centimetres::hint(observations));
+    let (observations, noise) = measure_noise(observations, config);
+    let (mut rig, report) = match config.method {
+        Method::Ml => maximum_likelihood(&observations, config),
+        Method::TwoVp => two_vp::rig::calibrate(&observations, config),
+    }?;
+    if let Some(quality) = &mut rig.quality {
+        quality.warnings.extend(hypotheses::centimetres::hint(&observations));
+        quality.warnings.extend(noise.iter().filter_map(|n| warning(n, &observations)));
     }
-    Ok(calibration)
+    for (view, seen) in rig.views.iter_mut().zip(&observations.views) {
+        view.photo.clone_from(&seen.photo);
+    }
+    Ok(Calibration { rig, report, observations, noise })
 }
 
-fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
+fn maximum_likelihood(
+    observations: &Observations,
+    config: &CalibrateConfig,
+) -> Result<(Rig, CalibrationReport)> {
     let (observations, repetition) = hypotheses::repeated::counted_once(observations);
     let (solution, config) = &match hypotheses::distortion_choice::solve_choosing(&observations, config) {
         Ok(solved) => solved,
@@ -58,5 +71,5 @@ fn maximum_likelihood(observations: &Observations, config: &CalibrateConfig) -> 
         cause: cause.to_owned(),
         advice: advice.to_owned(),
     };
-    Ok(Calibration { rig: build_rig::rig(solution, &assessment), report })
+    Ok((build_rig::rig(solution, &assessment), report))
 }

@@ -10,7 +10,6 @@ mod build_rig;
 mod calibration;
 mod config;
 mod diagnostics;
-mod external;
 mod hypotheses;
 mod initial_guess;
 mod maximum_likelihood;
@@ -23,7 +22,6 @@ pub use crate::estimate::assumptions::{DistortionModel, FocalPrior, PrincipalPoi
 pub use calibration::calibrate_observations;
 pub use config::{CalibrateConfig, Method};
 pub use diagnostics::residuals::{PairResidual, PointResidual, ViewResiduals, residuals};
-pub use external::{ExternalCalibration, calibrate_external, external_residuals};
 pub use report::{Calibration, CalibrationReport};
 pub use variance_components::{NoiseFound, NoiseOf};
 

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::variance_components::NoiseFound;
+use crate::observations::Observations;
 use crate::rig::Rig;
 
 /// How a calibration went, beyond the rig itself.
@@ -28,6 +30,11 @@ pub struct Calibration {
     pub rig: Rig,
     /// How it went.
     pub report: CalibrationReport,
+    /// What it was computed from: every σ is filled in, and at most 4000 points of a side and pairs of a view are left,
+    /// spread evenly. Calibrating from these gives the same rig.
+    pub observations: Observations,
+    /// The σ that were not stated.
+    pub noise: Vec<NoiseFound>,
 }
 
 /// `slcal-calibration-report/1`.

@@ -93,7 +93,8 @@ impl Board {
             let Some(found) = refiner.refine(corner.position, steps) else { continue };
             let limit = MAX_SHIFT_SQUARES * steps[0].norm().min(steps[1].norm()).max(4.0);
             if (found.position - corner.position).norm() <= limit {
-                let pair = CornerPair { camera: found.position, projector: at, sigma_px: found.sigma_px };
+                let pair =
+                    CornerPair { camera: found.position, projector: at, sigma_px: Some(found.sigma_px) };
                 pairs.push((corner.index, pair));
             }
         }

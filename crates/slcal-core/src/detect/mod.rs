@@ -118,7 +118,7 @@ pub fn observe(
     }
     let Some(pattern) = pattern else {
         let SheetDetection { observation: sheet, notes } = find_sheet(plain.unwrap_or(photo), config)?;
-        let observation = ViewObservation { size, sheet, pairs: Vec::new() };
+        let observation = ViewObservation { photo: None, size, sheet, pairs: Vec::new() };
         return Ok(Detection { observation, pattern_corners: 0, notes });
     };
     let photo = LinearPhoto::new(photo, config.encoding);
@@ -145,7 +145,7 @@ pub fn observe(
         sheet::find(&photo, &downsampled, &projected, config.corners)?;
     let pattern_corners = board.expected;
     let pairs = on_panel(on_sheet(board, &sheet, &mut notes)?.pairs, config);
-    Ok(Detection { observation: ViewObservation { size, sheet, pairs }, pattern_corners, notes })
+    Ok(Detection { observation: ViewObservation { photo: None, size, sheet, pairs }, pattern_corners, notes })
 }
 
 /// Detects the sheet alone, of any size: the brightest large quadrilateral with straight sides, or the sides near the

@@ -109,7 +109,11 @@ mod tests {
                 .map(|i| {
                     let projector =
                         Point2::new(300.0 + f64::from(i % 10) * 48.0, 200.0 + f64::from(i / 10) * 48.0);
-                    CornerPair { projector, camera: lens.distort(h.map(projector).unwrap()), sigma_px: 0.01 }
+                    CornerPair {
+                        projector,
+                        camera: lens.distort(h.map(projector).unwrap()),
+                        sigma_px: Some(0.01),
+                    }
                 })
                 .collect()
         };

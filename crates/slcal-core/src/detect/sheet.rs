@@ -73,7 +73,7 @@ pub(super) fn find(
             ) {
                 Ok(observation) => SheetDetection { observation, notes: Vec::new() },
                 Err(i) => SheetDetection {
-                    observation: SheetObservation::Corners { corners, sigma_px: HAND_SIGMA * diagonal },
+                    observation: SheetObservation::Corners { corners, sigma_px: Some(HAND_SIGMA * diagonal) },
                     notes: vec![format!(
                         "the {} side was not seen near the given corners: they are used as they are, uncertain by {:.1} px",
                         SIDES[i],

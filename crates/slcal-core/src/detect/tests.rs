@@ -341,7 +341,10 @@ fn a_side_along_the_border_of_the_footprint_is_named() {
         let side = (drawn.sheet[2] - drawn.sheet[1]).normalize();
         for point in &sides[1] {
             let off = side.perp(&(point.position - drawn.sheet[1])).abs();
-            assert!(off < 0.1 && off < 5.0 * point.sigma_px, "{top} {along}: {point:?} is off by {off}");
+            assert!(
+                off < 0.1 && off < 5.0 * point.sigma_px.unwrap(),
+                "{top} {along}: {point:?} is off by {off}"
+            );
         }
         found += 1;
     }

@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 
 use crate::geometry::Side;
-use crate::observations::{Observations, SheetObservation};
+use crate::observations::{Observations, SheetObservation, UNKNOWN_SIGMA_PX};
 
 /// What a measurement is of. Edge points are measured across the side alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +51,10 @@ impl Measurement {
 pub(crate) fn measurements(observations: &Observations) -> Vec<Measurement> {
     let mut all = Vec::new();
     for (view, o) in observations.views.iter().enumerate() {
-        let mut add = |seen, sigma_px, of| all.push(Measurement { view, seen, sigma_px, of });
+        let mut add = |seen, sigma_px: Option<f64>, of| {
+            let sigma_px = sigma_px.unwrap_or(UNKNOWN_SIGMA_PX);
+            all.push(Measurement { view, seen, sigma_px, of });
+        };
         match &o.sheet {
             SheetObservation::Edges(sides) => {
                 for (side, points) in Side::ALL.into_iter().zip(sides) {

@@ -22,18 +22,20 @@ pub(crate) fn ideal_pixel(known: Option<&Camera>, p: Point2<f64>) -> Option<Poin
 /// The line through edge points, without those that lie off it.
 fn robust_line(points: &[EdgePoint]) -> Option<Line> {
     let mut kept: Vec<&EdgePoint> = points.iter().collect();
-    let mut line = Line::fit(kept.iter().map(|p| (p.position, p.sigma_px.powi(-2))))?;
+    let mut line = Line::fit(kept.iter().map(|p| p.weighted()))?;
     for _ in 0..TRIMMING_ROUNDS {
         let scale = robust_scale(points.iter().map(|p| line.signed_distance_px(p.position).abs()));
         let next: Vec<&EdgePoint> = points
             .iter()
-            .filter(|p| line.signed_distance_px(p.position).abs() <= CUTOFF * scale.max(p.sigma_px))
+            .filter(|p| {
+                line.signed_distance_px(p.position).abs() <= CUTOFF * scale.max(p.sigma_px.unwrap_or(0.0))
+            })
             .collect();
         if next.len() == kept.len() {
             break;
         }
         kept = next;
-        match Line::fit(kept.iter().map(|p| (p.position, p.sigma_px.powi(-2)))) {
+        match Line::fit(kept.iter().map(|p| p.weighted())) {
             Some(l) => line = l,
             None => break,
         }

@@ -42,9 +42,10 @@ fn check_view(view: &ViewObservation, i: usize, observations: &Observations) -> 
     RectangleSize::new(view.size.width_mm, view.size.height_mm)?;
     let what = |part: &'static str| ErrorSubject::View { index: i, part };
     let (mut count, mut bad) = (0, 0);
-    let mut number = |p: Point2<f64>, sigma: f64| {
+    let mut number = |p: Point2<f64>, sigma: Option<f64>| {
         count += 1;
-        bad += usize::from(!(p.x.is_finite() && p.y.is_finite() && sigma.is_finite() && sigma > 0.0));
+        let positive = sigma.is_none_or(|s| s.is_finite() && s > 0.0);
+        bad += usize::from(!(p.x.is_finite() && p.y.is_finite() && positive));
     };
     match &view.sheet {
         SheetObservation::Corners { corners, sigma_px } => corners.iter().for_each(|c| number(*c, *sigma_px)),
@@ -54,11 +55,17 @@ fn check_view(view: &ViewObservation, i: usize, observations: &Observations) -> 
     }
     for p in &view.pairs {
         number(p.camera, p.sigma_px);
-        number(p.projector, 1.0);
+        number(p.projector, None);
     }
     if bad > 0 {
         let found = format!("{bad} of {count} points without");
         return Err(Error::invalid(what("points"), "finite coordinates and positive σ", found));
+    }
+    let pairs = view.pairs.iter().map(|p| p.sigma_px.is_some());
+    let sheet = view.sheet_sigmas().map(|s| s.is_some());
+    if differ(pairs) || differ(sheet) {
+        let expected = "of all points of a sheet or of a pattern, or of none";
+        return Err(Error::invalid(what("σ"), expected, "of some"));
     }
     if let SheetObservation::Edges(sides) = &view.sheet
         && let Some(fewest) = sides.iter().map(Vec::len).min()
@@ -79,6 +86,10 @@ fn check_view(view: &ViewObservation, i: usize, observations: &Observations) -> 
     })?;
     check_corners(&corners, observations.camera, what("the sheet's corners"))?;
     check_proportions(&corners, view.size, what("the sheet's size"))
+}
+
+fn differ(mut values: impl Iterator<Item = bool>) -> bool {
+    values.next().is_some_and(|first| values.any(|v| v != first))
 }
 
 fn check_pairs(view: &ViewObservation, what: ErrorSubject) -> Result<()> {

@@ -2,11 +2,11 @@
 
 use nalgebra::Point2;
 
-use crate::calibrate::{CalibrateConfig, ExternalCalibration, FocalPrior, calibrate_external};
+use crate::calibrate::{CalibrateConfig, Calibration, FocalPrior, calibrate_observations};
 use crate::detect::{DetectConfig, Detection, observe};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::RectangleSize;
-use crate::observations::{ExternalObservations, Observations};
+use crate::observations::Observations;
 use crate::pattern::CheckerPattern;
 use crate::photo::{Encoding, PhotoView};
 
@@ -84,7 +84,7 @@ impl<'a> From<PhotoView<'a>> for SheetPhoto<'a> {
 ///     let found = calibrator.add(SheetPhoto::new(PhotoView::try_from(photo)?).name(format!("pose {i}")))?;
 ///     println!("{} corners of the pattern", found.observation.pairs.len());
 /// }
-/// let rig = calibrator.calibrate()?.calibration.rig;
+/// let rig = calibrator.calibrate()?.rig;
 /// println!("{:.1} px", rig.camera.model.intrinsics.fx);
 /// # Ok(())
 /// # }
@@ -99,7 +99,6 @@ pub struct Calibrator {
     first: Option<([u32; 2], String)>,
     /// The 35 mm equivalent, mm, and the first photograph that states it.
     focal_35mm: Option<(f64, String)>,
-    names: Vec<Option<String>>,
     detections: Vec<Detection>,
 }
 
@@ -114,7 +113,6 @@ impl Calibrator {
             config: CalibrateConfig::default(),
             first: None,
             focal_35mm: None,
-            names: Vec::new(),
             detections: Vec::new(),
         }
     }
@@ -166,13 +164,13 @@ impl Calibrator {
             self.check_focal_length(mm)?;
         }
         let detect = DetectConfig { encoding: self.encoding, corners, ..DetectConfig::default() };
-        let found = observe(view, plain, self.sheet, self.pattern.as_ref(), &detect)?;
+        let mut found = observe(view, plain, self.sheet, self.pattern.as_ref(), &detect)?;
         if let Some(mm) = focal_35mm {
             self.config.focal_prior = Some(FocalPrior::from_35mm_equivalent(mm, size));
             self.focal_35mm.get_or_insert_with(|| (mm, title.clone()));
         }
         self.first.get_or_insert((size, title));
-        self.names.push(name);
+        found.observation.photo = name;
         self.detections.push(found);
         Ok(&self.detections[self.detections.len() - 1])
     }
@@ -217,17 +215,16 @@ impl Calibrator {
     ///
     /// # Errors
     /// [`Error::Invalid`] when no photograph was added.
-    pub fn observations(&self) -> Result<ExternalObservations> {
+    pub fn observations(&self) -> Result<Observations> {
         let (camera, _) = self
             .first
             .as_ref()
             .ok_or_else(|| Error::invalid(ErrorSubject::Photographs, "at least one", "none"))?;
-        let observations = Observations {
+        Ok(Observations {
             camera: *camera,
             projector: self.pattern.as_ref().map(|p| p.projector),
             views: self.detections.iter().map(|d| d.observation.clone()).collect(),
-        };
-        Ok(ExternalObservations { photos: self.names.clone(), ..observations.into() })
+        })
     }
 
     /// Estimates the rig from all photographs that were added.
@@ -235,12 +232,8 @@ impl Calibrator {
     /// # Errors
     /// [`Error::Invalid`] when no photograph was added; otherwise as
     /// [`calibrate_observations`](crate::calibrate_observations).
-    pub fn calibrate(&self) -> Result<ExternalCalibration> {
-        let mut done = calibrate_external(&self.observations()?, &self.config)?;
-        for (view, name) in done.calibration.rig.views.iter_mut().zip(&self.names) {
-            view.photo.clone_from(name);
-        }
-        Ok(done)
+    pub fn calibrate(&self) -> Result<Calibration> {
+        calibrate_observations(&self.observations()?, &self.config)
     }
 }
 
@@ -278,6 +271,7 @@ mod tests {
 
         calibrator.add(view).unwrap();
         assert_eq!(calibrator.detections().len(), 2);
-        assert_eq!(calibrator.observations().unwrap().photos, [Some("a.jpg".to_owned()), None]);
+        let views = calibrator.observations().unwrap().views;
+        assert_eq!((views[0].photo.as_deref(), views[1].photo.as_deref()), (Some("a.jpg"), None));
     }
 }

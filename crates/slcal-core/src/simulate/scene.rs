@@ -202,7 +202,7 @@ impl Scene {
         self.views.iter().map(of_view).sum()
     }
 
-    /// The camera's observations with noise from `draws`. Every point states its noise, or 1e-6 px where it is zero.
+    /// The camera's observations with noise from `draws`; their photographs are called "simulated 1" and so on. Every point states its noise, or 1e-6 px where it is zero.
     ///
     /// # Errors
     /// [`Error::Invalid`] for noise out of range, or own poses that put something behind a device.
@@ -216,7 +216,7 @@ impl Scene {
             )
         };
         let mut views = Vec::with_capacity(self.views.len());
-        for view in &self.views {
+        for (i, view) in self.views.iter().enumerate() {
             let sheet = self.observe_sheet(view, noise, draws).ok_or_else(behind)?;
             let mut pairs = Vec::with_capacity(self.pattern.len());
             for &q in &self.pattern {
@@ -224,10 +224,15 @@ impl Scene {
                 pairs.push(CornerPair {
                     camera: seen + draws.jitter(noise.pattern_px),
                     projector: q,
-                    sigma_px: NoiseModel::stated(noise.pattern_px),
+                    sigma_px: Some(NoiseModel::stated(noise.pattern_px)),
                 });
             }
-            views.push(ViewObservation { size: self.size, sheet, pairs });
+            views.push(ViewObservation {
+                photo: Some(format!("simulated {}", i + 1)),
+                size: self.size,
+                sheet,
+                pairs,
+            });
         }
         Ok(Observations {
             camera: [self.camera.width, self.camera.height],
@@ -238,7 +243,7 @@ impl Scene {
 
     fn observe_sheet(&self, view: &Pose, noise: &NoiseModel, draws: &mut Draws) -> Option<SheetObservation> {
         let corners = self.size.corners();
-        let sigma_px = NoiseModel::stated(noise.sheet_px);
+        let sigma_px = Some(NoiseModel::stated(noise.sheet_px));
         let Some(n) = noise.edge_points else {
             let mut seen = corners;
             for c in &mut seen {

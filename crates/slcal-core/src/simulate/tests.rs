@@ -6,7 +6,6 @@ use super::{Cube, Draws, NoiseModel, PoseConfig, RigConfig, Scene, SpreadConfig,
 use crate::calibrate::{CalibrateConfig, PrincipalPointRule, calibrate_observations};
 use crate::error::Error;
 use crate::geometry::RectangleSize;
-use crate::observations::SheetObservation;
 
 fn shifted() -> RigConfig {
     RigConfig {
@@ -70,7 +69,7 @@ fn noise_has_the_requested_sigma() {
             n[0] += 2.0;
         }
         for (p, q) in a.pairs.iter().zip(&b.pairs) {
-            assert_eq!(p.sigma_px, 0.07);
+            assert_eq!(p.sigma_px, Some(0.07));
             pattern += (p.camera - q.camera).norm_squared();
             n[1] += 2.0;
         }
@@ -137,10 +136,7 @@ fn the_bound_is_proportional_to_noise_and_equals_the_estimators_covariance() {
     assert!((two.translation_mm / one.translation_mm - 2.0).abs() < 1e-6);
     let mut seen = scene.observe(&NoiseModel::uniform(0.0), &mut Draws::new(1, 0)).unwrap();
     for view in &mut seen.views {
-        if let SheetObservation::Corners { sigma_px, .. } = &mut view.sheet {
-            *sigma_px = 0.1;
-        }
-        view.pairs.iter_mut().for_each(|p| p.sigma_px = 0.1);
+        view.map_sigma(|_| Some(0.1), |_| Some(0.1));
     }
     let centre = PrincipalPointRule::Centre;
     let config = CalibrateConfig { camera_pp: centre, projector_pp: centre, ..CalibrateConfig::default() };

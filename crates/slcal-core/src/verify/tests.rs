@@ -174,7 +174,7 @@ fn rectified(model: &Model, at: &[Point2<f64>], rng: &mut ChaCha8Rng) -> ViewObs
             let p = model.lit(&model.views[0], q);
             let c = model.camera.project(&p.unwrap()).unwrap();
             let camera = Point2::new(c.x + noise.sample(rng), c.y + noise.sample(rng));
-            CornerPair { camera, projector: q, sigma_px: NOISE_PX }
+            CornerPair { camera, projector: q, sigma_px: Some(NOISE_PX) }
         })
         .collect();
     seen

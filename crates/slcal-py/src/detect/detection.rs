@@ -3,10 +3,10 @@
 use nalgebra::Point2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use slcal_core::{CornerPair, SheetObservation, Unstated, detect};
+use slcal_core::{CornerPair, SheetObservation, detect};
 
 use crate::convert::array::{column, rows, rows_of};
-use crate::view_observation::{ViewObservation, edge_sigma, edges, sizeless};
+use crate::view_observation::{ViewObservation, edge_sigma, edges, pair_sigma, sizeless};
 
 /// What restores an object from a pickle, and its arguments.
 type Pickled<'py, State> = (Bound<'py, PyAny>, State);
@@ -42,7 +42,7 @@ impl SheetDetection {
     #[getter]
     fn corner_sigma_px(&self) -> Option<f64> {
         match self.0.observation {
-            SheetObservation::Corners { sigma_px, .. } => Some(sigma_px),
+            SheetObservation::Corners { sigma_px, .. } => sigma_px,
             SheetObservation::Edges(_) => None,
         }
     }
@@ -60,7 +60,7 @@ impl SheetDetection {
 
     #[staticmethod]
     fn _restored(py: Python<'_>, view: &str, notes: Vec<String>) -> PyResult<Self> {
-        let observation = ViewObservation::of_text(py, view)?.seen.sheet;
+        let observation = ViewObservation::of_text(py, view)?.0.sheet;
         Ok(Self(detect::SheetDetection { observation, notes }))
     }
 
@@ -98,7 +98,7 @@ impl CornerDetection {
     /// 1σ of each camera coordinate: (N,) float64, px.
     #[getter]
     fn sigma_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        column(py, self.0.pairs.iter().map(|p| p.sigma_px))
+        pair_sigma(py, &self.0.pairs)
     }
 
     /// Number of corners of the whole pattern.
@@ -112,8 +112,9 @@ impl CornerDetection {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (Bound<'py, PyAny>, usize)>> {
+        let sigma = |p: &CornerPair| p.sigma_px.unwrap_or(f64::NAN);
         let state =
-            self.0.pairs.iter().map(|p| [p.camera.x, p.camera.y, p.projector.x, p.projector.y, p.sigma_px]);
+            self.0.pairs.iter().map(|p| [p.camera.x, p.camera.y, p.projector.x, p.projector.y, sigma(p)]);
         Ok((py.get_type::<Self>().getattr("_restored")?, (rows(py, state)?, self.0.expected)))
     }
 
@@ -122,7 +123,7 @@ impl CornerDetection {
         let pair = |[cx, cy, px, py, sigma_px]: [f64; 5]| CornerPair {
             camera: Point2::new(cx, cy),
             projector: Point2::new(px, py),
-            sigma_px,
+            sigma_px: Some(sigma_px),
         };
         let pairs = rows_of::<5>(pairs, "pickled corners")?.into_iter().map(pair).collect();
         Ok(Self(detect::CornerDetection { pairs, expected }))
@@ -141,7 +142,7 @@ pub(crate) struct Detection(pub(crate) detect::Detection);
 impl Detection {
     /// As calibration takes it.
     pub(crate) fn as_view(&self) -> ViewObservation {
-        ViewObservation { seen: self.0.observation.clone(), unstated: Unstated::default(), photo: None }
+        ViewObservation(self.0.observation.clone())
     }
 }
 
@@ -180,7 +181,7 @@ impl Detection {
 
     #[staticmethod]
     fn _restored(py: Python<'_>, view: &str, pattern_corners: usize, notes: Vec<String>) -> PyResult<Self> {
-        let observation = ViewObservation::of_text(py, view)?.seen;
+        let observation = ViewObservation::of_text(py, view)?.0;
         Ok(Self(detect::Detection { observation, pattern_corners, notes }))
     }
 

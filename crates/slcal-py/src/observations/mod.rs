@@ -7,7 +7,6 @@ use std::path::Path;
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 use serde_json::Value;
-use slcal_core::ExternalObservations;
 use slcal_core::format::{read_observations, write_observations};
 
 use crate::convert::object::{self, Argument};
@@ -15,7 +14,7 @@ use crate::convert::option::whole_pair;
 use crate::detect::Detection;
 use crate::errors::{Raise as _, Stage, raised_from};
 use crate::files;
-use crate::view_observation::{ViewObservation, views_of};
+use crate::view_observation::ViewObservation;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Observations>()
@@ -48,8 +47,9 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Observations(camera=(1280, 960), projector=None, views=1, pairs=0)
 /// >>> slcal.Observations.from_json(seen.to_json()) == seen
 /// True
-#[pyclass(frozen, module = "slcal")]
-pub(crate) struct Observations(pub(crate) ExternalObservations);
+#[pyclass(frozen, module = "slcal", eq)]
+#[derive(PartialEq)]
+pub(crate) struct Observations(pub(crate) slcal_core::Observations);
 
 impl Argument for Observations {
     const EXPECTED: &'static str = "Observations or a mapping like their JSON file";
@@ -71,48 +71,44 @@ impl Observations {
         views: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
         const WANTED: &str = "ViewObservation or Detection objects in a list, one for each pose";
-        let observations = slcal_core::Observations {
+        let mut observations = slcal_core::Observations {
             camera: whole_pair(camera, "camera")?,
             projector: projector.map(|p| whole_pair(p, "projector")).transpose()?,
             views: Vec::new(),
         };
-        let mut external = ExternalObservations::from(observations);
         let items = match views.try_iter() {
             Ok(items) if files::path_of(views)?.is_none() => items,
             _ => return Err(object::refused::<ViewObservation>(views, "views", WANTED)),
         };
         for (i, item) in items.enumerate() {
             let item = item?;
-            let view = if let Ok(view) = item.cast::<ViewObservation>() {
-                view.get().clone()
+            observations.views.push(if let Ok(view) = item.cast::<ViewObservation>() {
+                view.get().0.clone()
             } else if let Ok(detection) = item.cast::<Detection>() {
-                detection.get().as_view()
+                detection.get().0.observation.clone()
             } else {
                 return Err(object::refused::<ViewObservation>(&item, &format!("views[{i}]"), WANTED));
-            };
-            external.observations.views.push(view.seen);
-            external.unstated.push(view.unstated);
-            external.photos.push(view.photo);
+            });
         }
-        Ok(Self(external))
+        Ok(Self(observations))
     }
 
     /// Width and height of the camera's image, px.
     #[getter]
     fn camera(&self) -> (u32, u32) {
-        self.0.observations.camera.into()
+        self.0.camera.into()
     }
 
     /// Width and height of the projector's panel, px; None for the camera alone.
     #[getter]
     fn projector(&self) -> Option<(u32, u32)> {
-        self.0.observations.projector.map(Into::into)
+        self.0.projector.map(Into::into)
     }
 
     /// One for each pose of the sheet.
     #[getter]
     fn views(&self) -> Vec<ViewObservation> {
-        views_of(self.0.clone())
+        self.0.views.iter().cloned().map(ViewObservation).collect()
     }
 
     /// Writes the file (schema slcal-observations/1), which ``slcal calibrate --observations`` reads.
@@ -167,20 +163,11 @@ impl Observations {
     }
 
     fn __len__(&self) -> usize {
-        self.0.observations.views.len()
-    }
-
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        let Ok(other) = other.cast::<Self>() else { return false };
-        let (a, b) = (&self.0, &other.get().0);
-        // What is left out at the end of these lists is nothing.
-        let photo = |o: &ExternalObservations, i: usize| o.photos.get(i).cloned().flatten();
-        let same = |i: usize| a.unstated(i) == b.unstated(i) && photo(a, i) == photo(b, i);
-        a.observations == b.observations && (0..a.observations.views.len()).all(same)
+        self.0.views.len()
     }
 
     fn __repr__(&self) -> String {
-        let o = &self.0.observations;
+        let o = &self.0;
         let pairs: usize = o.views.iter().map(|v| v.pairs.len()).sum();
         let projector = o.projector.map_or("None".to_owned(), |[w, h]| format!("({w}, {h})"));
         let ([w, h], n) = (o.camera, o.views.len());
@@ -197,7 +184,7 @@ impl Observations {
 }
 
 /// Observations, or a mapping in the shape of their file whose leaves may be arrays; it may leave out its schema.
-pub(crate) fn observations_of(value: &Bound<'_, PyAny>) -> PyResult<ExternalObservations> {
+pub(crate) fn observations_of(value: &Bound<'_, PyAny>) -> PyResult<slcal_core::Observations> {
     let py = value.py();
     if let Ok(observations) = value.cast::<Observations>() {
         return Ok(observations.get().0.clone());

@@ -9,7 +9,6 @@ use std::ops::ControlFlow;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use slcal_core::ExternalObservations;
 use slcal_core::simulate::{
     Draws, NoiseConfig, NoiseExperiment, NoiseModel, PoseConfig, SceneSetup, SpreadConfig, spread_poses,
 };
@@ -87,9 +86,7 @@ fn simulate_views(options: &Bound<'_, PyDict>) -> PyResult<(Observations, Rig)> 
         let poses = given.map_or_else(|| spread_poses(&rig, count, &SpreadConfig::default(), seed), Ok)?;
         let scene = slcal_core::simulate::Scene::new(&rig, &poses)?;
         let noise = NoiseModel { edge_points, ..NoiseModel::uniform(noise) };
-        let mut seen =
-            ExternalObservations::from(scene.observe(&noise, &mut Draws::new(seed, NOISE_STREAM))?);
-        seen.photos = (1..=poses.len()).map(|i| Some(format!("simulated {i}"))).collect();
+        let seen = scene.observe(&noise, &mut Draws::new(seed, NOISE_STREAM))?;
         Ok((seen, scene.rig()))
     };
     let (seen, rig) = py.detach(work).raise(py, Stage::Detect)?;

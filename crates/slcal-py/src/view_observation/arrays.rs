@@ -11,7 +11,6 @@ use crate::errors;
 
 /// Names of the sheet's sides, in the order of the core.
 const SIDES: [&str; 4] = ["top", "right", "bottom", "left"];
-const UNSTATED: f64 = slcal_core::ViewObservation::UNSTATED_SIGMA_PX;
 
 fn by_side<'py>(
     py: Python<'py>,
@@ -34,9 +33,14 @@ pub(crate) fn edges<'py>(py: Python<'py>, sheet: &SheetObservation) -> PyResult<
     by_side(py, sheet, |points| rows(py, points.iter().map(|p| [p.position.x, p.position.y])))
 }
 
-/// (N,) for each side.
+/// (N,), NaN where it is not stated.
+pub(crate) fn pair_sigma<'py>(py: Python<'py>, pairs: &[CornerPair]) -> PyResult<Bound<'py, PyAny>> {
+    column(py, pairs.iter().map(|p| p.sigma_px.unwrap_or(f64::NAN)))
+}
+
+/// (N,) for each side, NaN where it is not stated.
 pub(crate) fn edge_sigma<'py>(py: Python<'py>, sheet: &SheetObservation) -> PyResult<Bound<'py, PyDict>> {
-    by_side(py, sheet, |points| column(py, points.iter().map(|p| p.sigma_px)))
+    by_side(py, sheet, |points| column(py, points.iter().map(|p| p.sigma_px.unwrap_or(f64::NAN))))
 }
 
 /// Rows of `N` coordinates, or of one number more that is their σ.
@@ -99,19 +103,16 @@ pub(crate) fn four_corners(values: &Bound<'_, PyAny>, what: &str) -> PyResult<[P
 pub(super) fn by_corners(
     corners: &Bound<'_, PyAny>,
     sigma: Option<&Bound<'_, PyAny>>,
-) -> PyResult<(SheetObservation, bool)> {
+) -> PyResult<SheetObservation> {
     let corners = four_corners(corners, "sheet_corners")?;
     let sigma = sigma.map(|s| {
         if s.cast::<PyMapping>().is_ok() {
             let found = "a mapping, which belongs to sheet_edges";
             return Err(errors::invalid(s.py(), "sheet_sigma_px", "one number for the corners", found));
         }
-        let found = stated(s, 1, "sheet_sigma_px")?;
-        Ok(found.first().copied().unwrap_or(UNSTATED))
+        Ok(stated(s, 1, "sheet_sigma_px")?.first().copied())
     });
-    let sigma = sigma.transpose()?;
-    let sheet = SheetObservation::Corners { corners, sigma_px: sigma.unwrap_or(UNSTATED) };
-    Ok((sheet, sigma.is_none()))
+    Ok(SheetObservation::Corners { corners, sigma_px: sigma.transpose()?.flatten() })
 }
 
 /// The entry of each side.
@@ -140,7 +141,7 @@ fn four_sides<'py>(values: &Bound<'py, PyAny>, what: &str) -> PyResult<[Bound<'p
 pub(super) fn by_edges(
     edges: &Bound<'_, PyAny>,
     sigma: Option<&Bound<'_, PyAny>>,
-) -> PyResult<(SheetObservation, bool)> {
+) -> PyResult<SheetObservation> {
     const SIGMA: &str = "sheet_sigma_px";
     let py = edges.py();
     let by_side = match sigma {
@@ -162,9 +163,11 @@ pub(super) fn by_edges(
         if !points.is_empty() {
             *(if sigma.is_some() { &mut with } else { &mut without }) = Some(SIDES[i]);
         }
-        let sigma = sigma.unwrap_or_else(|| vec![UNSTATED; points.len()]);
-        let point = |(xy, sigma_px): (&[f64; 2], f64)| EdgePoint { position: Point2::from(*xy), sigma_px };
-        sides[i] = points.iter().zip(sigma).map(point).collect();
+        let point = |(k, xy): (usize, &[f64; 2])| EdgePoint {
+            position: Point2::from(*xy),
+            sigma_px: sigma.as_ref().map(|s| s[k]),
+        };
+        sides[i] = points.iter().enumerate().map(point).collect();
     }
     if let (Some(with), Some(without)) = (with, without) {
         let found = format!("it for \"{with}\" and not for \"{without}\"; give the rest as {SIGMA}");
@@ -175,22 +178,20 @@ pub(super) fn by_edges(
             &found,
         ));
     }
-    Ok((SheetObservation::Edges(sides), with.is_none()))
+    Ok(SheetObservation::Edges(sides))
 }
 
 pub(super) fn pairs_of(
     values: &Bound<'_, PyAny>,
     sigma: Option<&Bound<'_, PyAny>>,
-) -> PyResult<(Vec<CornerPair>, bool)> {
+) -> PyResult<Vec<CornerPair>> {
     let (points, own) = with_sigma::<4, 5>(values, "pairs")?;
     let given = sigma.map(|s| stated(s, points.len(), "pair_sigma_px")).transpose()?;
     let sigma = own.or(given);
-    let unstated = sigma.is_none() && !points.is_empty();
-    let sigma = sigma.unwrap_or_else(|| vec![UNSTATED; points.len()]);
-    let pair = |([cx, cy, px, py], sigma_px): ([f64; 4], f64)| CornerPair {
+    let pair = |(k, [cx, cy, px, py]): (usize, [f64; 4])| CornerPair {
         camera: Point2::new(cx, cy),
         projector: Point2::new(px, py),
-        sigma_px,
+        sigma_px: sigma.as_ref().map(|s| s[k]),
     };
-    Ok((points.into_iter().zip(sigma).map(pair).collect(), unstated))
+    Ok(points.into_iter().enumerate().map(pair).collect())
 }

@@ -6,13 +6,13 @@ use std::path::Path;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use slcal_core::SheetObservation;
 use slcal_core::format::{read_observations, write_observations};
 use slcal_core::geometry::RectangleSize;
-use slcal_core::{ExternalObservations, SheetObservation, Unstated};
 
-pub(crate) use arrays::{edge_sigma, edges, four_corners};
+pub(crate) use arrays::{edge_sigma, edges, four_corners, pair_sigma};
 
-use crate::convert::array::{column, rows};
+use crate::convert::array::rows;
 use crate::convert::object::Argument;
 use crate::convert::option::sheet_size;
 use crate::errors::{self, Raise as _, Stage};
@@ -64,11 +64,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// ((4, 2), (0, 4))
 #[pyclass(frozen, module = "slcal", eq)]
 #[derive(PartialEq, Clone)]
-pub(crate) struct ViewObservation {
-    pub(crate) seen: slcal_core::ViewObservation,
-    pub(crate) unstated: Unstated,
-    pub(crate) photo: Option<String>,
-}
+pub(crate) struct ViewObservation(pub(crate) slcal_core::ViewObservation);
 
 impl Argument for ViewObservation {
     const EXPECTED: &'static str = "a ViewObservation or a Detection";
@@ -96,7 +92,7 @@ impl ViewObservation {
     ) -> PyResult<Self> {
         let py = size_mm.py();
         let size = sheet_size(size_mm)?;
-        let (sheet, sheet_unstated) = match (sheet_corners, sheet_edges) {
+        let sheet = match (sheet_corners, sheet_edges) {
             (Some(corners), None) => arrays::by_corners(corners, sheet_sigma_px)?,
             (None, Some(edges)) => arrays::by_edges(edges, sheet_sigma_px)?,
             (found, _) => {
@@ -104,22 +100,20 @@ impl ViewObservation {
                 return Err(errors::invalid(py, "sheet", "either sheet_corners or sheet_edges", found));
             }
         };
-        let (pairs, pairs_unstated) =
-            pairs.map_or(Ok((Vec::new(), false)), |p| arrays::pairs_of(p, pair_sigma_px))?;
-        let unstated = Unstated { sheet: sheet_unstated, pairs: pairs_unstated };
-        Ok(Self { seen: slcal_core::ViewObservation { size, sheet, pairs }, unstated, photo })
+        let pairs = pairs.map_or(Ok(Vec::new()), |p| arrays::pairs_of(p, pair_sigma_px))?;
+        Ok(Self(slcal_core::ViewObservation { photo, size, sheet, pairs }))
     }
 
     /// Width and height of the sheet, mm.
     #[getter]
     fn size_mm(&self) -> (f64, f64) {
-        (self.seen.size.width_mm, self.seen.size.height_mm)
+        (self.0.size.width_mm, self.0.size.height_mm)
     }
 
     /// Its corners TL, TR, BR, BL: (4, 2) float64, px; None when there are points on its sides instead.
     #[getter]
     fn sheet_corners<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        match &self.seen.sheet {
+        match &self.0.sheet {
             SheetObservation::Corners { corners, .. } => {
                 rows(py, corners.iter().map(|c| [c.x, c.y])).map(Some)
             }
@@ -130,41 +124,38 @@ impl ViewObservation {
     /// Points on its sides: (N, 2) float64, px, for "top", "right", "bottom", "left"; None when there are corners instead.
     #[getter]
     fn sheet_edges<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        match &self.seen.sheet {
+        match &self.0.sheet {
             SheetObservation::Corners { .. } => Ok(None),
-            SheetObservation::Edges(_) => edges(py, &self.seen.sheet).map(Some),
+            SheetObservation::Edges(_) => edges(py, &self.0.sheet).map(Some),
         }
     }
 
     /// 1σ of the corners, px, or of the points on each side, (N,) float64; None where it was not given.
     #[getter]
     fn sheet_sigma_px<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        match &self.seen.sheet {
-            _ if self.unstated.sheet => Ok(None),
-            SheetObservation::Corners { sigma_px, .. } => Ok(Some(sigma_px.into_pyobject(py)?.into_any())),
-            SheetObservation::Edges(_) => Ok(Some(edge_sigma(py, &self.seen.sheet)?.into_any())),
+        match &self.0.sheet {
+            _ if !self.0.states_sheet_sigma() => Ok(None),
+            SheetObservation::Corners { sigma_px, .. } => Ok(Some(sigma_px.into_pyobject(py)?)),
+            SheetObservation::Edges(_) => Ok(Some(edge_sigma(py, &self.0.sheet)?.into_any())),
         }
     }
 
     /// Camera x, camera y, projector x, projector y of each point of the pattern: (N, 4) float64, px.
     #[getter]
     fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        rows(py, self.seen.pairs.iter().map(|p| [p.camera.x, p.camera.y, p.projector.x, p.projector.y]))
+        rows(py, self.0.pairs.iter().map(|p| [p.camera.x, p.camera.y, p.projector.x, p.projector.y]))
     }
 
     /// 1σ of the camera's coordinates of the pairs: (N,) float64, px; None where it was not given.
     #[getter]
     fn pair_sigma_px<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        if self.unstated.pairs {
-            return Ok(None);
-        }
-        column(py, self.seen.pairs.iter().map(|p| p.sigma_px)).map(Some)
+        self.0.states_pair_sigma().then(|| pair_sigma(py, &self.0.pairs)).transpose()
     }
 
     /// Name of the photograph, where it has one.
     #[getter]
     fn photo(&self) -> Option<&str> {
-        self.photo.as_deref()
+        self.0.photo.as_deref()
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
@@ -177,9 +168,9 @@ impl ViewObservation {
     }
 
     fn __repr__(&self) -> String {
-        let (size, n) = (self.seen.size, self.seen.pairs.len());
-        let photo = self.photo.as_deref().map_or(String::new(), |p| format!(", photo={p:?}"));
-        let sheet = match &self.seen.sheet {
+        let (size, n) = (self.0.size, self.0.pairs.len());
+        let photo = self.0.photo.as_deref().map_or(String::new(), |p| format!(", photo={p:?}"));
+        let sheet = match &self.0.sheet {
             SheetObservation::Corners { .. } => "sheet by its corners".to_owned(),
             SheetObservation::Edges(sides) => {
                 format!("sheet by {} points on its sides", sides.iter().map(Vec::len).sum::<usize>())
@@ -196,40 +187,22 @@ impl ViewObservation {
             // Of no meaning here.
             camera: [1; 2],
             projector: Some([1; 2]),
-            views: vec![self.seen.clone()],
-        };
-        let external = ExternalObservations {
-            observations,
-            unstated: vec![self.unstated],
-            photos: vec![self.photo.clone()],
+            views: vec![self.0.clone()],
         };
         let mut bytes = Vec::new();
-        write_observations(&external, &mut bytes).raise(py, Stage::Detect)?;
+        write_observations(&observations, &mut bytes).raise(py, Stage::Detect)?;
         files::text_of(bytes)
     }
 
     pub(crate) fn of_text(py: Python<'_>, text: &str) -> PyResult<Self> {
-        let read = read_observations(text.as_bytes()).raise(py, Stage::Detect)?;
-        views_of(read).pop().ok_or_else(|| errors::invalid(py, "pickled observation", "one view", "none"))
+        let mut read = read_observations(text.as_bytes()).raise(py, Stage::Detect)?;
+        let view = read.views.pop().map(Self);
+        view.ok_or_else(|| errors::invalid(py, "pickled observation", "one view", "none"))
     }
-}
-
-/// The views, each with what is known of it.
-pub(crate) fn views_of(external: ExternalObservations) -> Vec<ViewObservation> {
-    let unstated: Vec<Unstated> =
-        (0..external.observations.views.len()).map(|i| external.unstated(i)).collect();
-    let photos = external.photos.into_iter().chain(std::iter::repeat(None));
-    let views = external.observations.views.into_iter().zip(unstated).zip(photos);
-    views.map(|((seen, unstated), photo)| ViewObservation { seen, unstated, photo }).collect()
 }
 
 /// A sheet of no size, as a view, so that it is pickled alike.
 pub(crate) fn sizeless(sheet: SheetObservation) -> ViewObservation {
     let size = RectangleSize { width_mm: 1.0, height_mm: 1.0 };
-    let unstated = Unstated { sheet: false, pairs: false };
-    ViewObservation {
-        seen: slcal_core::ViewObservation { size, sheet, pairs: Vec::new() },
-        unstated,
-        photo: None,
-    }
+    ViewObservation(slcal_core::ViewObservation { photo: None, size, sheet, pairs: Vec::new() })
 }

@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 
 use slcal_core::format::{write_observations, write_rig};
 use slcal_core::{
-    CalibrateConfig, Calibration, Method, NoiseFound, Observations, ViewResiduals, calibrate_external,
+    CalibrateConfig, Calibration, Method, NoiseFound, Observations, ViewResiduals, calibrate_observations,
     residuals,
 };
 
-use self::overlay::{Calibrated, Gallery};
+use self::overlay::Gallery;
 use self::photographs::observe_all;
 use crate::args::CalibrateArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
@@ -29,24 +29,21 @@ pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -
     let mut gallery = pictured.then(|| Gallery::new(args.photos.len()));
     let done = calibrate(args, &places, gallery.as_mut(), printer);
     let misses = match &done {
-        Ok((c, o)) if pictured => residuals(&c.rig, o).map_err(|e| e.to_string()),
+        Ok(c) if pictured => residuals(&c.rig, &c.observations).map_err(|e| e.to_string()),
         _ => Ok(Vec::new()),
     };
     let drawn = match (places.overlay.as_ref(), &gallery) {
         (Some(place), Some(gallery)) => {
-            let shown = done.as_ref().ok().map(|(c, o)| Calibrated { rig: &c.rig, observations: o });
+            let shown = done.as_ref().ok();
             gallery.write(place, shown, misses.as_deref().unwrap_or_default(), done.as_ref().err())
         }
         _ => Ok(()),
     };
     // The failure of the calibration matters more than that of the picture.
-    let (calibration, observations) = done?;
+    let calibration = done?;
     drawn?;
     let report = match places.report.as_ref().zip(gallery) {
-        Some((place, gallery)) => {
-            let shown = Calibrated { rig: &calibration.rig, observations: &observations };
-            Some((place.clone(), report(args, shown, misses, &gallery, typed)?))
-        }
+        Some((place, gallery)) => Some((place.clone(), report(args, &calibration, misses, &gallery, typed)?)),
         None => None,
     };
     finish(args, &calibration, places, report, printer)
@@ -55,7 +52,7 @@ pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -
 /// The report on a calibration.
 fn report(
     args: &CalibrateArgs,
-    Calibrated { rig, observations }: Calibrated<'_>,
+    Calibration { rig, observations, .. }: &Calibration,
     residuals: Result<Vec<ViewResiduals>, String>,
     gallery: &Gallery,
     typed: &CommandLine,
@@ -78,22 +75,22 @@ fn report(
     Ok(rig_html(&page))
 }
 
-/// The calibration and its observations.
+/// The calibration.
 fn calibrate(
     args: &CalibrateArgs,
     places: &Places,
     gallery: Option<&mut Gallery>,
     printer: Printer,
-) -> Outcome<(Calibration, Observations)> {
+) -> Outcome<Calibration> {
     let mut config = config(args)?;
     let known = match args.camera.as_deref() {
         Some(path) => Some((path, load_camera(path)?)),
         None => None,
     };
-    let external = if let Some(path) = &args.observations {
+    let observations = if let Some(path) = &args.observations {
         let given = load_observations(path)?;
         if let Some((path, known)) = &known {
-            config.known_camera = Some(known.for_image(given.observations.camera).in_file(path)?);
+            config.known_camera = Some(known.for_image(given.camera).in_file(path)?);
         }
         given
     } else {
@@ -112,27 +109,23 @@ fn calibrate(
     }
     if let Some(place) = &places.observations {
         // Written before the calibration, because measurements are most useful when it fails.
-        write_all(&[(place.clone(), bytes_of(|out| write_observations(&external, out))?)])?;
+        write_all(&[(place.clone(), bytes_of(|out| write_observations(&observations, out))?)])?;
     }
     let inputs = args.observations.iter().chain(&args.photos).map(|p| input_name(p)).collect::<Vec<_>>();
     let busy = printer.busy("calibrating");
-    let done = calibrate_external(&external, &config).in_file(Path::new(&inputs.join(", ")))?;
+    let done = calibrate_observations(&observations, &config).in_file(Path::new(&inputs.join(", ")))?;
     drop(busy);
     for noise in &done.noise {
         printer.note(noise_in_words(noise));
     }
     let count = |o: &Observations| o.views.iter().map(|v| v.pairs.len()).sum::<usize>();
-    let (used, all) = (count(&done.observations), count(&external.observations));
+    let (used, all) = (count(&done.observations), count(&observations));
     if used < all {
         printer.note(format!(
             "{used} of {all} pairs are used, evenly spread; more would not improve the result"
         ));
     }
-    let mut calibration = done.calibration;
-    for (view, photo) in calibration.rig.views.iter_mut().zip(external.photos) {
-        view.photo = photo;
-    }
-    Ok((calibration, done.observations))
+    Ok(done)
 }
 
 fn noise_in_words(noise: &NoiseFound) -> String {

@@ -5,7 +5,7 @@ use std::path::Path;
 use image::DynamicImage;
 use image::imageops::FilterType;
 use slcal_core::detect::Detection;
-use slcal_core::{Observations, Quality, Rig, ViewResiduals};
+use slcal_core::{Calibration, Quality, Rig, ViewResiduals};
 
 use crate::exit::{Failure, Outcome};
 use crate::io::{Destination, input_name, png_bytes, write_all};
@@ -34,13 +34,6 @@ struct Shot {
 enum Seen {
     All(Box<Detection>),
     Not { why: String, partly: Partly },
-}
-
-/// A rig and its observations.
-#[derive(Clone, Copy)]
-pub(super) struct Calibrated<'a> {
-    pub(super) rig: &'a Rig,
-    pub(super) observations: &'a Observations,
 }
 
 impl Gallery {
@@ -80,7 +73,7 @@ impl Gallery {
     pub(super) fn write(
         &self,
         place: &Destination,
-        calibrated: Option<Calibrated<'_>>,
+        calibrated: Option<&Calibration>,
         misses: &[ViewResiduals],
         failed: Option<&Failure>,
     ) -> Outcome {
@@ -95,7 +88,7 @@ impl Gallery {
 }
 
 /// Views with their observations and residuals; none when their numbers differ.
-fn fits<'a>(c: Calibrated<'a>, misses: &'a [ViewResiduals]) -> Vec<MeasuredView<'a>> {
+fn fits<'a>(c: &'a Calibration, misses: &'a [ViewResiduals]) -> Vec<MeasuredView<'a>> {
     let views = c.rig.views.iter().zip(&c.observations.views).zip(misses);
     views.map(|((view, observed), residuals)| MeasuredView { observed, residuals, view }).collect()
 }
@@ -105,12 +98,12 @@ impl Shot {
     fn drawing(
         &self,
         fit: Option<MeasuredView<'_>>,
-        calibrated: Option<Calibrated<'_>>,
+        calibrated: Option<&Calibration>,
         failed: Option<&Failure>,
     ) -> Drawing {
         let mut drawing = match (&self.seen, fit.zip(calibrated)) {
             (Seen::All(_), Some((fit, c))) => {
-                let title = format!("{}: {}; {}", short(&self.name), verdict(c.rig), fit.in_words());
+                let title = format!("{}: {}; {}", short(&self.name), verdict(&c.rig), fit.in_words());
                 residual_drawing::drawing(self.size, &self.name, title.trim_end_matches([';', ' ']), fit)
             }
             (Seen::All(found), None) => sheet::found(self.size, &self.name, found),
@@ -167,7 +160,7 @@ fn sheet_of(
     shots: &[Shot],
     expected: usize,
     fits: &[MeasuredView<'_>],
-    calibrated: Option<Calibrated<'_>>,
+    calibrated: Option<&Calibration>,
     failed: Option<&Failure>,
 ) -> Outcome<DynamicImage> {
     let (_, coarseness) = contact_sheet::tile_size(shots[0].size, expected);
@@ -182,7 +175,7 @@ fn sheet_of(
     let shown_as = f64::from(shots[0].photo.width()) / f64::from(shots[0].size[0]);
     let mut legend = match calibrated {
         Some(c) if !fits.is_empty() => {
-            let title = format!("{} photographs: {}", shots.len(), verdict(c.rig));
+            let title = format!("{} photographs: {}", shots.len(), verdict(&c.rig));
             let legend = residual_drawing::legend(
                 &like,
                 title.trim_end_matches([';', ' ', ':']),

@@ -5,7 +5,6 @@ mod scene;
 
 use std::ops::ControlFlow;
 
-use slcal_core::ExternalObservations;
 use slcal_core::format::{write_observations, write_rig};
 use slcal_core::simulate::{
     Draws, NoiseConfig, NoiseExperiment, NoiseModel, PoseConfig, RigConfig, Scene, SpreadConfig, spread_poses,
@@ -86,9 +85,7 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
     let scene = Scene::new(&rig, &poses)?;
     tell_outside(&scene, printer);
     let noise = NoiseModel { edge_points: args.edges, ..NoiseModel::uniform(args.noise) };
-    let mut seen =
-        ExternalObservations::from(scene.observe(&noise, &mut Draws::new(args.seed, NOISE_STREAM))?);
-    seen.photos = (1..=poses.len()).map(|i| Some(format!("simulated {i}"))).collect();
+    let seen = scene.observe(&noise, &mut Draws::new(args.seed, NOISE_STREAM))?;
     let bytes = bytes_of(|out| write_observations(&seen, out))?;
     let to_stdout = [Some(&output), truth.as_ref()].contains(&Some(&Destination::Stdout));
     let mut files = vec![(output, bytes)];

@@ -1,5 +1,6 @@
 //! Residuals of observations against a rig, view by view.
 
+use crate::calibrate::variance_components::{NoiseOf, SMALLEST, assumed, diagonal, filled};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::estimate::robust::{kept, whitened};
 use crate::estimate::validate::validate;
@@ -21,7 +22,7 @@ pub struct PointResidual {
     pub seen: Point2<f64>,
     /// Where the rig expects it; of a point on a side of the sheet, the nearest point of that side's image.
     pub expected: Point2<f64>,
-    /// 1σ that the detector states, px.
+    /// 1σ that the detector states, or that the residuals tell where it does not, px.
     pub sigma_px: f64,
     /// Whether the robust loss keeps it.
     pub kept: bool,
@@ -76,12 +77,37 @@ impl ViewResiduals {
     }
 }
 
-/// The residuals of a rig's own observations, view by view.
+/// The residuals of a rig's own observations, view by view. A σ that is not stated is how widely the residuals themselves
+/// scatter, pooled over the views (their median).
 ///
 /// # Errors
 /// [`Error::Invalid`] when there are not as many views as the rig has, when image or panel have other sizes than the rig's
 /// devices, when the observations themselves are inconsistent, or when a point cannot be seen by the rig at all.
 pub fn residuals(rig: &Rig, observations: &Observations) -> Result<Vec<ViewResiduals>> {
+    /// Outliers are detected by σ: the first, which is assumed, may be far off.
+    const ROUNDS: usize = 3;
+    let mut noise = assumed(observations);
+    if noise.is_empty() {
+        return of_stated(rig, observations);
+    }
+    let smallest = SMALLEST * diagonal(observations);
+    for _ in 0..ROUNDS {
+        let views = of_stated(rig, &filled(observations, &noise))?;
+        // The pose of a view takes up nearly all information of its four corners.
+        for found in noise.iter_mut().filter(|n| n.of != NoiseOf::SheetCorners) {
+            let scatter = |v: &ViewResiduals| {
+                if found.of == NoiseOf::Pairs { v.pair_scatter } else { Some(v.sheet_scatter) }
+            };
+            let unstated = found.of.unstated(observations);
+            let wanted = views.iter().zip(unstated).filter(|(_, unstated)| *unstated);
+            let typical = median(&mut wanted.filter_map(|(v, _)| scatter(v)).collect::<Vec<_>>());
+            found.sigma_px = typical.map_or(found.sigma_px, |s| (s * found.sigma_px).max(smallest));
+        }
+    }
+    of_stated(rig, &filled(observations, &noise))
+}
+
+fn of_stated(rig: &Rig, observations: &Observations) -> Result<Vec<ViewResiduals>> {
     validate(observations)?;
     belong_together(rig, observations)?;
     let model = Model::of_rig(rig);
@@ -250,7 +276,7 @@ mod tests {
             let truth = rig_of_views();
             seen.views[2].pairs.clone_from(&observe(&truth, 1.0, 1.0, &mut shake).views[2].pairs);
             for pair in &mut seen.views[2].pairs {
-                pair.sigma_px = 0.1;
+                pair.sigma_px = Some(0.1);
             }
         });
         let views = residuals(&rig, &seen).unwrap();

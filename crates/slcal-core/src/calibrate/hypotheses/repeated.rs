@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::observations::{EdgePoint, Observations, SheetObservation, ViewObservation};
+use crate::observations::{EdgePoint, Observations, SheetObservation, UNKNOWN_SIGMA_PX, ViewObservation};
 use crate::rig::Warning;
 
 /// Two photographs of one scene differ by their noise, √2 σ or, for correlated points, a fourth of that; the same
@@ -22,7 +22,9 @@ fn points(view: &ViewObservation) -> Vec<EdgePoint> {
 }
 
 fn same(a: &[EdgePoint], b: &[EdgePoint]) -> bool {
-    let off = |(p, q): (&EdgePoint, &EdgePoint)| (p.position - q.position).norm() / p.sigma_px;
+    let off = |(p, q): (&EdgePoint, &EdgePoint)| {
+        (p.position - q.position).norm() / p.sigma_px.unwrap_or(UNKNOWN_SIGMA_PX)
+    };
     a.len() == b.len() && a.iter().zip(b).all(|pair| off(pair) < SAME)
 }
 
@@ -42,13 +44,8 @@ pub(crate) fn counted_once(observations: &Observations) -> (Cow<'_, Observations
     let mut all = observations.clone();
     for (view, first) in all.views.iter_mut().zip(&firsts) {
         let times = (firsts.iter().filter(|f| *f == first).count() as f64).sqrt();
-        match &mut view.sheet {
-            SheetObservation::Edges(sides) => {
-                sides.iter_mut().flatten().for_each(|p| p.sigma_px *= times);
-            }
-            SheetObservation::Corners { sigma_px, .. } => *sigma_px *= times,
-        }
-        view.pairs.iter_mut().for_each(|p| p.sigma_px *= times);
+        let wider = |sigma: Option<f64>| sigma.map(|s| s * times);
+        view.map_sigma(wider, wider);
     }
     let warning = Warning::new(
         "photograph-repeated",

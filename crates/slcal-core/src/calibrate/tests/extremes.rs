@@ -139,7 +139,7 @@ fn wrong_corners_by_hand_are_not_called_good() {
     o.views[0].sheet = SheetObservation::Corners {
         corners: [(-500.0, -400.0), (1700.0, -300.0), (1800.0, 1300.0), (-600.0, 1200.0)]
             .map(|(x, y)| Point2::new(x, y)),
-        sigma_px: 3.0,
+        sigma_px: Some(3.0),
     };
     let c = calibrate_observations(&o, &allowing(Method::Ml)).unwrap();
     written(&c);

@@ -23,14 +23,14 @@ fn rendered(scene: &str) -> Option<(Observations, Rig)> {
     let pairs = points("corners_camera_px").into_iter().zip(points("corners_projector_px")).zip(visible);
     let pairs = pairs
         .filter(|(_, v)| *v)
-        .map(|((camera, projector), _)| CornerPair { camera, projector, sigma_px: 0.05 })
+        .map(|((camera, projector), _)| CornerPair { camera, projector, sigma_px: Some(0.05) })
         .collect();
-    let sheet = SheetObservation::Corners { corners: truth.views[0].corners_px, sigma_px: 0.05 };
+    let sheet = SheetObservation::Corners { corners: truth.views[0].corners_px, sigma_px: Some(0.05) };
     let size = |d: &Device| [d.model.width, d.model.height];
     let observations = Observations {
         camera: size(&truth.camera),
         projector: truth.projector.as_ref().map(|p| size(&p.device)),
-        views: vec![ViewObservation { size: truth.views[0].size, sheet, pairs }],
+        views: vec![ViewObservation { photo: None, size: truth.views[0].size, sheet, pairs }],
     };
     Some((observations, truth))
 }
@@ -94,10 +94,11 @@ fn edges_with_one_sided_contamination_do_not_move_the_result() {
 fn nonsense_is_refused_with_a_reason() {
     let truth = rig(768.0, vec![pose(25.0, 28.0)]);
     let good = observe(&truth, 0.2, 0.1, &mut rng(1));
-    let cases: [(&str, Spoil); 9] = [
+    let cases: [(&str, Spoil); 10] = [
         ("at least one view", |o| o.views.clear()),
         ("finite", |o| o.views[0].pairs[3].camera.x = f64::NAN),
-        ("positive σ", |o| o.views[0].pairs[3].sigma_px = -1.0),
+        ("positive σ", |o| o.views[0].pairs[3].sigma_px = Some(-1.0)),
+        ("σ", |o| o.views[0].pairs[3].sigma_px = None),
         ("at least 4 pairs", |o| o.views[0].pairs.truncate(3)),
         ("on one line", |o| o.views[0].pairs.truncate(9)),
         ("another panel", |o| o.projector = Some([640, 480])),

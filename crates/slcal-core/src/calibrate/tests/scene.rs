@@ -68,11 +68,11 @@ pub(crate) fn observe(model: &Model, sheet_px: f64, pair_px: f64, rng: &mut ChaC
                     let q = Point2::new(271.5 + 60.0 * f64::from(k % 9), 233.5 + 60.0 * f64::from(k / 9));
                     let p = model.lit(pose, q).unwrap();
                     let seen = model.camera.project(&p).unwrap() + jitter(rng, pair_px);
-                    pairs.push(CornerPair { camera: seen, projector: q, sigma_px: pair_px });
+                    pairs.push(CornerPair { camera: seen, projector: q, sigma_px: Some(pair_px) });
                 }
             }
-            let sheet = SheetObservation::Corners { corners, sigma_px: sheet_px };
-            ViewObservation { size: size(), sheet, pairs }
+            let sheet = SheetObservation::Corners { corners, sigma_px: Some(sheet_px) };
+            ViewObservation { photo: None, size: size(), sheet, pairs }
         })
         .collect();
     let projector = model.projector.map(|p| [p.width, p.height]);
@@ -95,7 +95,7 @@ pub(crate) fn with_edges(
                 .map(|k| {
                     let p = a + (b - a) * ((k as f64 + 0.5) / n as f64);
                     let seen = model.camera.project(&pose.transform(&Point3::new(p.x, p.y, 0.0))).unwrap();
-                    EdgePoint { position: seen + jitter(rng, sigma), sigma_px: sigma }
+                    EdgePoint { position: seen + jitter(rng, sigma), sigma_px: Some(sigma) }
                 })
                 .collect()
         });

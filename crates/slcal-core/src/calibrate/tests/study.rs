@@ -103,13 +103,7 @@ impl Scenario {
         let truth = self.centre();
         let mut o = self.observed(&truth, [1e-9, 1e-9], &mut rng(0));
         for view in &mut o.views {
-            view.pairs.iter_mut().for_each(|p| p.sigma_px = self.noise_px[1]);
-            match &mut view.sheet {
-                crate::SheetObservation::Corners { sigma_px, .. } => *sigma_px = self.noise_px[0],
-                crate::SheetObservation::Edges(sides) => {
-                    sides.iter_mut().flatten().for_each(|p| p.sigma_px = self.noise_px[0]);
-                }
-            }
+            view.map_sigma(|_| Some(self.noise_px[0]), |_| Some(self.noise_px[1]));
         }
         let assumptions = config.assumptions();
         let unknowns = Unknowns::new(&assumptions, self.projector, self.tilts.len());

@@ -9,7 +9,7 @@ use crate::calibrate::build_rig::{projected_corners, view as view_of_rig};
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::diagnostics::advice::percent;
 use crate::calibrate::initial_guess::robust_homography;
-use crate::calibrate::report::{Calibration, CalibrationReport};
+use crate::calibrate::report::CalibrationReport;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::estimate::Model;
 use crate::estimate::planar_pose::sheet_corners;
@@ -72,7 +72,10 @@ fn outline(view: &ViewObservation) -> Result<(Quad, Quad, Homography)> {
 }
 
 /// The rig by two vanishing points.
-pub(crate) fn calibrate(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
+pub(crate) fn calibrate(
+    observations: &Observations,
+    config: &CalibrateConfig,
+) -> Result<(Rig, CalibrationReport)> {
     let [view] = observations.views.as_slice() else {
         return Err(Error::invalid(
             "photographs for the two-vp method",
@@ -124,13 +127,13 @@ fn reprojection(output: &Output, input: &Input, view: &ViewObservation) -> ViewR
 /// What the method's assumptions make wrong, where that is seen; and whether it is the sheet that does not fit.
 fn misfit(found: &ViewRms, view: &ViewObservation, input: &Input) -> Option<Warning> {
     let sheet = match &view.sheet {
-        SheetObservation::Corners { sigma_px, .. } => *sigma_px,
+        SheetObservation::Corners { sigma_px, .. } => sigma_px.unwrap_or(0.0),
         SheetObservation::Edges(_) => {
             let modes = corner_modes(view, &input.corners);
             (modes.iter().flatten().map(Vector2::norm_squared).sum::<f64>() / 8.0).sqrt()
         }
     };
-    let noise = view.pairs.iter().map(|p| p.sigma_px).fold(sheet, f64::max);
+    let noise = view.pairs.iter().filter_map(|p| p.sigma_px).fold(sheet, f64::max);
     let pairs = found.corners.unwrap_or(0.0);
     if found.edges.max(pairs) <= MISFIT * noise {
         return None;
@@ -166,7 +169,7 @@ fn assessed(
     sigma: &[f64; 8],
     view: &ViewObservation,
     config: &CalibrateConfig,
-) -> Result<Calibration> {
+) -> Result<(Rig, CalibrationReport)> {
     let known = config.known_camera;
     let camera_sigma = if known.is_some() { 0.0 } else { sigma[0] };
     let projector_sigma = output.projector.as_ref().map(|_| sigma[1]);
@@ -209,10 +212,7 @@ fn assessed(
         warnings,
     };
     let rig = assemble(output, sigma, input, found, known, quality);
-    Ok(Calibration {
-        rig,
-        report: CalibrationReport { iterations: 0, edge_inliers: 1.0, corner_inliers: 1.0, cause, advice },
-    })
+    Ok((rig, CalibrationReport { iterations: 0, edge_inliers: 1.0, corner_inliers: 1.0, cause, advice }))
 }
 
 fn assemble(

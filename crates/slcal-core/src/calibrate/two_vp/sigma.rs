@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, Point2, Vector2, Vector3};
 
 use super::closed_form::{Input, Output, Quad, closed_form};
 use crate::geometry::Line;
-use crate::observations::{EdgePoint, SheetObservation, ViewObservation};
+use crate::observations::{EdgePoint, SheetObservation, UNKNOWN_SIGMA_PX, ViewObservation};
 use crate::solve::{Structure, covariance, homography_from_points};
 
 /// σ of what a small change of the measurements already makes imaginary (1000 %).
@@ -26,7 +26,7 @@ pub(crate) fn corner_modes(view: &ViewObservation, corners: &Quad) -> Vec<Mode> 
         SheetObservation::Corners { sigma_px, .. } => {
             for i in 0..8 {
                 let mut mode = [Vector2::zeros(); 4];
-                mode[i / 2][i % 2] = *sigma_px;
+                mode[i / 2][i % 2] = sigma_px.unwrap_or(UNKNOWN_SIGMA_PX);
                 modes.push(mode);
             }
         }
@@ -44,9 +44,9 @@ fn side_modes(side: usize, points: &[EdgePoint], corners: &Quad) -> Vec<Mode> {
     let (from, to) = (side, (side + 1) % 4);
     let along = corners[to] - corners[from];
     let place = |p: &Point2<f64>| (p - corners[from]).dot(&along) / along.norm_squared();
-    let weight: f64 = points.iter().map(|p| p.sigma_px.powi(-2)).sum();
-    let mean = points.iter().map(|p| p.sigma_px.powi(-2) * place(&p.position)).sum::<f64>() / weight;
-    let spread: f64 = points.iter().map(|p| p.sigma_px.powi(-2) * (place(&p.position) - mean).powi(2)).sum();
+    let weight: f64 = points.iter().map(|p| p.weighted().1).sum();
+    let mean = points.iter().map(|p| p.weighted().1 * place(&p.position)).sum::<f64>() / weight;
+    let spread: f64 = points.iter().map(|p| p.weighted().1 * (place(&p.position) - mean).powi(2)).sum();
     let line = |a, b| Line::through_pixels(a, b);
     let normal = Vector2::new(-along.y, along.x).normalize();
     let moved = |at_from: f64, at_to: f64| -> Option<Mode> {
@@ -78,7 +78,8 @@ fn outline_modes(view: &ViewObservation, seen: &Quad, drawn: &Quad) -> Option<Ve
         };
         let (up, down) = (at(1.0)?, at(-1.0)?);
         for (i, p) in view.pairs.iter().enumerate() {
-            let d = (up.map(p.projector)? - down.map(p.projector)?) / (2.0 * h * p.sigma_px);
+            let d = (up.map(p.projector)? - down.map(p.projector)?)
+                / (2.0 * h * p.sigma_px.unwrap_or(UNKNOWN_SIGMA_PX));
             j[(2 * i, c)] = d.x;
             j[(2 * i + 1, c)] = d.y;
         }

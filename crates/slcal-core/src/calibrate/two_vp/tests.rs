@@ -74,10 +74,7 @@ fn a_negative_square_is_imaginary_and_a_point_at_infinity_degenerate() {
 fn exact(cy: f64) -> (crate::estimate::Model, crate::Observations) {
     let truth = rig(cy, vec![tilted(25.0, 28.0)]);
     let mut o = observe(&truth, 1e-12, 1e-12, &mut rng(1));
-    if let crate::SheetObservation::Corners { sigma_px, .. } = &mut o.views[0].sheet {
-        *sigma_px = 0.1;
-    }
-    o.views[0].pairs.iter_mut().for_each(|p| p.sigma_px = 0.1);
+    o.views[0].map_sigma(|_| Some(0.1), |_| Some(0.1));
     (truth, o)
 }
 

@@ -9,16 +9,17 @@ pub(crate) mod neighbours;
 
 use crate::calibrate::config::{CalibrateConfig, Method};
 use crate::calibrate::maximum_likelihood::solve;
-use crate::calibrate::validate::check;
-use crate::error::Result;
 use crate::estimate::assumptions::DistortionModel;
 use crate::estimate::covariance::{correlations, posterior};
 use crate::estimate::{BundleAdjustment, Kind, Solution};
-use crate::observations::{ExternalObservations, Observations, SheetObservation, Unstated};
+use crate::observations::{Observations, SheetObservation, ViewObservation};
+use crate::rig::Warning;
 
 /// σ that is assumed where it cannot be measured, as a part of the image's diagonal: 0.5 px at 1280×960. Detectors that
 /// look at pixels come to between a tenth and the whole of it, corners pointed at by hand to several times as much.
 const ASSUMED: f64 = 3e-4;
+/// Beyond this part of the diagonal even hands do better, so that something else is wrong.
+const LARGE: f64 = 2e-3;
 /// Nobody measures better than this part of the diagonal: residuals of made-up numbers are rounding.
 pub(crate) const SMALLEST: f64 = 1e-6;
 /// With less redundancy than this, σ would itself be known to no better than a quarter.
@@ -57,8 +58,20 @@ impl NoiseOf {
         }
     }
 
-    fn is_unstated(self, unstated: Unstated) -> bool {
-        if self == Self::Pairs { unstated.pairs } else { unstated.sheet }
+    /// Whether a view has measurements of this kind whose σ is not stated.
+    fn is_unstated_in(self, view: &ViewObservation) -> bool {
+        match (self, &view.sheet) {
+            (Self::SheetEdges, SheetObservation::Edges(_))
+            | (Self::SheetCorners, SheetObservation::Corners { .. }) => !view.states_sheet_sigma(),
+            (Self::Pairs, _) => !view.states_pair_sigma(),
+            _ => false,
+        }
+    }
+
+    /// For each view, whether it has measurements of this kind whose σ is not stated.
+    pub(crate) fn unstated(self, observations: &Observations) -> Vec<bool> {
+        let used = self != Self::Pairs || observations.projector.is_some();
+        observations.views.iter().map(|view| used && self.is_unstated_in(view)).collect()
     }
 
     /// In words.
@@ -90,57 +103,61 @@ pub(crate) fn diagonal(observations: &Observations) -> f64 {
 
 /// The observations with every σ filled in, and those that were not stated.
 pub(crate) fn measure_noise(
-    external: &ExternalObservations,
+    given: &Observations,
     config: &CalibrateConfig,
-) -> Result<(Observations, Vec<NoiseFound>)> {
-    let diagonal = diagonal(&external.observations);
-    let mut noise = assumed(external);
-    let mut all = external.observations.clone();
-    fill(&mut all, external, &noise);
-    check(&all, config)?;
-    let mut all = thinned(&all, MOST_POINTS);
-    if noise.is_empty() {
-        return Ok((all, noise));
-    }
-    let mut few = thinned(&all, ENOUGH_FOR_NOISE);
+) -> (Observations, Vec<NoiseFound>) {
+    let mut noise = assumed(given);
+    let all = thinned(given, MOST_POINTS);
+    let few = thinned(&all, ENOUGH_FOR_NOISE);
     let flexible = flexible(config);
-    for _ in 0..MAX_ROUNDS {
-        fill(&mut few, external, &noise);
+    for _ in 0..if noise.is_empty() { 0 } else { MAX_ROUNDS } {
         // What cannot be solved is refused by the calibration itself, with its reason.
-        let Ok(mut solved) = solve(&few, &flexible) else { break };
+        let Ok(mut solved) = solve(&filled(&few, &noise), &flexible) else { break };
         let before = noise.clone();
         for found in &mut noise {
-            *found = measured(&mut solved, external, found.of, diagonal);
+            *found = measured(&mut solved, given, found.of);
         }
         if noise.iter().zip(&before).all(|(a, b)| (a.sigma_px / b.sigma_px).ln().abs() < SETTLED) {
             for found in noise.iter_mut().filter(|n| n.of == NoiseOf::SheetEdges && n.redundancy.is_some()) {
-                let wanted = |view: usize| external.unstated(view).sheet;
-                found.sigma_px *= neighbours::widening(&all, wanted, solved.model(), found.sigma_px);
+                let wanted = found.of.unstated(given);
+                found.sigma_px *= neighbours::widening(&all, &wanted, solved.model(), found.sigma_px);
             }
             break;
         }
     }
-    fill(&mut all, external, &noise);
-    Ok((all, noise))
+    (filled(&all, &noise), noise)
 }
 
 /// What is not stated, before anything is known of it.
-pub(crate) fn assumed(external: &ExternalObservations) -> Vec<NoiseFound> {
-    let sigma_px = ASSUMED * diagonal(&external.observations);
-    let views = 0..external.observations.views.len();
-    let wanted = NoiseOf::ALL.into_iter().filter(|of| views.clone().any(|i| is_wanted(external, i, *of)));
+pub(crate) fn assumed(observations: &Observations) -> Vec<NoiseFound> {
+    let sigma_px = ASSUMED * diagonal(observations);
+    let wanted = NoiseOf::ALL.into_iter().filter(|of| of.unstated(observations).contains(&true));
     wanted.map(|of| NoiseFound { of, sigma_px, redundancy: None }).collect()
 }
 
-/// Whether view `i` has measurements of this kind whose σ is not stated.
-pub(crate) fn is_wanted(external: &ExternalObservations, i: usize, of: NoiseOf) -> bool {
-    let view = &external.observations.views[i];
-    let there = match of {
-        NoiseOf::SheetEdges => matches!(view.sheet, SheetObservation::Edges(_)),
-        NoiseOf::SheetCorners => matches!(view.sheet, SheetObservation::Corners { .. }),
-        NoiseOf::Pairs => external.observations.projector.is_some() && !view.pairs.is_empty(),
-    };
-    there && of.is_unstated(external.unstated(i))
+/// What a user should know about a σ that was not stated.
+pub(crate) fn warning(found: &NoiseFound, observations: &Observations) -> Option<Warning> {
+    let (name, sigma) = (found.of.name(), found.sigma_px);
+    if found.redundancy.is_none() {
+        let field = if found.of == NoiseOf::Pairs { "pair_sigma_px" } else { "sheet_sigma_px" };
+        return Some(Warning::new(
+            "noise-assumed",
+            format!(
+                "the noise of {name} is not stated and there are too few of them to measure it: {sigma:.2} px (1σ) was assumed, \
+                 and σ of the results rests on that"
+            ),
+            format!("state it ({field}), or give more of them"),
+        ));
+    }
+    (sigma > LARGE * diagonal(observations)).then(|| {
+        Warning::new(
+            "noise-large",
+            format!(
+                "{name} scatter by {sigma:.1} px (1σ) about the model, more than corners pointed at by hand"
+            ),
+            "check their order, the sheet's size, and whether the lens distorts more than k1 and k2 can model",
+        )
+    })
 }
 
 /// The model that leaves least of itself in the residuals: with distortion, unless that is given or known.
@@ -155,22 +172,18 @@ fn flexible(config: &CalibrateConfig) -> CalibrateConfig {
     CalibrateConfig { distortion, method: Method::Ml, ..config.clone() }
 }
 
-/// Puts the σ found so far where none was stated.
-pub(crate) fn fill(observations: &mut Observations, external: &ExternalObservations, noise: &[NoiseFound]) {
+/// The observations with the σ found so far where none is stated.
+pub(crate) fn filled(observations: &Observations, noise: &[NoiseFound]) -> Observations {
     let sigma = |of: NoiseOf| noise.iter().find(|n| n.of == of).map(|n| n.sigma_px);
-    for (i, view) in observations.views.iter_mut().enumerate() {
-        let unstated = external.unstated(i);
-        match (&mut view.sheet, sigma(NoiseOf::SheetEdges), sigma(NoiseOf::SheetCorners)) {
-            (SheetObservation::Edges(sides), Some(s), _) if unstated.sheet => {
-                sides.iter_mut().flatten().for_each(|p| p.sigma_px = s);
-            }
-            (SheetObservation::Corners { sigma_px, .. }, _, Some(s)) if unstated.sheet => *sigma_px = s,
-            _ => {}
-        }
-        if let (true, Some(s)) = (unstated.pairs, sigma(NoiseOf::Pairs)) {
-            view.pairs.iter_mut().for_each(|p| p.sigma_px = s);
-        }
+    let mut all = observations.clone();
+    for view in &mut all.views {
+        let sheet = match &view.sheet {
+            SheetObservation::Edges(_) => sigma(NoiseOf::SheetEdges),
+            SheetObservation::Corners { .. } => sigma(NoiseOf::SheetCorners),
+        };
+        view.map_sigma(|s| s.or(sheet), |s| s.or(sigma(NoiseOf::Pairs)));
     }
+    all
 }
 
 /// At most `most` of each side and of each view's pairs, spread evenly.
@@ -199,13 +212,9 @@ fn thin<T: Copy>(points: &mut Vec<T>, most: usize) {
 }
 
 /// σ of one kind by the residuals of a solution.
-fn measured(
-    solution: &mut Solution,
-    external: &ExternalObservations,
-    of: NoiseOf,
-    diagonal: f64,
-) -> NoiseFound {
-    let is_wanted = |view: usize, kind| kind == of.kind() && of.is_unstated(external.unstated(view));
+fn measured(solution: &mut Solution, given: &Observations, of: NoiseOf) -> NoiseFound {
+    let (diagonal, unstated) = (diagonal(given), of.unstated(given));
+    let is_wanted = |view: usize, kind| kind == of.kind() && unstated[view];
     let wanted: Vec<bool> = solution.measured().map(|(m, ..)| is_wanted(m.view, m.kind())).collect();
     let (mut squares, mut count) = (0.0, 0);
     for ((m, norm, _), _) in solution.measured().zip(&wanted).filter(|((.., keep), wanted)| *keep && **wanted)

@@ -18,12 +18,7 @@ struct SideResiduals {
 
 /// By how much σ of the edge points of the wanted views is to be widened so that they may count as independent: as for
 /// sequences in which each residual resembles the one before by ρ, √((1 + ρ)/(1 − ρ)); 1 when chance explains ρ.
-pub(crate) fn widening(
-    all: &Observations,
-    wanted: impl Fn(usize) -> bool,
-    model: &Model,
-    sigma_px: f64,
-) -> f64 {
+pub(crate) fn widening(all: &Observations, wanted: &[bool], model: &Model, sigma_px: f64) -> f64 {
     let (mut products, mut squares, mut count) = (0.0, 0.0, 0.0);
     for mut side in residuals(all, wanted, model) {
         side.list.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -45,10 +40,10 @@ pub(crate) fn widening(
     ((1.0 + alike) / (1.0 - alike)).sqrt()
 }
 
-fn residuals(all: &Observations, wanted: impl Fn(usize) -> bool, model: &Model) -> Vec<SideResiduals> {
+fn residuals(all: &Observations, wanted: &[bool], model: &Model) -> Vec<SideResiduals> {
     let mut sides: Vec<SideResiduals> = Vec::new();
     let corners: Vec<_> = all.views.iter().map(|v| v.sheet.corners()).collect();
-    for m in measurements(all).into_iter().filter(|m| wanted(m.view)) {
+    for m in measurements(all).into_iter().filter(|m| wanted[m.view]) {
         let Target::Edge(side) = m.of else { continue };
         let (Some(pose), Some(c)) = (model.views.get(m.view), corners[m.view]) else { continue };
         let size = all.views[m.view].size;

@@ -97,7 +97,7 @@ pub(super) fn condense(
         .iter()
         .map(|&(line, offset, sigma)| EdgePoint {
             position: scan.join(line, curve.value(line) + offset),
-            sigma_px: ((sigma * inflation).hypot(shared) * across).max(FLOOR_SIGMA_PX),
+            sigma_px: Some(((sigma * inflation).hypot(shared) * across).max(FLOOR_SIGMA_PX)),
         })
         .collect()
 }

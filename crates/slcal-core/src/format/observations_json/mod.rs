@@ -14,7 +14,7 @@ use std::io::{Read, Write};
 
 use super::recognise::read_json;
 use crate::error::{Error, ErrorSubject, Result};
-use crate::observations::ExternalObservations;
+use crate::observations::Observations;
 
 /// Reads observations.
 ///
@@ -23,7 +23,7 @@ use crate::observations::ExternalObservations;
 /// required field is missing, or a value is not what the schema says (null in the place of a number, coordinates beyond
 /// 10⁹ px, σ that are not positive, σ for a part of the points only); [`Error::Io`] when the stream fails. This does not check
 /// whether a calibration can be computed from them.
-pub fn read_observations(input: impl Read) -> Result<ExternalObservations> {
+pub fn read_observations(input: impl Read) -> Result<Observations> {
     read::observations(&read_json(input, ErrorSubject::ObservationsFile, "a file of observations")?)
 }
 
@@ -31,8 +31,8 @@ pub fn read_observations(input: impl Read) -> Result<ExternalObservations> {
 ///
 /// # Errors
 /// [`Error::Invalid`] when a number is not finite; [`Error::Io`] when the stream fails.
-pub fn write_observations(external: &ExternalObservations, mut output: impl Write) -> Result<()> {
-    let text = write::text(external)?;
+pub fn write_observations(observations: &Observations, mut output: impl Write) -> Result<()> {
+    let text = write::text(observations)?;
     let written = output.write_all(text.as_bytes()).and_then(|()| output.flush());
     written.map_err(|e| Error::writing(ErrorSubject::ObservationsFile, e))
 }

@@ -6,14 +6,11 @@ use serde_json::{Map, Value};
 use super::schema::{SCHEMA, SIDES, malformed};
 use crate::error::Result;
 use crate::geometry::RectangleSize;
-use crate::observations::{
-    CornerPair, EdgePoint, ExternalObservations, Observations, SheetObservation, Unstated, ViewObservation,
-};
+use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 
 const MAX_COORDINATE_PX: f64 = ViewObservation::MAX_COORDINATE_PX;
 const SIGMA_RANGE_PX: std::ops::RangeInclusive<f64> = ViewObservation::SIGMA_RANGE_PX;
 const SIDE_RANGE_MM: std::ops::RangeInclusive<f64> = ViewObservation::SIDE_RANGE_MM;
-const PLACEHOLDER_PX: f64 = ViewObservation::UNSTATED_SIGMA_PX;
 
 /// A value in messages: its text, shortened.
 fn shown(value: &Value) -> String {
@@ -43,7 +40,7 @@ fn required<'a>(from: &'a Map<String, Value>, field: &str, place: &str, expected
     from.get(field).ok_or_else(|| malformed(format!("{place}missing field `{field}`, expected {expected}")))
 }
 
-pub(super) fn observations(value: &Value) -> Result<ExternalObservations> {
+pub(super) fn observations(value: &Value) -> Result<Observations> {
     let top = object(value, "the file", &format!("an object with \"schema\": \"{SCHEMA}\""))?;
     let schema = required(top, "schema", "", &format!("\"{SCHEMA}\""))?;
     if schema.as_str() != Some(SCHEMA) {
@@ -57,21 +54,12 @@ pub(super) fn observations(value: &Value) -> Result<ExternalObservations> {
     };
     let list = required(top, "views", "", "a list with one entry per pose of the sheet")?;
     let list = list.as_array().ok_or_else(|| wrong("views", "a list", list))?;
-    let mut external =
-        ExternalObservations::from(Observations { camera, projector, views: Vec::with_capacity(list.len()) });
+    let mut views = Vec::with_capacity(list.len());
     for (i, value) in list.iter().enumerate() {
         let place = format!("views[{i}]");
-        let fields = object(value, &place, "an object")?;
-        let (view, unstated) = view(fields, &place, projector.is_some())?;
-        external.observations.views.push(view);
-        external.unstated.push(unstated);
-        external.photos.push(match fields.get("photo") {
-            None | Some(Value::Null) => None,
-            Some(Value::String(name)) => Some(name.clone()),
-            Some(other) => return Err(wrong(&format!("{place}.photo"), "a name", other)),
-        });
+        views.push(view(object(value, &place, "an object")?, &place, projector.is_some())?);
     }
-    Ok(external)
+    Ok(Observations { camera, projector, views })
 }
 
 fn panel(value: &Value, place: &str) -> Result<[u32; 2]> {
@@ -85,8 +73,13 @@ fn panel(value: &Value, place: &str) -> Result<[u32; 2]> {
     Ok([side("width")?, side("height")?])
 }
 
-fn view(fields: &Map<String, Value>, place: &str, with_pairs: bool) -> Result<(ViewObservation, Unstated)> {
+fn view(fields: &Map<String, Value>, place: &str, with_pairs: bool) -> Result<ViewObservation> {
     let dot = format!("{place}: ");
+    let photo = match fields.get("photo") {
+        None | Some(Value::Null) => None,
+        Some(Value::String(name)) => Some(name.clone()),
+        Some(other) => return Err(wrong(&format!("{place}.photo"), "a name", other)),
+    };
     let sides = numbers(
         required(fields, "size_mm", &dot, "[width, height]")?,
         &format!("{place}.size_mm"),
@@ -102,7 +95,7 @@ fn view(fields: &Map<String, Value>, place: &str, with_pairs: bool) -> Result<(V
     }
     let size = RectangleSize::new(w, h)?;
     let sheet_sigma = sigma_of(fields, "sheet_sigma_px", place)?;
-    let (sheet, sheet_stated) = match (fields.get("sheet_corners_px"), fields.get("sheet_edges_px")) {
+    let sheet = match (fields.get("sheet_corners_px"), fields.get("sheet_edges_px")) {
         (Some(corners), None) => sheet_corners(corners, sheet_sigma, &format!("{place}.sheet_corners_px"))?,
         (None, Some(edges)) => sheet_edges(edges, sheet_sigma, &format!("{place}.sheet_edges_px"))?,
         (found, _) => {
@@ -113,17 +106,16 @@ fn view(fields: &Map<String, Value>, place: &str, with_pairs: bool) -> Result<(V
         }
     };
     let pair_sigma = sigma_of(fields, "pair_sigma_px", place)?;
-    let (pairs, pairs_stated) = match fields.get("pairs") {
+    let pairs = match fields.get("pairs") {
         Some(value) => pairs(value, pair_sigma, &format!("{place}.pairs"))?,
         None if with_pairs => {
             return Err(malformed(format!(
                 "{place}: missing field `pairs`, expected [[camera_x, camera_y, projector_x, projector_y], …] as there is a projector"
             )));
         }
-        None => (Vec::new(), true),
+        None => Vec::new(),
     };
-    let unstated = Unstated { sheet: !sheet_stated, pairs: !pairs_stated };
-    Ok((ViewObservation { size, sheet, pairs }, unstated))
+    Ok(ViewObservation { photo, size, sheet, pairs })
 }
 
 fn sigma_of(fields: &Map<String, Value>, name: &str, place: &str) -> Result<Option<f64>> {
@@ -179,7 +171,7 @@ fn rows<const N: usize>(value: &Value, place: &str, expected: &str) -> Result<Ve
     Ok(rows)
 }
 
-fn sheet_corners(value: &Value, of_view: Option<f64>, place: &str) -> Result<(SheetObservation, bool)> {
+fn sheet_corners(value: &Value, of_view: Option<f64>, place: &str) -> Result<SheetObservation> {
     const EXPECTED: &str = "[x, y]";
     let rows = rows::<2>(value, place, EXPECTED)?;
     let &[a, b, c, d] = rows.as_slice() else {
@@ -194,11 +186,10 @@ fn sheet_corners(value: &Value, of_view: Option<f64>, place: &str) -> Result<(Sh
         )));
     }
     let corners = [a, b, c, d].map(|(xy, _)| Point2::from(xy));
-    let sigma_px = of_view.unwrap_or(PLACEHOLDER_PX);
-    Ok((SheetObservation::Corners { corners, sigma_px }, of_view.is_some()))
+    Ok(SheetObservation::Corners { corners, sigma_px: of_view })
 }
 
-fn sheet_edges(value: &Value, of_view: Option<f64>, place: &str) -> Result<(SheetObservation, bool)> {
+fn sheet_edges(value: &Value, of_view: Option<f64>, place: &str) -> Result<SheetObservation> {
     let fields = object(value, place, "an object with top, right, bottom and left")?;
     let mut sides: [Vec<EdgePoint>; 4] = Default::default();
     let mut own = [false; 4];
@@ -207,10 +198,10 @@ fn sheet_edges(value: &Value, of_view: Option<f64>, place: &str) -> Result<(Shee
         let list = required(fields, name, &format!("{place}: "), &format!("a list of {expected}"))?;
         let rows = rows::<2>(list, &format!("{place}.{name}"), expected)?;
         *own = rows.first().is_some_and(|r| r.1.is_some());
-        points.extend(rows.into_iter().map(|(xy, sigma)| EdgePoint {
-            position: Point2::from(xy),
-            sigma_px: sigma.or(of_view).unwrap_or(PLACEHOLDER_PX),
-        }));
+        points.extend(
+            rows.into_iter()
+                .map(|(xy, sigma)| EdgePoint { position: Point2::from(xy), sigma_px: sigma.or(of_view) }),
+        );
     }
     let filled = || own.iter().zip(&sides).filter(|(_, s)| !s.is_empty());
     if of_view.is_none() && filled().any(|(own, _)| *own) && !filled().all(|(own, _)| *own) {
@@ -219,19 +210,17 @@ fn sheet_edges(value: &Value, of_view: Option<f64>, place: &str) -> Result<(Shee
              as `sheet_sigma_px`"
         )));
     }
-    let stated = of_view.is_some() || filled().any(|(own, _)| *own);
-    Ok((SheetObservation::Edges(sides), stated))
+    Ok(SheetObservation::Edges(sides))
 }
 
-fn pairs(value: &Value, of_view: Option<f64>, place: &str) -> Result<(Vec<CornerPair>, bool)> {
+fn pairs(value: &Value, of_view: Option<f64>, place: &str) -> Result<Vec<CornerPair>> {
     let expected =
         "[camera_x, camera_y, projector_x, projector_y], or with σ of the camera's pixel behind them";
     let rows = rows::<4>(value, place, expected)?;
-    let stated = of_view.is_some() || rows.first().is_none_or(|r| r.1.is_some());
     let pair = |([cx, cy, px, py], sigma): ([f64; 4], Option<f64>)| CornerPair {
         camera: Point2::new(cx, cy),
         projector: Point2::new(px, py),
-        sigma_px: sigma.or(of_view).unwrap_or(PLACEHOLDER_PX),
+        sigma_px: sigma.or(of_view),
     };
-    Ok((rows.into_iter().map(pair).collect(), stated))
+    Ok(rows.into_iter().map(pair).collect())
 }

@@ -3,7 +3,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::error::ErrorClass;
-use crate::observations::{SheetObservation, Unstated};
+use crate::observations::SheetObservation;
 
 fn sample() -> Value {
     json!({
@@ -24,7 +24,7 @@ fn with(change: impl FnOnce(&mut Value)) -> Value {
     value
 }
 
-fn read(value: &Value) -> Result<ExternalObservations> {
+fn read(value: &Value) -> Result<Observations> {
     read_observations(value.to_string().as_bytes())
 }
 
@@ -40,13 +40,13 @@ fn refused(value: &Value, words: &[&str]) {
 #[test]
 fn what_the_schema_says_is_read() {
     let o = read(&sample()).unwrap();
-    assert_eq!((o.observations.camera, o.observations.projector), ([1280, 960], Some([1024, 768])));
-    let view = &o.observations.views[0];
+    assert_eq!((o.camera, o.projector), ([1280, 960], Some([1024, 768])));
+    let view = &o.views[0];
     assert_eq!((view.size.width_mm, view.size.height_mm), (594.0, 420.0));
     assert_eq!(view.sheet.corners().unwrap()[0], Point2::new(100.25, 90.0));
     assert_eq!(view.pairs[1].projector, Point2::new(511.5, 233.5));
     assert_eq!(view.pairs[1].camera, Point2::new(600.0, 310.0));
-    assert_eq!(o.unstated, [Unstated { sheet: true, pairs: true }]);
+    assert!(!view.states_sheet_sigma() && !view.states_pair_sigma());
 }
 
 #[test]
@@ -56,8 +56,8 @@ fn the_camera_alone_needs_no_pairs() {
         v["views"][0].as_object_mut().unwrap().remove("pairs");
     });
     let o = read(&alone).unwrap();
-    assert_eq!(o.observations.projector, None);
-    assert_eq!(o.unstated, [Unstated { sheet: true, pairs: false }]);
+    assert_eq!(o.projector, None);
+    assert!(!o.views[0].states_sheet_sigma() && o.views[0].pairs.is_empty());
 }
 
 #[test]
@@ -69,10 +69,10 @@ fn noise_is_stated_by_view_or_by_point() {
         }
     }))
     .unwrap();
-    assert_eq!(o.unstated, [Unstated::default()]);
-    assert_eq!(o.observations.views[0].pairs[3].sigma_px, 0.1);
-    let SheetObservation::Corners { sigma_px, .. } = o.observations.views[0].sheet else { panic!() };
-    assert_eq!(sigma_px, 0.2);
+    assert!(o.views[0].states_sheet_sigma() && o.views[0].states_pair_sigma());
+    assert_eq!(o.views[0].pairs[3].sigma_px, Some(0.1));
+    let SheetObservation::Corners { sigma_px, .. } = o.views[0].sheet else { panic!() };
+    assert_eq!(sigma_px, Some(0.2));
     refused(
         &with(|v| v["views"][0]["pairs"][2] = json!([1, 2, 3, 4, 0.1])),
         &["views[0].pairs", "[2]", "[0]"],
@@ -96,7 +96,7 @@ fn edges_are_read_in_the_order_of_the_sides() {
         })
     };
     let o = read(&edges(json!([[0, 2], [10, 2]]))).unwrap();
-    let SheetObservation::Edges(sides) = &o.observations.views[0].sheet else { panic!() };
+    let SheetObservation::Edges(sides) = &o.views[0].sheet else { panic!() };
     assert_eq!(sides.each_ref().map(|s| s[1].position.y), [1.0, 2.0, 3.0, 4.0]);
     refused(&edges(json!([[0, 2, 0.1], [10, 2, 0.1]])), &["sheet_edges_px", "some sides"]);
     refused(&edges(json!([[0, 2], [10, null]])), &["views[0].sheet_edges_px.right[1][1]", "null"]);
@@ -172,6 +172,6 @@ fn writing_and_reading_give_the_same_bits() {
     write_observations(&unstated, &mut text).unwrap();
     assert_eq!(read_observations(text.as_slice()).unwrap(), unstated);
     let mut nan = unstated;
-    nan.observations.views[0].pairs[0].camera.x = f64::NAN;
+    nan.views[0].pairs[0].camera.x = f64::NAN;
     assert!(write_observations(&nan, Vec::new()).is_err());
 }

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::schema::{SCHEMA, SIDES};
 use crate::error::{Error, Result};
-use crate::observations::{ExternalObservations, SheetObservation};
+use crate::observations::{Observations, SheetObservation, ViewObservation};
 
 /// A list of numbers. JSON has no NaN, so NaN is refused here.
 fn row(numbers: &[f64], sigma: Option<f64>) -> Result<String> {
@@ -32,9 +32,8 @@ fn panel(size: Option<[u32; 2]>) -> String {
     size.map_or("null".into(), |[w, h]| format!("{{\"width\": {w}, \"height\": {h}}}"))
 }
 
-pub(super) fn text(external: &ExternalObservations) -> Result<String> {
-    let o = &external.observations;
-    let views = (0..o.views.len()).map(|i| view(external, i)).collect::<Result<Vec<_>>>()?;
+pub(super) fn text(o: &Observations) -> Result<String> {
+    let views = o.views.iter().map(view).collect::<Result<Vec<_>>>()?;
     Ok(format!(
         "{{\n  \"schema\": \"{SCHEMA}\",\n  \"camera\": {},\n  \"projector\": {},\n  \"views\": [{}]\n}}\n",
         panel(Some(o.camera)),
@@ -43,10 +42,9 @@ pub(super) fn text(external: &ExternalObservations) -> Result<String> {
     ))
 }
 
-fn view(external: &ExternalObservations, i: usize) -> Result<String> {
-    let (view, unstated) = (&external.observations.views[i], external.unstated(i));
+fn view(view: &ViewObservation) -> Result<String> {
     let mut text = String::from("{\n");
-    if let Some(Some(photo)) = external.photos.get(i) {
+    if let Some(photo) = &view.photo {
         let _ = writeln!(text, "    \"photo\": {},", Value::from(photo.as_str()));
     }
     let _ = writeln!(text, "    \"size_mm\": {},", row(&[view.size.width_mm, view.size.height_mm], None)?);
@@ -54,26 +52,21 @@ fn view(external: &ExternalObservations, i: usize) -> Result<String> {
         SheetObservation::Corners { corners, sigma_px } => {
             let rows = list(corners.iter().map(|c| row(&[c.x, c.y], None)), 4)?;
             let _ = writeln!(text, "    \"sheet_corners_px\": {rows},");
-            if !unstated.sheet {
-                let [sigma] = [*sigma_px].map(Value::from);
-                let _ = writeln!(text, "    \"sheet_sigma_px\": {sigma},");
+            if let Some(sigma) = sigma_px {
+                let _ = writeln!(text, "    \"sheet_sigma_px\": {},", Value::from(*sigma));
             }
         }
         SheetObservation::Edges(sides) => {
             let mut fields = Vec::new();
             for (name, points) in SIDES.iter().zip(sides) {
-                let own = |sigma: f64| (!unstated.sheet).then_some(sigma);
-                let rows = points.iter().map(|p| row(&[p.position.x, p.position.y], own(p.sigma_px)));
+                let rows = points.iter().map(|p| row(&[p.position.x, p.position.y], p.sigma_px));
                 fields.push(format!("      \"{name}\": {}", list(rows, 6)?));
             }
             let _ = writeln!(text, "    \"sheet_edges_px\": {{\n{}\n    }},", fields.join(",\n"));
         }
     }
-    let own = |sigma: f64| (!unstated.pairs).then_some(sigma);
-    let rows = view
-        .pairs
-        .iter()
-        .map(|p| row(&[p.camera.x, p.camera.y, p.projector.x, p.projector.y], own(p.sigma_px)));
+    let rows =
+        view.pairs.iter().map(|p| row(&[p.camera.x, p.camera.y, p.projector.x, p.projector.y], p.sigma_px));
     let _ = write!(text, "    \"pairs\": {}\n  }}", list(rows, 4)?);
     Ok(text)
 }
