@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use slcal_core::{CornerPair, SheetObservation, detect};
 
-use crate::convert::array::{column, rows, rows_of};
+use crate::convert::array::{rows, rows_of};
 use crate::view_observation::{ViewObservation, edge_sigma, edges, pair_sigma, sizeless};
 
 /// What restores an object from a pickle, and its arguments.
