@@ -142,18 +142,23 @@ fn numbers_that_json_cannot_hold_are_refused() {
 #[test]
 fn the_rendered_truth_reads() {
     let Some(folder) = rendered_scenes("") else { return };
+    let mut compared = 0;
     for scene in std::fs::read_dir(folder).unwrap() {
         let path = scene.unwrap().path().join("truth_rig.json");
-        if let Ok(file) = std::fs::File::open(&path) {
-            let rig = read_rig(file).unwrap();
-            // Scenes of one surface state no pose of a sheet.
-            let posed = std::fs::read_to_string(&path).unwrap().contains("camera_from_sheet");
-            assert_eq!(rig.views.len(), usize::from(posed));
-            let Some(view) = rig.views.first() else { continue };
-            let seen = project_corners(&rig.camera.model, &view.camera_from_sheet, view.size).unwrap();
-            for (a, b) in seen.iter().zip(view.corners_px) {
-                assert!((a - b).norm() < 1e-6, "{}", path.display());
-            }
+        let Ok(file) = std::fs::File::open(&path) else { continue };
+        let rig = read_rig(file).unwrap();
+        // Scenes of one surface state no pose of a sheet.
+        let posed = std::fs::read_to_string(&path).unwrap().contains("camera_from_sheet");
+        assert_eq!(rig.views.len(), usize::from(posed));
+        // Those with effects may have a bent sheet, whose corners lie off the plane.
+        let Some(view) = rig.views.first().filter(|_| !path.with_file_name("effects.json").exists()) else {
+            continue;
+        };
+        let seen = project_corners(&rig.camera.model, &view.camera_from_sheet, view.size).unwrap();
+        for (a, b) in seen.iter().zip(view.corners_px) {
+            assert!((a - b).norm() < 1e-6, "{}", path.display());
         }
+        compared += 1;
     }
+    assert!(compared >= 6, "{compared}");
 }
