@@ -63,7 +63,7 @@ fn the_same_seed_gives_the_same_bytes() {
 #[test]
 fn a_tilt_about_one_axis_and_a_lens_shift_are_explained() {
     let one = bench().run("simulate noise --levels 0.3 --draws 20 --tilt 30,0").ok().words();
-    assert!(one.contains("without a real focal length") && one.contains("one axis alone"), "{one}");
+    assert!(one.contains("imaginary focal length") && one.contains("one axis alone"), "{one}");
     let line = "simulate noise --levels 0.1 --draws 5 --lens-shift 0.5 --principal-points prior";
     let shifted = bench().run(line).ok().words();
     assert!(shifted.contains("lens shift"), "{shifted}");
