@@ -103,7 +103,8 @@ fn what_is_missing_is_said_in_a_line() {
     bench.put("hand.json", by_hand().to_string());
     let _ = bench.run("report --rig hand.json -o hand.html").ok();
     let html = bench.text("hand.html");
-    for words in ["No verdict", "states no ±", "lists no photographs", "1200.5", "has no covariance", "to the right"]
+    for words in
+        ["No verdict", "states no ±", "lists no photographs", "1200.5", "has no covariance", "to the right"]
     {
         assert!(html.contains(words), "no {words}");
     }

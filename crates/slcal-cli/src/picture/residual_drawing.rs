@@ -108,6 +108,9 @@ pub(crate) fn legend<'a>(
 ) -> Legend {
     let fits: Vec<_> = fits.into_iter().collect();
     let mut legend = sheet::legend(title.to_owned(), fits.iter().map(|f| f.observed));
+    if fits.is_empty() {
+        return legend;
+    }
     let what = "residual, to the predicted position";
     legend = vector_scale::explained(legend, drawing, factor, arrow_pen(), what);
     let outliers: usize = fits.iter().map(MeasuredView::outliers).sum();

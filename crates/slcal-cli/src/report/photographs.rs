@@ -1,6 +1,6 @@
 //! The photographs with the measured points and their residuals.
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 use slcal_core::{Rig, View};
 
 use super::number::significant;
@@ -9,7 +9,7 @@ use super::photo::Photo;
 use super::residuals::odd_words;
 use super::rig_page::{RigPage, photo_name};
 use crate::picture::residual_drawing::{self, MeasuredView};
-use crate::picture::{Drawing, sheet};
+use crate::picture::{Drawing, Swatch, sheet};
 
 /// How much coarser lines and words are than in a separate picture, since pages show photographs smaller.
 const COARSER_ALONE: f64 = 1.3;
@@ -92,45 +92,31 @@ fn shot(
     }
 }
 
-/// The legend, in the colours of the drawings.
+/// The legend of all drawings.
 fn legend(rig: &Rig, fits: &[Option<MeasuredView<'_>>], factor: f64) -> Markup {
-    let any = |of: fn(&MeasuredView<'_>) -> bool| fits.iter().flatten().any(of);
-    let fitted = fits.iter().any(Option::is_some);
-    let outliers = any(|f| f.outliers() > 0);
-    html! {
-        ul.legend {
-            li { (key(html! { line x1="2" y1="8" x2="26" y2="8" stroke="#56b4e9" stroke-width="2"; })) "the sheet" }
-            @if fitted {
-                li { (key(html! { circle cx="8" cy="8" r="2" fill="#f0e442"; circle cx="20" cy="8" r="2" fill="#f0e442"; }))
-                    "measured edge points" }
-                @if any(|f| !f.observed.pairs.is_empty()) {
-                    li { (key(html! { circle cx="14" cy="8" r="4.5" fill="none" stroke="#e69f00" stroke-width="1.6"; }))
-                        "projected corners" }
-                    li { (key(html! { circle cx="14" cy="8" r="4.5" fill="none" stroke="#e08cbe" stroke-width="2"; }))
-                        "the first projected corner" }
-                }
-                li { (key(html! { path d="M3 8H22M17 4l6 4l-6 4" fill="none" stroke="#00b282" stroke-width="2"; }))
-                    "residuals, to the predicted position, enlarged " (significant(factor, 2)) " times" }
-                @if outliers {
-                    li { (key(html! { path d="M10 4l8 8M18 4l-8 8" stroke="#ec680a" stroke-width="2"; })) "outliers, left out" }
-                }
-                li { (key(html! { path d="M2 8H26" stroke="#e08cbe" stroke-width="1.5" stroke-dasharray="5 4"; }))
-                    (vanishing(rig)) }
-            }
+    let fits = fits.iter().flatten().copied();
+    let legend = residual_drawing::legend(&drawing(rig, ""), "", fits, factor);
+    let marks = legend.entries.iter().filter_map(|e| Some((key(&e.swatch)?, &e.text)));
+    html! { ul.legend { @for (mark, text) in marks { li { (mark) (text) } } } }
+}
+
+/// The mark of an entry; scale bars fit no page, which shows photographs at any size.
+fn key(swatch: &Swatch) -> Option<Markup> {
+    let (pen, path, width) = match swatch {
+        Swatch::Line(pen) => (pen, "M2 8H26", 2),
+        Swatch::Dot(pen) => (pen, "M8 8h0M20 8h0", 4),
+        Swatch::Ring(pen) => (pen, "M9.5 8a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0-9 0", 2),
+        Swatch::Arrow(pen) => (pen, "M3 8H22M17 4l6 4l-6 4", 2),
+        Swatch::Cross(pen) => (pen, "M10 4l8 8M18 4l-8 8", 2),
+        _ => return None,
+    };
+    let [r, g, b] = pen.color;
+    Some(html! {
+        svg.key viewBox="0 0 28 16" aria-hidden="true" {
+            rect width="28" height="16" rx="3" fill="#33383f" {}
+            path d=(path) fill="none" stroke={ "rgb(" (r) "," (g) "," (b) ")" } stroke-width=(width) stroke-linecap="round"
+                stroke-dasharray=[pen.dashed.then_some("4 5")] {}
         }
-    }
-}
-
-fn key(mark: Markup) -> Markup {
-    let mark = PreEscaped(mark.into_string());
-    html! { svg.key viewBox="0 0 28 16" aria-hidden="true" { rect width="28" height="16" rx="3" fill="#33383f" {} (mark) } " " }
-}
-
-/// Only vanishing points near the frame are drawn.
-fn vanishing(rig: &Rig) -> &'static str {
-    if rig.views.len() == 1 {
-        "to a vanishing point near the frame"
-    } else {
-        "to vanishing points near the frame"
-    }
+        " "
+    })
 }
