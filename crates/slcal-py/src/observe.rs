@@ -60,6 +60,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     signature = (photos, size_mm, pattern=None, *, plain=None, corners=None, gamma=None, names=None, screen=None),
     text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, gamma='srgb', names=None, screen=None)"
 )]
+#[allow(clippy::too_many_arguments, reason = "keyword arguments")]
 fn observe(
     photos: &Bound<'_, PyAny>,
     size_mm: &Bound<'_, PyAny>,

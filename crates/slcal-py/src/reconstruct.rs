@@ -47,7 +47,6 @@ impl CloudOptions<'_, '_> {
                 far_mm: self.far,
                 ..TriangulateConfig::default()
             },
-            ..ReconstructConfig::default()
         })
     }
 }

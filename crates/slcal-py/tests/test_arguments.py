@@ -167,6 +167,6 @@ def test_a_sheet_has_its_size_as_numbers_or_as_text(size: Any) -> None:
 
 
 def test_what_is_no_size() -> None:
-    for size, said in (("594x420", "without a unit"), ("A9", "A0 to A6"), ((594, 420, 1), "in millimetres"), (None, "size_mm")):
+    for size, said in (("594x420", "without a unit"), ("A9", "A0 to A6"), ((594, 420, 1), "in millimetres"), (None, "found None")):
         with pytest.raises(slcal.Error, match=rf"size_mm: expected .*{said}"):
             slcal.advise(CAMERA, size)  # type: ignore[arg-type]

@@ -198,7 +198,7 @@ def test_invalid_arguments(photo, checker):
             slcal.detect(photo, SIZE, checker, corners=corners)
     with pytest.raises(TypeError, match="corners"):
         slcal.detect_sheet(photo, corners="0,0 1,0 1,1 0,1")
-    for gamma in ["sRGB", 0, float("nan"), -2.2]:
+    for gamma in ["rec709", 0, float("nan"), -2.2]:
         with pytest.raises(slcal.Error, match="gamma|encoding"):
             slcal.detect(photo, SIZE, checker, gamma=gamma)
 

@@ -1,11 +1,11 @@
 """Many photographs on many machines: reconstruction on a Ray cluster.
 
 :func:`reconstruct` takes photographs from any store that fsspec reads (a folder, a glob pattern, a list of paths or URIs)
-or a Ray Data dataset, and makes a PLY per frame and one Parquet table that tells what became of each of them. It needs the
-extra: ``pip install slcal[ray]``.
+or a Ray Data dataset, and makes a PLY per frame and one Parquet table with a row per frame. It needs the extra ``ray`` of
+the package.
 
-A bad frame is a row with its error and fails nothing else; a worker that dies is replaced and its frame done again; frames
-that an earlier run has finished are left as they are; and a file is there under its name only when it is complete.
+A frame that fails becomes a row with its error and does not stop the others. A worker that dies is replaced, and its frame is
+repeated. Frames that an earlier run has finished stay as they are. A file appears under its name only when it is complete.
 """
 
 from __future__ import annotations
