@@ -23,7 +23,7 @@ const BEHIND: Color = [40, 110, 225];
 const ON: Color = [200, 200, 200];
 const BEFORE: Color = [255, 160, 30];
 const OUTLIER: Color = [84, 84, 84];
-/// Colours that are told apart, and how many of them the legend shows.
+/// Number of colours on either side of the surface.
 const SHADES: i32 = 12;
 /// Size of a dot as a share of the mean distance between neighbours, and its bounds, units.
 const DOT_SHARE: f64 = 0.45;
@@ -48,8 +48,9 @@ pub(crate) struct DeviationMap<'a> {
 pub(crate) fn picture(cloud: &PointCloud, map: &DeviationMap<'_>) -> Outcome<DynamicImage> {
     let limit = map.report.inlier_limit_mm;
     let inlier = |i: usize| map.distances_mm.get(i).is_some_and(|d| d.abs() <= limit);
-    let seen = seen(cloud, inlier);
-    let (size, place) = fitted(seen.iter().enumerate().filter(|(i, _)| inlier(*i)).filter_map(|(_, p)| *p));
+    let positions = project(cloud, inlier);
+    let (size, place) =
+        fitted(positions.iter().enumerate().filter(|(i, _)| inlier(*i)).filter_map(|(_, p)| *p));
     let rms = map.report.rms_mm;
     let title = format!(
         "{}: {} points lie {} mm (rms) from a {}",
@@ -62,7 +63,7 @@ pub(crate) fn picture(cloud: &PointCloud, map: &DeviationMap<'_>) -> Outcome<Dyn
     let span = round_up(SPAN_RMS * rms);
     let shade = |d: f64| ((d / span).clamp(-1.0, 1.0) * f64::from(SHADES)).round() as i32;
     let mut by_shade: Vec<Vec<Point2<f64>>> = vec![Vec::new(); 2 * SHADES as usize + 2];
-    for (i, p) in seen.iter().enumerate() {
+    for (i, p) in positions.iter().enumerate() {
         let Some(p) = p else { continue };
         // The last are the outliers, drawn first.
         let at = if inlier(i) { (shade(map.distances_mm[i]) + SHADES) as usize } else { by_shade.len() - 1 };
@@ -98,7 +99,7 @@ fn color(shade: i32) -> Color {
 
 /// Where the points stand before a camera at the cloud's own that looks at the middle of the inliers, in focal lengths;
 /// `None` behind it.
-fn seen(cloud: &PointCloud, inlier: impl Fn(usize) -> bool) -> Vec<Option<Point2<f64>>> {
+fn project(cloud: &PointCloud, inlier: impl Fn(usize) -> bool) -> Vec<Option<Point2<f64>>> {
     let from = cloud.camera_centre;
     let rays: Vec<Vector3<f64>> = cloud.points.iter().map(|p| p.position - from).collect();
     let sum: Vector3<f64> = rays.iter().enumerate().filter(|(i, _)| inlier(*i)).map(|(_, r)| *r).sum();
@@ -107,12 +108,12 @@ fn seen(cloud: &PointCloud, inlier: impl Fn(usize) -> bool) -> Vec<Option<Point2
     let across = |axis: Vector3<f64>| (axis - forward * forward.dot(&axis)).try_normalize(1e-6);
     let right = across(Vector3::x()).or_else(|| across(Vector3::y())).unwrap_or_else(Vector3::x);
     let down = forward.cross(&right);
-    let seen = |ray: &Vector3<f64>| {
+    let position = |ray: &Vector3<f64>| {
         let depth = forward.dot(ray);
         let p = Point3::new(right.dot(ray), down.dot(ray), depth);
         (depth > 0.0 && p.iter().all(|c| c.is_finite())).then(|| Point2::new(p.x / depth, p.y / depth))
     };
-    rays.iter().map(seen).collect()
+    rays.iter().map(position).collect()
 }
 
 /// The size of a picture that holds the points, and where they stand in it.

@@ -64,7 +64,7 @@ impl MeasuredView<'_> {
 }
 
 /// The common enlargement of the residuals of several views, so that they can be compared.
-pub(crate) fn magnification<'a>(fits: impl IntoIterator<Item = MeasuredView<'a>>, unit: f64) -> f64 {
+pub(crate) fn enlargement<'a>(fits: impl IntoIterator<Item = MeasuredView<'a>>, unit: f64) -> f64 {
     let mut lengths = Vec::new();
     for fit in fits {
         lengths.extend(fit.residuals.points().filter(|p| p.kept).map(|p| p.vector_px().norm()));
@@ -75,7 +75,7 @@ pub(crate) fn magnification<'a>(fits: impl IntoIterator<Item = MeasuredView<'a>>
 /// A photograph called `name` with the residuals of the calibration, and a legend whose first line is `title`.
 pub(crate) fn drawing(size: [u32; 2], name: &str, title: &str, fit: MeasuredView<'_>) -> Drawing {
     let mut drawing = Drawing::new(size, format!("{}: residuals of the calibration", short(name)));
-    let factor = magnification([fit], drawing.unit());
+    let factor = enlargement([fit], drawing.unit());
     draw(&mut drawing, fit, factor);
     drawing.legend = Some(legend(&drawing, title, [fit], factor));
     drawing
@@ -246,7 +246,7 @@ mod tests {
         let fit = MeasuredView { observed: &observed, residuals: &residuals, view: &view };
         let drawing = drawing([900, 600], "a/b.jpg", "b.jpg", fit);
         // 0.1 px becomes 20 of the 24 units that the longer ones are to have.
-        assert_eq!(magnification([fit], 1.0), 200.0);
+        assert_eq!(enlargement([fit], 1.0), 200.0);
         let tip = |p: &Point2<f64>| (p - Point2::new(420.0, 300.0)).norm() < 1e-9;
         let heads = drawing.items.iter().filter_map(|i| match &i.primitive {
             Primitive::Areas(areas) => Some(areas),

@@ -1,4 +1,4 @@
-//! Stripes that were decoded, as curves upon the dimmed photograph.
+//! Decoded stripes as curves over the dimmed photograph.
 
 use std::collections::BTreeMap;
 
@@ -12,19 +12,19 @@ use super::drawing::{Anchor, Drawing, Pen};
 use crate::name::short;
 use crate::quantile::Sorted;
 
-/// Points of one slit are joined over this many lines of the photograph at most, so that small gaps close and others show.
+/// Points of one slit are joined over at most this many scanlines, so that small gaps close and larger ones show.
 const JOINED_LINES: i64 = 3;
-/// And when they are this much or less further across the stripes than along them: what leans more is two curves.
+/// Points are joined up to this ratio of their distances across and along the stripe; steeper pairs belong to two curves.
 const JOINED_LEAN: f64 = 2.0;
 /// A curve is at least this wide, px: thinner ones fade.
 const MIN_CURVE_WIDTH_PX: f64 = 1.2;
-/// Colours of a ramp that are told apart in the drawing.
+/// Number of colours of the ramp.
 const SHADES: u16 = 64;
-/// The ramp spans all but this share of the points at either end: a few stray points would take all of its colours.
+/// Share of the points at either end that the ramp leaves out, so that outliers do not use up its colours.
 const STRAY_SHARE: f64 = 0.02;
-/// Numbers of slits stand this far apart at least, units.
+/// Least distance between numbers of slits, units.
 const NUMBERS_APART: f64 = 60.0;
-/// A curve with a number is at least this long, units.
+/// Least length of a curve with a number, units.
 const NUMBERED_LENGTH: f64 = 30.0;
 
 /// The matches of a photograph called `name`, a colour per slit, with a legend.
@@ -124,8 +124,7 @@ pub(crate) fn thousands(n: usize) -> String {
     text
 }
 
-/// Distances of the nearest and the farthest points of a cloud from the camera, without strays: what the colours of
-/// [`reconstructed`] reach from and to.
+/// The range of distances from the camera without outliers, which the colours of [`reconstructed`] span.
 pub(crate) fn reach_mm(cloud: &PointCloud) -> [f64; 2] {
     Sorted::new(cloud.distances_mm()).range([STRAY_SHARE, 1.0 - STRAY_SHARE])
 }

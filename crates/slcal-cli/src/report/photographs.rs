@@ -24,7 +24,7 @@ pub(super) fn section(page: &RigPage) -> Option<Section> {
     let missing = rig.views.len() - shown.min(rig.views.len());
     let fits = fits(page);
     let like = drawing(rig, "");
-    let factor = residual_drawing::magnification(fits.iter().flatten().copied(), like.unit());
+    let factor = residual_drawing::enlargement(fits.iter().flatten().copied(), like.unit());
     let content = html! {
         @if shown > 0 {
             (legend(rig, &fits, factor))
@@ -48,10 +48,10 @@ pub(super) fn section(page: &RigPage) -> Option<Section> {
 
 /// Observations and residuals of each view, where they are known.
 fn fits<'a>(page: &'a RigPage) -> Vec<Option<MeasuredView<'a>>> {
-    let misses = page.residuals.as_ref().ok();
+    let residuals = page.residuals.as_ref().ok();
     let fit = |(i, view): (usize, &'a View)| {
         let observed = page.observations?.views.get(i)?;
-        Some(MeasuredView { observed, residuals: misses?.get(i)?, view })
+        Some(MeasuredView { observed, residuals: residuals?.get(i)?, view })
     };
     page.rig.views.iter().enumerate().map(fit).collect()
 }

@@ -23,7 +23,7 @@ enum Place {
 pub(crate) struct WorkingVolume {
     /// The direction of slits with the smaller σ there.
     pub(crate) axis: Axis,
-    forecast: ExpectedUncertainty,
+    uncertainty: ExpectedUncertainty,
     /// Where in the image.
     pixel: Point2<f64>,
     place: Place,
@@ -50,12 +50,12 @@ pub(crate) fn working_volume(rig: &Rig) -> slcal_core::Result<Option<WorkingVolu
     let mut places = vec![(Place::Image, centre)];
     places.splice(0..0, of_sheet.map(|p| (Place::Sheet, p)));
     places.extend(grid(model).map(|p| (Place::Lit, p)));
-    let mut forecasts = Vec::new();
+    let mut uncertainties = Vec::new();
     for axis in [Axis::Columns, Axis::Rows] {
-        forecasts.push((axis, ExpectedUncertainty::new(rig, axis, Match::DEFAULT_SIGMA_PX)?));
+        uncertainties.push((axis, ExpectedUncertainty::new(rig, axis, Match::DEFAULT_SIGMA_PX)?));
     }
     for ((place, pixel), depth) in places.iter().flat_map(|p| depths.iter().map(move |d| (*p, *d))) {
-        let expected: Vec<_> = forecasts
+        let expected: Vec<_> = uncertainties
             .iter_mut()
             .enumerate()
             .filter_map(|(i, (_, f))| Some((i, f.at(pixel, depth)?)))
@@ -63,11 +63,11 @@ pub(crate) fn working_volume(rig: &Rig) -> slcal_core::Result<Option<WorkingVolu
         let clearly = |a: &ExpectedSigma, b: &ExpectedSigma| b.sigma_mm < CLEARLY_BETTER * a.sigma_mm;
         let best = expected.into_iter().reduce(|a, b| if clearly(&a.1, &b.1) { b } else { a });
         if let Some((i, sigma)) = best {
-            let (axis, forecast) = forecasts.swap_remove(i);
+            let (axis, uncertainty) = uncertainties.swap_remove(i);
             let (of_sheet, knows_rig) = (middle.is_some(), rig.covariance.is_some());
             return Ok(Some(WorkingVolume {
                 axis,
-                forecast,
+                uncertainty,
                 pixel,
                 place,
                 distance_mm: depth,
@@ -116,7 +116,7 @@ impl WorkingVolume {
 
     /// σ along the line of sight through that place.
     pub(crate) fn at_depth(&mut self, depth_mm: f64) -> Option<ExpectedSigma> {
-        self.forecast.at(self.pixel, depth_mm)
+        self.uncertainty.at(self.pixel, depth_mm)
     }
 
     /// σ at a place seen from above, whatever its height: at the row of the image nearest to the middle that is lit there.
@@ -131,7 +131,7 @@ impl WorkingVolume {
         slopes.iter().find_map(|slope| {
             let pixel = model.project(&Point3::new(x, slope * z, z))?;
             let inside = (-0.5..=w - 0.5).contains(&pixel.x) && (-0.5..=h - 0.5).contains(&pixel.y);
-            if inside { self.forecast.at(pixel, z) } else { None }
+            if inside { self.uncertainty.at(pixel, z) } else { None }
         })
     }
 }

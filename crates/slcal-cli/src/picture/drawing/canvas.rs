@@ -1,4 +1,4 @@
-//! A drawing upon a photograph: lines, marks and words, independent of how it is written.
+//! A drawing over a photograph: lines, marks and words, independent of the output format.
 
 use nalgebra::{Point2, Vector2};
 
@@ -7,11 +7,11 @@ use super::color::Color;
 use super::legend::Legend;
 use super::primitive::{Anchor, Item, Pen, Primitive};
 
-/// Line widths in the longer side of a photograph: a picture that is fitted to a screen looks the same at any resolution.
+/// Units in the longer side of a photograph, so that a picture fitted to a screen looks the same at any resolution.
 const UNITS_PER_SIDE: f64 = 900.0;
-/// But a unit is at least this many pixels of the picture as written, so that letters (14 units) can be read.
+/// Least size of a unit in pixels of the written picture, so that letters (14 units) are readable.
 const LEAST_UNIT_PX: f64 = 0.75;
-/// Photographs whose longer side is less are enlarged for this, px.
+/// Photographs with a shorter longer side are enlarged, px.
 const LEAST_SIDE_PX: f64 = 480.0;
 /// The size of labels, units.
 const LABEL: f64 = 15.0;
@@ -19,19 +19,19 @@ const LABEL: f64 = 15.0;
 const HEAD: f64 = 5.0;
 const HEAD_SHARE: f64 = 0.45;
 
-/// What is drawn upon a photograph.
+/// A drawing over a photograph.
 #[derive(Debug, Clone)]
 pub(crate) struct Drawing {
     /// Of the photograph, px.
     pub(crate) size: [u32; 2],
-    /// What the picture shows, for those who cannot see it.
+    /// The text alternative of the picture.
     pub(crate) title: String,
-    /// Whether the photograph loses light and colour, so that the colours of the drawing tell.
+    /// Whether the photograph is dimmed, so that the colours of the drawing stand out.
     pub(crate) dimmed: bool,
-    /// How much coarser lines, marks and words are than usual.
+    /// Factor on the size of lines, marks and words.
     coarseness: f64,
     pub(crate) items: Vec<Item>,
-    /// Polygons that the legend had better not lie upon.
+    /// Polygons that the legend should not cover.
     pub(crate) kept_clear: Vec<Vec<Point2<f64>>>,
     pub(crate) legend: Option<Legend>,
 }
@@ -50,7 +50,7 @@ impl Drawing {
         }
     }
 
-    /// The same with lines, marks and words this many times as large: for a picture that is shown small.
+    /// The same with lines, marks and words enlarged by a factor, for a picture that is shown small.
     pub(crate) fn coarser(self, coarseness: f64) -> Self {
         Self { coarseness, ..self }
     }
@@ -99,7 +99,7 @@ impl Drawing {
         self.polyline(&closed, pen);
     }
 
-    /// Asks the legend not to lie upon a polygon if it can.
+    /// Asks the legend not to cover a polygon if possible.
     pub(crate) fn keep_clear(&mut self, polygon: &[Point2<f64>]) {
         if polygon.iter().all(|p| p.x.is_finite() && p.y.is_finite()) {
             self.kept_clear.push(polygon.to_vec());

@@ -23,7 +23,7 @@ const PANEL_OPACITY: f64 = 0.72;
 /// Colours in the picture of a ramp.
 const RAMP_STEPS: usize = 24;
 
-/// A legend that has found its place.
+/// A legend at its place.
 pub(crate) struct Placed {
     pub(crate) panel: Rect,
     pub(crate) items: Vec<Item>,
@@ -69,7 +69,7 @@ impl LegendLayout {
         Self { size: Vector2::new(whole.right + padding, whole.at.y + padding), items: whole.items }
     }
 
-    /// Upon its panel, whose corner lies there.
+    /// The legend on its panel, whose corner is at a point.
     pub(super) fn at(self, corner: Point2<f64>) -> Placed {
         let shift = corner.coords;
         let panel = Rect { low: corner, high: corner + self.size };
@@ -80,12 +80,12 @@ impl LegendLayout {
     }
 }
 
-/// Writes downwards.
+/// Writes from top to bottom.
 #[derive(Default)]
 struct Writer {
     unit: f64,
     at: Vector2<f64>,
-    /// As far as anything reaches.
+    /// The right end of everything written.
     right: f64,
     items: Vec<Item>,
 }

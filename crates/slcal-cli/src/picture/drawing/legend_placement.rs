@@ -1,4 +1,4 @@
-//! Where the panel of a legend stands: where it hides least.
+//! The placement of a legend where it covers least.
 
 use nalgebra::{Point2, Vector2};
 
@@ -11,16 +11,16 @@ use super::primitive::{Item, Primitive};
 
 /// From the panel to the frame, units.
 const MARGIN: f64 = 8.0;
-/// The most columns that are tried.
+/// Largest number of columns that is tried.
 const COLUMNS: usize = 3;
-/// The panel takes no more than this share of the frame either way.
+/// Largest share of the frame that the panel takes in each direction.
 const LARGEST_SHARE: f64 = 0.97;
-/// Sizes that are tried, and how much more marks one of usual size may hide: a smaller panel is taken only when it hides
-/// less by more than its area is less.
+/// Sizes that are tried, and how many more marks the usual size may cover: a smaller panel must cover fewer marks by more than its
+/// area is smaller.
 const SIZES: [(f64, f64); 3] = [(1.0, 0.0), (0.85, 0.5), (0.72, 1.2)];
-/// As many hidden marks are no reason for small letters.
+/// Up to this many covered marks, letters stay at the usual size.
 const WELCOME: f64 = 10.0;
-/// Where the panel may stand, as shares of the room that it leaves.
+/// Places of the panel, as shares of the free room.
 const PLACES: [[f64; 2]; 16] = [
     [0.0, 0.0],
     [1.0, 0.0],
@@ -39,15 +39,15 @@ const PLACES: [[f64; 2]; 16] = [
     [1.0, 0.25],
     [1.0, 0.75],
 ];
-/// How much worse it is to hide a corner of a word, or a mark of its own, than a point of a line.
+/// Weights of a corner of a word and of a single mark, relative to a point of a line.
 const WORD_WEIGHT: f64 = 30.0;
 const RING_WEIGHT: f64 = 3.0;
-/// Of areas that are kept clear: a point every so many units either way, and its weight.
+/// Spacing of the points in areas that are kept clear, units, and their weight.
 const CLEAR_STEP: f64 = 10.0;
 const CLEAR_WEIGHT: f64 = 0.3;
 
 impl Drawing {
-    /// Everything in the order in which it is drawn, the legend last, where it hides least.
+    /// All items in drawing order, the legend last, where it covers least.
     pub(super) fn all_items(&self) -> Vec<Item> {
         let mut items = self.items.clone();
         items.extend(self.legend.iter().flat_map(|legend| place(self, legend).items));
@@ -55,8 +55,7 @@ impl Drawing {
     }
 }
 
-/// Lays the legend out and puts it where it hides least of the drawing: along the frame, in one column or more, smaller if
-/// that helps a good deal.
+/// Puts the legend where it covers least of the drawing: along the frame, in one or more columns, smaller if that helps much.
 fn place(drawing: &Drawing, legend: &Legend) -> Placed {
     let unit = drawing.unit();
     let most = (drawing.frame().high - drawing.frame().low) * LARGEST_SHARE;
@@ -66,7 +65,7 @@ fn place(drawing: &Drawing, legend: &Legend) -> Placed {
         for columns in 1..=COLUMNS {
             let layout = LegendLayout::new(legend, size * unit, most.x, columns);
             let fits = layout.size.x <= most.x && layout.size.y <= most.y;
-            // The smallest in one column is made to fit, should nothing else.
+            // The smallest size in one column is made to fit if nothing else does.
             if !fits && (best.is_some() || size > SIZES[SIZES.len() - 1].0 || columns < COLUMNS) {
                 continue;
             }
@@ -84,7 +83,7 @@ fn place(drawing: &Drawing, legend: &Legend) -> Placed {
     )
 }
 
-/// Lays the legend out at a corner of one's own choice, no wider than `widest`, as low as it can be.
+/// The legend at a given corner, no wider than `widest`, with the lowest possible panel.
 pub(crate) fn at(legend: &Legend, unit: f64, widest: f64, corner: Point2<f64>) -> Placed {
     let layouts = (1..=COLUMNS).map(|columns| LegendLayout::new(legend, unit, widest, columns));
     let fitting = layouts.filter(|l| l.size.x <= widest);
@@ -92,10 +91,10 @@ pub(crate) fn at(legend: &Legend, unit: f64, widest: f64, corner: Point2<f64>) -
     lowest.unwrap_or_else(|| squeezed(legend, unit, Vector2::new(widest, f64::INFINITY))).at(corner)
 }
 
-/// In one column, with letters as small as they must be.
+/// In one column, with letters as small as necessary.
 fn squeezed(legend: &Legend, mut unit: f64, most: Vector2<f64>) -> LegendLayout {
     let mut layout = LegendLayout::new(legend, unit, most.x, 1);
-    // Smaller letters are wrapped anew: a few rounds come to rest.
+    // Smaller letters wrap differently; a few rounds converge.
     for _ in 0..8 {
         let shrink = (most.x / layout.size.x).min(most.y / layout.size.y);
         if shrink >= 1.0 {
@@ -107,7 +106,7 @@ fn squeezed(legend: &Legend, mut unit: f64, most: Vector2<f64>) -> LegendLayout 
     layout
 }
 
-/// Of the places along the frame, the one over the fewest marks, and how many; corners before others.
+/// The place along the frame that covers the fewest marks, and their number; corners come first.
 fn best_corner(drawing: &Drawing, marks: &[(Point2<f64>, f64)], size: Vector2<f64>) -> (f64, Point2<f64>) {
     let frame = drawing.frame();
     let room = frame.high - frame.low - size;

@@ -1,4 +1,4 @@
-//! A drawing painted upon its photograph.
+//! A drawing painted over its photograph.
 
 use image::{DynamicImage, RgbImage};
 use nalgebra::Point2;
@@ -15,7 +15,7 @@ use super::primitive::{Anchor, Item, Pen, Primitive};
 use crate::exit::{Exit, Failure, Outcome};
 
 impl Drawing {
-    /// The photograph with the drawing upon it, 8-bit RGB; a tiny photograph comes enlarged.
+    /// The photograph with the drawing over it, 8-bit RGB; a tiny photograph is enlarged.
     pub(crate) fn over(&self, photo: &DynamicImage) -> Outcome<DynamicImage> {
         over(self, photo)
     }
@@ -55,7 +55,7 @@ fn background(drawing: &Drawing, photo: &DynamicImage) -> image::RgbaImage {
     }
     match drawing.enlarged() {
         1 => pixels,
-        // Pixels stay squares: what the camera saw, not an invention between.
+        // Nearest neighbour: pixels stay squares.
         k => image::imageops::resize(
             &pixels,
             pixels.width() * k,
@@ -65,7 +65,7 @@ fn background(drawing: &Drawing, photo: &DynamicImage) -> image::RgbaImage {
     }
 }
 
-/// Takes light and colour from a pixel.
+/// Dims a pixel and reduces its saturation.
 fn dim([r, g, b, _]: &mut [u8; 4]) {
     let grey = luma([*r, *g, *b].map(f64::from));
     for c in [r, g, b] {

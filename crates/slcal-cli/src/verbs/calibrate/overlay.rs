@@ -165,7 +165,7 @@ fn sheet_of(
 ) -> Outcome<DynamicImage> {
     let (_, coarseness) = contact_sheet::tile_size(shots[0].size, expected);
     let like = Drawing::new(shots[0].size, "").coarser(coarseness);
-    let factor = residual_drawing::magnification(fits.iter().copied(), like.unit());
+    let factor = residual_drawing::enlargement(fits.iter().copied(), like.unit());
     let names: Vec<&str> = shots.iter().map(|s| &*s.name).collect();
     let tiles = shots
         .iter()
