@@ -114,6 +114,7 @@ impl PartialEq for Cause {
 
 /// What was done with a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Access {
     /// It was read.
     Reading,

@@ -1,13 +1,59 @@
 //! Projector–camera calibration from one photograph, and one-shot structured-light reconstruction.
 //!
-//! The folders are the verbs of the work, in the order in which data passes through them:
-//! [`pattern`] (what is projected), [`detect`] (photograph → [`Observations`]), [`mod@calibrate`] (observations → [`Rig`]),
-//! [`decode`] (photograph → [`Matches`]), [`reconstruct`] (matches + rig → [`PointCloud`]), [`evaluate`] (cloud → plane,
-//! sphere). They meet in the plain types at the top of the crate and rest on [`geometry`] (values) and [`solve`]
-//! (numerics). `simulate` (a cargo feature) makes observations with known truth. [`mod@format`] reads and writes those types as JSON, CSV and clouds (PLY, PCD, XYZ, OBJ, GLB) on any `Read` and `Write`.
+//! A camera photographs a white sheet of known size, on which a projector shows a checkerboard. One such photograph of a
+//! tilted sheet determines focal lengths and poses of both devices: a [`Rig`]. Then the projector shows coloured stripes,
+//! and every photograph of an object under them becomes a [`PointCloud`] in millimetres.
 //!
-//! The crate opens no files, prints nothing, starts no threads, reads no clock and keeps no global state. Lengths are
-//! millimetres, angles radians, pixels have integer centres; see [`geometry`] for the frames.
+//! ```
+//! use slcal_core::{
+//!     Calibrator, CheckerConfig, CheckerPattern, PhotoView, ReconstructConfig, Reconstructor, RectangleSize, StripeConfig,
+//!     StripePattern,
+//! };
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo"))?;
+//! let panel = [1024, 768];
+//! let checker = CheckerPattern::new(panel, &CheckerConfig::default())?; // checker.image()? is what to project
+//! let sheet: RectangleSize = "594x420mm".parse()?;
+//! let photo = image::open("sheet.jpg")?;
+//! let mut calibrator = Calibrator::new(sheet).with_pattern(&checker);
+//! calibrator.add(PhotoView::try_from(&photo)?)?;
+//! let rig = calibrator.calibrate()?.rig;
+//!
+//! let stripes = StripePattern::new(panel, &StripeConfig::default())?;
+//! let mut reconstructor = Reconstructor::new(&rig, &stripes, ReconstructConfig::default())?;
+//! let photo = image::open("board.jpg")?;
+//! let cloud = &reconstructor.reconstruct(PhotoView::try_from(&photo)?)?.cloud;
+//! assert!(cloud.points.len() > 10_000);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # What to begin with
+//!
+//! | task | begin with |
+//! |---|---|
+//! | photographs → rig | [`Calibrator`] |
+//! | corners and pairs of another detector → rig | [`Observations`], [`calibrate_observations`] |
+//! | how good a rig is | [`Rig::quality`], [`Verdict`], [`residuals`], [`advise`] |
+//! | photograph → cloud, frame after frame | [`Reconstructor`] |
+//! | matches of another decoder → cloud | [`Matches`], [`cloud_from_matches`] |
+//! | has anything moved? | [`PhotoVerifier`] |
+//! | a picture without keystone | [`rectify_picture`], [`rectify_checker_picture`] |
+//! | how flat, how round | [`evaluate`] |
+//! | files of this and of other programs | [`mod@format`] |
+//!
+//! The modules hold the single stages: [`pattern`] → [`detect`] → [`mod@calibrate`] → [`decode`] → [`mod@reconstruct`]. They
+//! meet in the types at the root. `simulate` (a cargo feature) makes photographs and observations with known truth.
+//!
+//! # Conventions
+//!
+//! Lengths are millimetres, angles radians, pixels have integer centres; see [`geometry`] for the frames. Every estimate
+//! comes with its standard deviation (1σ). Errors say what was expected, what was found and what to do ([`Error`]).
+//!
+//! The crate opens no files, prints nothing, starts no threads unless asked (feature `rayon`), reads no clock and keeps no
+//! global state. The same input gives the same output, bit for bit. Configurations have `Default`; write
+//! `Config { field: value, ..Config::default() }`, since fields may be added.
 
 pub mod advise;
 pub mod calibrate;
@@ -24,7 +70,7 @@ pub mod reconstruct;
 pub mod rectify;
 #[cfg(any(test, feature = "simulate"))]
 pub mod simulate;
-pub mod solve;
+mod solve;
 pub mod verify;
 
 mod cloud;
@@ -44,9 +90,12 @@ pub use calibrate::{
 };
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Access, Cause, Error, ErrorClass, ErrorSubject, Result};
+pub use geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
 pub use matches::{Match, Matches};
 pub use observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 pub use parameter::{LensParameter, Parameter, PoseParameter};
+pub use pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
+pub use photo::{Encoding, PhotoView};
 pub use pipeline::{
     Calibrator, CloudReport, PhotoVerifier, ReconstructConfig, Reconstruction, Reconstructor, SheetPhoto,
     VerifiedPhoto, VerifyPhotoConfig, cloud_from_matches, verify_photo,
@@ -55,3 +104,7 @@ pub use rectify::{Rectification, rectify, rectify_checker, rectify_checker_pictu
 pub use rig::{
     Covariance, Device, DeviceSigma, Projector, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning,
 };
+
+// Their types are part of the interface: points, matrices and pictures.
+pub use image;
+pub use nalgebra;

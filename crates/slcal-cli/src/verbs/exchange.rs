@@ -42,7 +42,7 @@ pub(super) fn export(args: &ExportArgs, printer: Printer) -> Outcome {
         _ => StorageText::default(),
     };
     let rig = load_rig(&args.rig)?;
-    let Export { files, left_out } =
+    let Export { files, left_out, .. } =
         export_rig(&rig, args.to, &ExportConfig { storage, lossy: args.lossy }).in_file(&args.rig)?;
     let names: Vec<&str> = files.iter().map(|f| f.name).collect();
     let places = export_places(&args.output, args.to, &names)?;

@@ -39,7 +39,7 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     let photo = load_photo(&args.photo, printer)?;
     check_camera(args, &photo, &rig)?;
     let view = PhotoView::try_from(&photo).in_file(&args.photo)?;
-    let VerifiedPhoto { detection: found, verification: result } =
+    let VerifiedPhoto { detection: found, verification: result, .. } =
         verifier.verify(view).in_file(&args.photo)?;
     drop(busy);
     for note in &found.notes {

@@ -7,6 +7,7 @@ use crate::geometry::{Pose, RectangleSize};
 
 /// A tilt with what a photograph under it would bring.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct TiltPrediction {
     /// Turn about the camera's horizontal axis, rad; positive: the top side is nearer to the camera than the bottom.
     pub tilt_x_rad: f64,
@@ -20,6 +21,7 @@ pub struct TiltPrediction {
 
 /// A pose of the sheet to photograph.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct NextView {
     /// X_camera = R · X_sheet + t.
     pub camera_from_sheet: Pose,
@@ -70,6 +72,7 @@ impl NextView {
 
 /// What to do next.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Advice {
     /// What is known now; `None` before the first photograph.
     pub now: Option<Predicted>,

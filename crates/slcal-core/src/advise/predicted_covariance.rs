@@ -22,6 +22,7 @@ const FLATTEST: f64 = 0.42;
 
 /// Expected 1σ after a photograph.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Predicted {
     /// Of the camera's focal length, as a share of it.
     pub camera_focal: f64,

@@ -15,6 +15,7 @@ pub(crate) const VIEWS_FOR_PROJECTOR_DISTORTION: usize = 3;
 /// Which estimator to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Method {
     /// Maximum likelihood of everything that was seen, with priors.
     #[default]

@@ -8,6 +8,7 @@ use crate::rig::Rig;
 
 /// How a calibration went, beyond the rig itself.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct CalibrationReport {
     /// Iterations of the refinement.
     pub iterations: usize,
@@ -25,6 +26,7 @@ pub struct CalibrationReport {
 
 /// A calibrated rig and how it came about.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Calibration {
     /// The result.
     pub rig: Rig,

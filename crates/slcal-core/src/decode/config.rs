@@ -150,6 +150,7 @@ pub struct DecodeReport {
 
 /// Matches and the report of decoding.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Decoding {
     /// One per slit and scanline.
     pub matches: Matches,

@@ -148,6 +148,7 @@ impl FocalPrior {
 /// Which distortion coefficients of a device are estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum DistortionModel {
     /// k1 and k2 when they lower the residuals by more than chance would, else none.
     #[default]

@@ -10,6 +10,7 @@ use crate::geometry::Plane;
 
 /// A plane and how well it fits.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct PlaneFit {
     /// The plane; its normal points to the camera.
     pub plane: Plane,

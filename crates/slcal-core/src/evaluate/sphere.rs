@@ -9,6 +9,7 @@ use crate::error::{Error, ErrorSubject, Result};
 
 /// A sphere and how well it fits.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SphereFit {
     /// Its centre, in the cloud's frame, mm.
     pub centre: Point3<f64>,

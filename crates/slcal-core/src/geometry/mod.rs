@@ -25,5 +25,6 @@ pub use point::{ProjectivePoint, VanishingPoints};
 pub use pose::Pose;
 pub(crate) use pose::nearest_rotation;
 pub use ray::Ray;
-pub use rectangle::{RectangleSize, Side};
+pub use rectangle::RectangleSize;
+pub(crate) use rectangle::Side;
 pub use warp::Warp;

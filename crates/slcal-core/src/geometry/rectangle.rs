@@ -40,7 +40,7 @@ const PAPER_TOLERANCE: f64 = 0.01;
 /// The sides of the sheet, in the order of all lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Side {
+pub(crate) enum Side {
     /// TL–TR.
     Top,
     /// TR–BR.
@@ -53,7 +53,7 @@ pub enum Side {
 
 impl Side {
     /// All four, in order.
-    pub const ALL: [Self; 4] = [Self::Top, Self::Right, Self::Bottom, Self::Left];
+    pub(crate) const ALL: [Self; 4] = [Self::Top, Self::Right, Self::Bottom, Self::Left];
 }
 
 impl RectangleSize {

@@ -97,13 +97,13 @@ impl Encoding {
 
 /// Linear light (0–1) by code value.
 #[derive(Debug, Clone)]
-pub struct LinearTable(Vec<f32>);
+pub(crate) struct LinearTable(Vec<f32>);
 
 impl LinearTable {
     /// Light of a code value; the caller guarantees that the table was made for this sample type.
     #[inline]
     #[must_use]
-    pub fn light(&self, code: usize) -> f32 {
+    pub(crate) fn light(&self, code: usize) -> f32 {
         self.0[code]
     }
 

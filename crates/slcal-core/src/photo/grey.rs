@@ -2,7 +2,7 @@
 
 /// A grey image in linear light, 0–1, row-major.
 #[derive(Debug, Clone, PartialEq)]
-pub struct GreyImage {
+pub(crate) struct GreyImage {
     width: usize,
     height: usize,
     data: Vec<f32>,
@@ -10,7 +10,7 @@ pub struct GreyImage {
 
 impl GreyImage {
     /// An image whose pixels are `f(x, y)`.
-    pub fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> f32) -> Self {
+    pub(crate) fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> f32) -> Self {
         let mut data = Vec::with_capacity(width * height);
         for y in 0..height {
             for x in 0..width {
@@ -28,33 +28,33 @@ impl GreyImage {
 
     /// Width, px.
     #[must_use]
-    pub fn width(&self) -> usize {
+    pub(crate) fn width(&self) -> usize {
         self.width
     }
 
     /// Height, px.
     #[must_use]
-    pub fn height(&self) -> usize {
+    pub(crate) fn height(&self) -> usize {
         self.height
     }
 
     /// One row.
     #[must_use]
-    pub fn row(&self, y: usize) -> &[f32] {
+    pub(crate) fn row(&self, y: usize) -> &[f32] {
         &self.data[y * self.width..(y + 1) * self.width]
     }
 
     /// The value of a pixel.
     #[inline]
     #[must_use]
-    pub fn at(&self, x: usize, y: usize) -> f32 {
+    pub(crate) fn at(&self, x: usize, y: usize) -> f32 {
         self.data[y * self.width + x]
     }
 
     /// Bilinear interpolation at a position; `None` outside the centres of the border pixels.
     #[inline]
     #[must_use]
-    pub fn bilinear(&self, x: f64, y: f64) -> Option<f64> {
+    pub(crate) fn bilinear(&self, x: f64, y: f64) -> Option<f64> {
         let inside = x >= 0.0 && y >= 0.0 && x <= self.width as f64 - 1.0 && y <= self.height as f64 - 1.0;
         if !inside {
             return None;
@@ -71,7 +71,7 @@ impl GreyImage {
 
     /// All pixels, row-major.
     #[must_use]
-    pub fn data(&self) -> &[f32] {
+    pub(crate) fn data(&self) -> &[f32] {
         &self.data
     }
 }

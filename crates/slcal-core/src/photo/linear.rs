@@ -7,7 +7,7 @@ use super::{Encoding, GreyImage, LinearTable, PhotoView};
 /// A borrowed photograph in linear light, 0–1, averaged over the three channels with equal weights. The sheet and the
 /// projected light are white, so that equal weights give the least noise.
 #[derive(Debug, Clone)]
-pub struct LinearPhoto<'a> {
+pub(crate) struct LinearPhoto<'a> {
     view: PhotoView<'a>,
     table: LinearTable,
 }
@@ -15,33 +15,33 @@ pub struct LinearPhoto<'a> {
 impl<'a> LinearPhoto<'a> {
     /// Reads `view` through the transfer curve `encoding`.
     #[must_use]
-    pub fn new(view: PhotoView<'a>, encoding: Encoding) -> Self {
+    pub(crate) fn new(view: PhotoView<'a>, encoding: Encoding) -> Self {
         Self { view, table: view.linear_table(encoding) }
     }
 
     /// Width, px.
     #[must_use]
-    pub fn width(&self) -> usize {
+    pub(crate) fn width(&self) -> usize {
         self.view.width()
     }
 
     /// Height, px.
     #[must_use]
-    pub fn height(&self) -> usize {
+    pub(crate) fn height(&self) -> usize {
         self.view.height()
     }
 
     /// The light of a pixel, which must lie in the photograph.
     #[inline]
     #[must_use]
-    pub fn at(&self, x: usize, y: usize) -> f32 {
+    pub(crate) fn at(&self, x: usize, y: usize) -> f32 {
         self.view.linear_grey_pixel(x, y, &self.table)
     }
 
     /// Bilinear interpolation; `None` outside the centres of the border pixels.
     #[inline]
     #[must_use]
-    pub fn bilinear(&self, p: Point2<f64>) -> Option<f64> {
+    pub(crate) fn bilinear(&self, p: Point2<f64>) -> Option<f64> {
         let (w, h) = (self.width(), self.height());
         let inside = p.x >= 0.0 && p.y >= 0.0 && p.x <= w as f64 - 1.0 && p.y <= h as f64 - 1.0;
         if !inside {
@@ -61,7 +61,7 @@ impl<'a> LinearPhoto<'a> {
     /// The mean over blocks of `factor`×`factor` pixels; large blocks use every second row. Incomplete blocks at the end
     /// are left out. Pixel (x, y) of the result has its centre at (x·factor + (factor−1)/2, …) of the photograph.
     #[must_use]
-    pub fn reduced(&self, factor: usize) -> GreyImage {
+    pub(crate) fn reduced(&self, factor: usize) -> GreyImage {
         let factor = factor.max(1);
         let (w, h) = (self.width() / factor, self.height() / factor);
         let mut data = vec![0.0_f32; w * h];

@@ -5,9 +5,10 @@ mod grey;
 mod linear;
 mod view;
 
-pub use encoding::{Encoding, LinearTable};
-pub use grey::GreyImage;
-pub use linear::LinearPhoto;
+pub use encoding::Encoding;
+pub(crate) use encoding::LinearTable;
+pub(crate) use grey::GreyImage;
+pub(crate) use linear::LinearPhoto;
 #[cfg(test)]
 pub(crate) use view::layouts;
 pub use view::{Layout, PhotoView, Samples};

@@ -134,7 +134,7 @@ impl<'a> PhotoView<'a> {
 
     /// The table from this photograph's code values to linear light.
     #[must_use]
-    pub fn linear_table(&self, encoding: Encoding) -> LinearTable {
+    pub(crate) fn linear_table(&self, encoding: Encoding) -> LinearTable {
         encoding.table(match self.samples {
             Samples::U8(_) => 1 << 8,
             Samples::U16(_) => 1 << 16,
@@ -169,7 +169,7 @@ impl<'a> PhotoView<'a> {
     }
 
     /// Writes the linear light (red, green, blue) of one row into `out`, which must hold `width` entries.
-    pub fn linear_rgb_row(&self, y: usize, table: &LinearTable, out: &mut [[f32; 3]]) {
+    pub(crate) fn linear_rgb_row(&self, y: usize, table: &LinearTable, out: &mut [[f32; 3]]) {
         let [r, g, b] = self.layout.rgb_offsets();
         let channels = self.layout.channels();
         let range = y * self.row_stride..y * self.row_stride + self.width * channels;
@@ -195,7 +195,7 @@ impl<'a> PhotoView<'a> {
     }
 
     /// Writes the sum of the channels' linear light of one row into `out`, which must hold `width` entries.
-    pub fn linear_total_row(&self, y: usize, table: &LinearTable, out: &mut [f32]) {
+    pub(crate) fn linear_total_row(&self, y: usize, table: &LinearTable, out: &mut [f32]) {
         let [r, g, b] = self.layout.rgb_offsets();
         let channels = self.layout.channels();
         let range = y * self.row_stride..y * self.row_stride + self.width * channels;
@@ -222,7 +222,7 @@ impl<'a> PhotoView<'a> {
     }
 
     /// Writes the linear light (red, green, blue) of one column into `out`, which must hold `height` entries.
-    pub fn linear_rgb_column(&self, x: usize, table: &LinearTable, out: &mut [[f32; 3]]) {
+    pub(crate) fn linear_rgb_column(&self, x: usize, table: &LinearTable, out: &mut [[f32; 3]]) {
         for (y, o) in out.iter_mut().enumerate().take(self.height) {
             *o = self.linear_rgb(x, y, table);
         }
@@ -231,7 +231,7 @@ impl<'a> PhotoView<'a> {
     /// The linear light (red, green, blue) of one pixel.
     #[inline]
     #[must_use]
-    pub fn linear_rgb(&self, x: usize, y: usize, table: &LinearTable) -> [f32; 3] {
+    pub(crate) fn linear_rgb(&self, x: usize, y: usize, table: &LinearTable) -> [f32; 3] {
         let [r, g, b] = self.rgb_at(x, y);
         match self.samples {
             Samples::U8(s) => {

@@ -8,6 +8,7 @@ use crate::reconstruct::{CullReport, TriangulateReport};
 
 /// Counts of a cloud and reports of its stages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct CloudReport {
     /// Points of the cloud.
     pub points: usize,

@@ -61,6 +61,7 @@ impl VerifyPhotoConfig {
 
 /// What a photograph shows, and what it says of the rig.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct VerifiedPhoto {
     /// The sheet and the pattern; the pairs have their pixels on the panel.
     pub detection: Detection,

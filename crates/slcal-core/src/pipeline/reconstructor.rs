@@ -36,6 +36,7 @@ pub struct ReconstructConfig {
 
 /// A cloud and the reports of its stages.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Reconstruction {
     /// The points, and triangles if requested.
     pub cloud: PointCloud,

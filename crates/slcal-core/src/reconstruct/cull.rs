@@ -18,6 +18,7 @@ use crate::solve::median;
 /// Which triangles are removed.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum CullRule {
     /// Triangles that are far more slanted than their neighbourhood, or far longer in the image.
     #[default]
@@ -64,6 +65,7 @@ impl FromStr for CullRule {
 
 /// Counts of removed triangles and points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct CullReport {
     /// Triangles between the points.
     pub triangles: usize,

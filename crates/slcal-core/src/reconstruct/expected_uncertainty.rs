@@ -12,6 +12,7 @@ use crate::rig::Rig;
 
 /// 1σ of a point along the camera's ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ExpectedSigma {
     /// In all, mm: noise of the match and what is not known exactly of the rig. Without a covariance of the rig, noise alone.
     pub sigma_mm: f64,

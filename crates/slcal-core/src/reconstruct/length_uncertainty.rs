@@ -14,6 +14,7 @@ use crate::rig::Rig;
 
 /// 1σ of a length that is measured between two reconstructed points.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct LengthSigma {
     /// By what is not known exactly of the rig, mm: common to all lengths of that place and direction.
     pub rig_mm: f64,

@@ -88,6 +88,7 @@ impl TriangulateConfig {
 /// Number of points, and rejected matches by reason.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
+#[non_exhaustive]
 pub struct TriangulateReport {
     /// Triangulated points.
     pub points: usize,

@@ -9,19 +9,19 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 /// Which unknowns the rows of a Jacobian depend on. A step and a covariance list the shared unknowns first, then group
 /// after group; a Jacobian has a column for each unknown of the row's own group, then one for each shared unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Structure<'a> {
+pub(crate) struct Structure<'a> {
     /// Unknowns that every row may depend on.
-    pub shared: usize,
+    pub(crate) shared: usize,
     /// Unknowns of each group.
-    pub width: usize,
+    pub(crate) width: usize,
     /// How many consecutive rows belong to each group, in order; the rows after these depend on shared unknowns alone.
-    pub groups: &'a [usize],
+    pub(crate) groups: &'a [usize],
 }
 
 impl Structure<'static> {
     /// Every row depends on every unknown.
     #[must_use]
-    pub fn dense(unknowns: usize) -> Self {
+    pub(crate) fn dense(unknowns: usize) -> Self {
         Self { shared: unknowns, width: 0, groups: &[] }
     }
 }
@@ -29,13 +29,13 @@ impl Structure<'static> {
 impl Structure<'_> {
     /// Columns of the Jacobian.
     #[must_use]
-    pub fn columns(&self) -> usize {
+    pub(crate) fn columns(&self) -> usize {
         self.width + self.shared
     }
 
     /// Number of unknowns.
     #[must_use]
-    pub fn unknowns(&self) -> usize {
+    pub(crate) fn unknowns(&self) -> usize {
         self.shared + self.width * self.groups.len()
     }
 
@@ -261,7 +261,7 @@ impl Reduced {
 /// `diagonal` is D: 1/σ of the prior of each unknown, 0 without one; empty without any prior.
 /// `None` when the matrix is singular or numbers are not finite.
 #[must_use]
-pub fn covariance(s: &Structure, jacobian: &DMatrix<f64>, diagonal: &[f64]) -> Option<DMatrix<f64>> {
+pub(crate) fn covariance(s: &Structure, jacobian: &DMatrix<f64>, diagonal: &[f64]) -> Option<DMatrix<f64>> {
     let known = |i: usize| diagonal.get(i).copied().unwrap_or(0.0);
     let informed = jacobian.nrows() + diagonal.iter().filter(|d| **d != 0.0).count();
     let rows = jacobian.nrows();

@@ -20,7 +20,7 @@ fn conditioning(points: impl Iterator<Item = Point2<f64>> + Clone) -> Option<Mat
 ///
 /// # Errors
 /// [`Error::Invalid`] for fewer than four pairs; [`Error::Degenerate`] when three of four points, or all, are collinear.
-pub fn homography_from_points(pairs: &[(Point2<f64>, Point2<f64>)]) -> Result<Homography> {
+pub(crate) fn homography_from_points(pairs: &[(Point2<f64>, Point2<f64>)]) -> Result<Homography> {
     if pairs.len() < 4 {
         return Err(Error::invalid(ErrorSubject::Homography, "at least 4 pairs of points", pairs.len()));
     }

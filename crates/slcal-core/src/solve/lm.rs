@@ -8,26 +8,26 @@ use super::block_arrow_qr::{Reduced, Structure};
 
 /// A residual block: consecutive residuals with one loss of their norm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Block {
+pub(crate) struct Block {
     /// Number of residuals.
-    pub len: usize,
+    pub(crate) len: usize,
     /// Their loss.
-    pub loss: Loss,
+    pub(crate) loss: Loss,
 }
 
 /// Residuals, and their derivatives by a step, at one state.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Linearised {
+pub(crate) struct Linearised {
     /// Residuals divided by their σ.
-    pub residuals: DVector<f64>,
+    pub(crate) residuals: DVector<f64>,
     /// d residuals / d step at step zero, columns as the problem's [`Structure`] has them.
-    pub jacobian: DMatrix<f64>,
+    pub(crate) jacobian: DMatrix<f64>,
 }
 
 impl Linearised {
     /// Zeros of the sizes that a problem needs.
     #[must_use]
-    pub fn zeros<P: Problem>(problem: &P) -> Self {
+    pub(crate) fn zeros<P: Problem>(problem: &P) -> Self {
         let rows = problem.blocks().iter().map(|b| b.len).sum();
         Self {
             residuals: DVector::zeros(rows),
@@ -37,7 +37,7 @@ impl Linearised {
 }
 
 /// A least-squares problem over a state that may live on a manifold.
-pub trait Problem {
+pub(crate) trait Problem {
     /// What is estimated.
     type State: Clone;
     /// How the residuals are grouped, in order.
@@ -57,22 +57,19 @@ pub trait Problem {
 
 /// The result of a minimisation.
 #[derive(Debug, Clone)]
-pub struct Minimum<S> {
+pub(crate) struct Minimum<S> {
     /// The state.
-    pub state: S,
+    pub(crate) state: S,
     /// Sum of the blocks' costs.
-    pub cost: f64,
+    pub(crate) cost: f64,
     /// Residuals and derivatives there, without the weights of the losses.
-    pub at: Linearised,
-    /// Accepted and rejected steps.
-    pub iterations: usize,
-    /// Whether the predicted decrease fell below [`CONVERGED_DECREASE`], or steps of negligible predicted
-    /// decrease gained nothing. Otherwise the iterations ran out or no step reduced the cost.
-    pub converged: bool,
+    pub(crate) at: Linearised,
+    /// Accepted and rejected steps; fewer than the problem allows when it has converged.
+    pub(crate) iterations: usize,
 }
 
 /// In units of χ²: a predicted decrease d leaves the parameters within √d of their own σ.
-pub const CONVERGED_DECREASE: f64 = 1e-12;
+pub(crate) const CONVERGED_DECREASE: f64 = 1e-12;
 /// Predicted decrease below which a step without gain means convergence: a thousandth of the parameters' σ from the
 /// minimum.
 const STALLED_DECREASE: f64 = 1e-6;
@@ -81,7 +78,7 @@ const MAX_DAMPING: f64 = 1e16;
 
 /// Sum of the blocks' costs.
 #[must_use]
-pub fn robust_cost(blocks: &[Block], residuals: &DVector<f64>) -> f64 {
+pub(crate) fn robust_cost(blocks: &[Block], residuals: &DVector<f64>) -> f64 {
     let mut at = 0;
     let mut cost = 0.0;
     for block in blocks {
@@ -103,7 +100,7 @@ fn set_weights(weights: &mut Vec<f64>, blocks: &[Block], residuals: &DVector<f64
 
 /// Minimises the problem's cost from `start`; `None` when the model is not defined there.
 #[must_use]
-pub fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::State>> {
+pub(crate) fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::State>> {
     let (blocks, structure) = (problem.blocks(), problem.structure());
     let mut here = Linearised::zeros(problem);
     problem.linearise(&start, &mut here)?;
@@ -122,7 +119,6 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::S
     let mut state = start;
     let mut damping = INITIAL_DAMPING;
     let mut growth = 2.0;
-    let mut converged = false;
     let mut iterations = 0;
     while iterations < problem.max_iterations() && damping < MAX_DAMPING {
         iterations += 1;
@@ -145,29 +141,25 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::S
                 growth = 2.0;
                 // A heavily damped step is short whatever the gradient: only nearly undamped ones show convergence.
                 if small && damping <= INITIAL_DAMPING {
-                    converged = true;
                     break;
                 }
                 reduce(&here, &mut reduced)?;
             }
             // Rounding prevents a further decrease.
-            _ if predicted <= STALLED_DECREASE => {
-                converged = true;
-                break;
-            }
+            _ if predicted <= STALLED_DECREASE => break,
             _ => {
                 damping *= growth;
                 growth *= 2.0;
             }
         }
     }
-    Some(Minimum { state, cost, at: here, iterations, converged })
+    Some(Minimum { state, cost, at: here, iterations })
 }
 
 /// A minimum after undamped steps, which complete directions that damping shortens. Their decrease is below rounding, so
 /// the cost must only not rise beyond rounding.
 #[must_use]
-pub fn polish<P: Problem>(problem: &P, mut from: Minimum<P::State>) -> Minimum<P::State> {
+pub(crate) fn polish<P: Problem>(problem: &P, mut from: Minimum<P::State>) -> Minimum<P::State> {
     const STEPS: usize = 2;
     const ROUNDING: f64 = 1e-12;
     let (blocks, structure) = (problem.blocks(), problem.structure());
@@ -237,10 +229,12 @@ mod tests {
 
     #[test]
     fn a_redescending_loss_finds_the_truth_beside_an_outlier() {
-        let square = minimise(&Decay::new(Loss::Square), [1.0, 0.1]).unwrap();
-        assert!(square.converged && (square.state[0] - 5.0).abs() > 0.05);
-        let robust = minimise(&Decay::new(Loss::Tukey(1.0)), square.state).unwrap();
-        assert!(robust.converged);
+        let problem = Decay::new(Loss::Square);
+        let square = minimise(&problem, [1.0, 0.1]).unwrap();
+        assert!(square.iterations < problem.max_iterations() && (square.state[0] - 5.0).abs() > 0.05);
+        let problem = Decay::new(Loss::Tukey(1.0));
+        let robust = minimise(&problem, square.state).unwrap();
+        assert!(robust.iterations < problem.max_iterations());
         assert!((robust.state[0] - 5.0).abs() < 1e-9 && (robust.state[1] - 0.3).abs() < 1e-9);
     }
 

@@ -7,9 +7,9 @@ mod nullspace;
 mod polynomial;
 mod robust;
 
-pub use block_arrow_qr::{Structure, covariance};
-pub use dlt::homography_from_points;
-pub use lm::{Block, CONVERGED_DECREASE, Linearised, Minimum, Problem, minimise, polish, robust_cost};
-pub use nullspace::null_vector;
-pub use polynomial::Polynomial;
-pub use robust::{Loss, median, median_f32, rms, robust_scale};
+pub(crate) use block_arrow_qr::{Structure, covariance};
+pub(crate) use dlt::homography_from_points;
+pub(crate) use lm::{Block, Linearised, Problem, minimise, polish};
+pub(crate) use nullspace::null_vector;
+pub(crate) use polynomial::Polynomial;
+pub(crate) use robust::{Loss, median, median_f32, rms, robust_scale};

@@ -16,7 +16,7 @@ const MAX_SVD_ITERATIONS: usize = 500;
 /// # Errors
 /// [`Error::Degenerate`] when the null space has more than one dimension (the second smallest singular value is below
 /// 1e-10 of the largest), or when the numbers are not finite.
-pub fn null_vector(a: DMatrix<f64>, what: ErrorSubject) -> Result<DVector<f64>> {
+pub(crate) fn null_vector(a: DMatrix<f64>, what: ErrorSubject) -> Result<DVector<f64>> {
     let n = a.ncols();
     let degenerate = |measure: f64, limit: f64| Error::Degenerate {
         what,

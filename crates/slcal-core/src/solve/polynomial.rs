@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// A polynomial in a scaled variable, so that it stays well conditioned over thousands of pixels.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Polynomial {
+pub(crate) struct Polynomial {
     centre: f64,
     scale: f64,
     coefficients: Vec<f64>,
@@ -14,7 +14,7 @@ impl Polynomial {
     /// The polynomial of the given degree nearest to samples (x, y, weight). `None` when the samples do not determine
     /// it or are not finite.
     #[must_use]
-    pub fn fit(samples: &[(f64, f64, f64)], degree: usize) -> Option<Self> {
+    pub(crate) fn fit(samples: &[(f64, f64, f64)], degree: usize) -> Option<Self> {
         let (low, high) =
             samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s.0), h.max(s.0)));
         let (centre, scale) = (f64::midpoint(low, high), (high - low) / 2.0);
@@ -39,7 +39,7 @@ impl Polynomial {
 
     /// The value at x.
     #[must_use]
-    pub fn value(&self, x: f64) -> f64 {
+    pub(crate) fn value(&self, x: f64) -> f64 {
         let t = (x - self.centre) / self.scale;
         self.coefficients.iter().rev().fold(0.0, |sum, c| sum * t + c)
     }

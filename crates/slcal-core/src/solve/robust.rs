@@ -2,7 +2,7 @@
 
 /// The cost of a residual block of whitened norm r.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Loss {
+pub(crate) enum Loss {
     /// r²: no robustness.
     Square,
     /// Huber: quadratic up to the cutoff, linear beyond. Convex, for a start that may be far from the minimum.
@@ -14,7 +14,7 @@ pub enum Loss {
 impl Loss {
     /// Twice the negative log-likelihood of a block with squared norm `s`.
     #[must_use]
-    pub fn cost(self, s: f64) -> f64 {
+    pub(crate) fn cost(self, s: f64) -> f64 {
         match self {
             Self::Square => s,
             Self::Huber(c) if s <= c * c => s,
@@ -28,7 +28,7 @@ impl Loss {
 
     /// d cost / d s: the weight of the block's squares.
     #[must_use]
-    pub fn weight(self, s: f64) -> f64 {
+    pub(crate) fn weight(self, s: f64) -> f64 {
         match self {
             Self::Square => 1.0,
             Self::Huber(c) => (c / s.sqrt()).min(1.0),
@@ -39,7 +39,7 @@ impl Loss {
 
 /// The standard deviation of normal numbers from the median of their absolute values; 0 for none.
 #[must_use]
-pub fn robust_scale(absolute: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn robust_scale(absolute: impl Iterator<Item = f64>) -> f64 {
     /// 1 / Φ⁻¹(3/4).
     const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
     median(&mut absolute.collect::<Vec<_>>()).map_or(0.0, |m| m * MAD_TO_SIGMA)
@@ -47,21 +47,21 @@ pub fn robust_scale(absolute: impl Iterator<Item = f64>) -> f64 {
 
 /// Root mean square; `None` for nothing.
 #[must_use]
-pub fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
+pub(crate) fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (sum, n) = values.fold((0.0, 0), |(s, n), v| (s + v * v, n + 1));
     (n > 0).then(|| (sum / f64::from(n)).sqrt())
 }
 
 /// The median, for an even number the larger of the middle two; `None` without values. Reorders the values.
 #[must_use]
-pub fn median(values: &mut [f64]) -> Option<f64> {
+pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// [`median`] of single precision, in which pixels are measured.
 #[must_use]
-pub fn median_f32(values: &mut [f32]) -> Option<f32> {
+pub(crate) fn median_f32(values: &mut [f32]) -> Option<f32> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }

@@ -38,6 +38,7 @@ pub enum Change {
 
 /// Projector against camera.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct RigCheck {
     /// Whether the p-value is below the significance level.
     pub moved: bool,
@@ -57,6 +58,7 @@ pub struct RigCheck {
 
 /// The sheet against the rig's first view.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SheetCheck {
     /// Whether the p-value is below the significance level.
     pub moved: bool,

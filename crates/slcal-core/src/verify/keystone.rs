@@ -7,6 +7,7 @@ use crate::estimate::Model;
 
 /// A number with its 1σ.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Measured {
     /// The value.
     pub value: f64,
@@ -16,6 +17,7 @@ pub struct Measured {
 
 /// The projected rectangle as it lies on the sheet. Angles are positive clockwise as the camera sees the sheet.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Keystone {
     /// Its corners TL, TR, BR, BL on the sheet, mm from the sheet's top-left corner.
     pub corners_mm: [Point2<f64>; 4],

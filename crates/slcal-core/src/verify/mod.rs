@@ -14,7 +14,6 @@ mod rig_views;
 mod tests;
 
 use nalgebra::Point2;
-use serde::{Deserialize, Serialize};
 
 use self::posterior_fit::Posterior;
 use crate::error::{Error, ErrorSubject, Result};
@@ -30,11 +29,10 @@ pub use change_test::{Change, RigCheck, SheetCheck};
 pub use keystone::{Keystone, Measured};
 
 /// Parameters of [`verify`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct VerifyConfig {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct VerifyConfig {
     /// False-alarm rate of both tests: how often a rig that has not moved is said to have moved; default 0.001.
-    pub significance: f64,
+    pub(crate) significance: f64,
 }
 
 impl Default for VerifyConfig {
@@ -48,7 +46,7 @@ impl VerifyConfig {
     ///
     /// # Errors
     /// [`Error::Invalid`] naming the field.
-    pub fn validate(&self) -> Result<()> {
+    pub(crate) fn validate(&self) -> Result<()> {
         if self.significance > 0.0 && self.significance < 1.0 {
             return Ok(());
         }
@@ -58,6 +56,7 @@ impl VerifyConfig {
 
 /// The comparison of a rig with a photograph.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Verification {
     /// The projected rectangle on the sheet.
     pub keystone: Keystone,
@@ -98,7 +97,7 @@ const FREE: [Parameter; 9] = [
 /// # Errors
 /// [`Error::Invalid`] for a rig without projector, fewer than four projected corners or numbers that are not finite;
 /// [`Error::Degenerate`] when the photograph and the rig do not go together at all.
-pub fn verify(
+pub(crate) fn verify(
     rig: &Rig,
     seen: &ViewObservation,
     outline_px: &[Point2<f64>; 4],
@@ -155,7 +154,7 @@ pub fn verify(
 
 /// The corners of a whole pattern where they are drawn on the panel, and the aspect of the pattern: what [`verify`] takes.
 #[must_use]
-pub fn outline(
+pub(crate) fn outline(
     pattern: &CheckerPattern,
     panel_from_pattern: Option<&Warp>,
 ) -> Option<([Point2<f64>; 4], f64)> {

@@ -2,7 +2,6 @@
 
 use pyo3::prelude::*;
 use slcal_core::CloudPoint;
-use slcal_core::solve::median;
 
 use super::PointCloud;
 
@@ -42,7 +41,8 @@ impl PointCloud {
     fn median_sigma(&self) -> Option<f64> {
         let known = |p: &CloudPoint| p.sigma_mm.is_finite() && p.sigma_mm > 0.0;
         let mut sigma: Vec<f64> = self.cloud.points.iter().filter(|p| known(p)).map(|p| p.sigma_mm).collect();
-        median(&mut sigma)
+        let middle = sigma.len() / 2;
+        (!sigma.is_empty()).then(|| *sigma.select_nth_unstable_by(middle, f64::total_cmp).1)
     }
 
     /// What a notebook shows.

@@ -38,6 +38,7 @@ const STEP: f64 = 0.05;
 
 /// What a σ is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum NoiseOf {
     /// The points on the sheet's sides, across the side.
     SheetEdges,
@@ -87,6 +88,7 @@ impl NoiseOf {
 
 /// A σ that was not stated.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct NoiseFound {
     /// What it is of.
     pub of: NoiseOf,

@@ -10,6 +10,7 @@ const FARTHEST: f64 = 1.0;
 
 /// A camera read from a file. Not every file states the image size.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct KnownCamera {
     /// K, px.
     pub intrinsics: Intrinsics,

@@ -58,6 +58,7 @@ impl ExchangeFormat {
 /// How FileStorage is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum StorageText {
     /// As YAML.
     #[default]
@@ -80,6 +81,7 @@ pub struct ExportConfig {
 
 /// One file of an export.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ExportedFile {
     /// Its usual name: `cameras.txt`.
     pub name: &'static str,
@@ -89,6 +91,7 @@ pub struct ExportedFile {
 
 /// A rig as files of another program.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Export {
     /// The files, at least one.
     pub files: Vec<ExportedFile>,
@@ -117,6 +120,7 @@ pub struct ImportConfig {
 
 /// A rig from files of another program.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Imported {
     /// The rig.
     pub rig: Rig,
