@@ -96,12 +96,12 @@ pub(crate) fn legend<'a>(title: String, views: impl IntoIterator<Item = &'a View
     }
     let mut legend = Legend::new(title).entry(Swatch::Line(sheet_pen()), "the sheet");
     if edge_points > 0 {
-        legend = legend.entry(Swatch::Dot(edge_pen()), format!("{edge_points} points measured on its sides"));
+        legend = legend.entry(Swatch::Dot(edge_pen()), format!("{edge_points} measured edge points"));
     }
     if corners > 0 {
         legend = legend
             .entry(Swatch::Ring(corner_pen()), format!("{corners} projected corners"))
-            .entry(Swatch::Ring(first_pen()), "the first of them (top left on the panel)");
+            .entry(Swatch::Ring(first_pen()), "the first one (top left in the projector's image)");
     }
     legend
 }

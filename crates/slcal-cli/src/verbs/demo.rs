@@ -242,7 +242,7 @@ fn against_truth(rig: &Rig) -> Outcome<Table> {
 fn files() -> Table {
     let mut table = Table::new(["", ""]);
     for row in [
-        ["  report.html", "open it in a browser: verdict, reason, next step"],
+        ["  report.html", "open it in a browser: verdict and next step"],
         ["  checker.png, checker.json", "the pattern for calibration"],
         ["  stripes.png, stripes.json", "the pattern for reconstruction"],
         ["  sheet.jpg, board.jpg, head.jpg", "the photographs"],
