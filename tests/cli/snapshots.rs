@@ -13,7 +13,7 @@ fn shown(bench: &Bench, line: &str, any_number: bool) -> String {
     let digits = |text: String| {
         if any_number { text.replace(|c: char| c.is_ascii_digit(), "0") } else { text }
     };
-    let text = [digits(run.stderr.clone()), digits(run.text())].concat();
+    let text = [digits(run.stderr.clone()), digits(run.text())].concat().replace("slcal-under-test", "slcal");
     format!("$ slcal {line}\n{text}(exit {})\n", run.code)
 }
 
@@ -76,7 +76,7 @@ fn summaries() {
         "reconstruct --rig rig.json --pattern stripes.json board.jpg -o cloud.ply --mesh",
         "evaluate plane cloud.ply",
         "evaluate sphere cloud.ply",
-        "verify --rig rig.json --pattern checker.json sheet.jpg",
+        "verify --rig rig.json --pattern checker.json --as-drawn sheet.jpg",
         "rectify --rig rig.json --pattern checker.json -o straight.png",
         "advise --rig quick.json",
         "export --rig rig.json --to kalibr -o kalibr.yaml",

@@ -31,7 +31,7 @@ pub fn fit_sphere(cloud: &PointCloud, config: &FitConfig) -> Result<SphereFit> {
     let camera = cloud.camera_centre;
     let (sphere, limit) = fit::<Sphere>(&points, &camera, config).ok_or_else(|| Error::NotFound {
         what: ErrorSubject::Sphere,
-        seen: format!("{} points, none of whose fours lie on a sphere with others of them", points.len()),
+        seen: format!("{} points, and no four of them define a sphere that fits others", points.len()),
         advice: "evaluate a cloud that holds a sphere in front of the camera".into(),
     })?;
     let report = report(&points, &camera, limit, |p| sphere.distance(p, &camera));
