@@ -144,6 +144,11 @@ fn a_pattern_that_is_not_this_one() {
     bench.put("other.json", "{");
     bench.run(&CALIBRATE.replace("checker.json", "other.json")).fails(3, &["other.json"]);
     bench.run(&CALIBRATE.replace("checker.json", "none.json")).fails(3, &["none.json", "no such file"]);
+    // The picture instead of its description.
+    let _ = bench.run("pattern checker --projector 1024x768 -o board.png").ok();
+    bench
+        .run(&CALIBRATE.replace("checker.json", "board.png"))
+        .fails(3, &["board.png", "a PNG picture", "did you mean board.json?"]);
     // A board with other squares than the one in the photograph.
     let _ = bench.run("pattern checker --projector 1024x768 --squares 8x7 -o small.png").ok();
     let run = bench.run(&CALIBRATE.replace("checker.json", "small.json"));

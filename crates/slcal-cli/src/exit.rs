@@ -70,6 +70,14 @@ impl Failure {
         Self::new(exit, format!("{}: {error}", input_name(path)))
     }
 
+    /// The same with more to say.
+    pub(crate) fn and(self, more: &str) -> Self {
+        match self {
+            Self::Error { exit, message } => Self::Error { exit, message: message + more },
+            silent => silent,
+        }
+    }
+
     /// The code of the process.
     pub(crate) fn code(&self) -> u8 {
         match self {

@@ -148,7 +148,7 @@ fn missing(words: &str) -> Option<String> {
 mod tests {
     use super::*;
     use crate::args::headings::OUTPUT;
-    use crate::args::manual::all_verbs;
+    use crate::args::manual_tests::all_verbs;
 
     #[test]
     fn help_fits_a_terminal() {

@@ -12,7 +12,7 @@ mod exchange;
 mod headings;
 mod help;
 #[cfg(test)]
-mod manual;
+mod manual_tests;
 mod pattern;
 mod photo;
 mod reconstruct;

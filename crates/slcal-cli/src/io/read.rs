@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Read as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::exit::{Exit, Failure, Outcome};
 use crate::name::{input_name, is_dash};
@@ -10,6 +10,14 @@ use crate::similar::nearest;
 
 /// Limit of the size of inputs: above the largest accepted photographs, even uncompressed.
 const MAX_INPUT_MIB: u64 = 2048;
+
+/// Refuses a command line with several inputs from stdin.
+pub(crate) fn check_one_stdin<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>) -> Outcome {
+    match inputs.into_iter().filter(|p| is_dash(p)).count() {
+        0 | 1 => Ok(()),
+        _ => Err(Failure::usage("only one input can come from stdin (-); give the others as files")),
+    }
+}
 
 /// The bytes of an input file, or of stdin for `-`. `kind` is the expected kind of file ("a photograph").
 pub(crate) fn read_bytes(path: &Path, kind: &str) -> Outcome<Vec<u8>> {

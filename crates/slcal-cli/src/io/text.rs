@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use image::DynamicImage;
 use slcal_core::format::{
     KnownCamera, read_camera, read_obj, read_observations, read_pattern, read_ply, read_rig,
 };
@@ -59,7 +60,15 @@ pub(crate) fn load_stripes(path: &Path) -> Outcome<StripePattern> {
 
 /// Reads a pattern JSON of either kind.
 pub(crate) fn load_pattern(path: &Path) -> Outcome<Pattern> {
-    read_pattern(read_bytes(path, "a pattern JSON")?.as_slice()).in_file(path)
+    let pattern = read_pattern(read_bytes(path, "a pattern JSON")?.as_slice()).in_file(path);
+    // The picture was given instead of its description.
+    let description = path.with_extension("json");
+    let meant = if description != path && description.is_file() {
+        format!("; did you mean {}?", description.display())
+    } else {
+        String::new()
+    };
+    pattern.map_err(|failure| failure.and(&meant))
 }
 
 fn wrong_kind(path: &Path, expected: &str, found: &str) -> Failure {
@@ -110,6 +119,27 @@ pub(crate) fn check_panel(path: &Path, pattern: [u32; 2], rig_path: &Path, rig: 
             input_name(rig_path),
             pattern[0],
             pattern[1]
+        ),
+    ))
+}
+
+/// Refuses a photograph of another size than the images of the rig's camera.
+pub(crate) fn check_image_size(path: &Path, photo: &DynamicImage, rig_path: &Path, rig: &Rig) -> Outcome {
+    let (camera, found) = (rig.camera.model, [photo.width(), photo.height()]);
+    if [camera.width, camera.height] == found {
+        return Ok(());
+    }
+    Err(Failure::new(
+        Exit::Input,
+        format!(
+            "{}: expected a photograph of {}x{} pixels, by the camera of {}, found {}x{}; a rig is valid for one camera at one \
+             resolution, uncropped",
+            input_name(path),
+            camera.width,
+            camera.height,
+            input_name(rig_path),
+            found[0],
+            found[1]
         ),
     ))
 }

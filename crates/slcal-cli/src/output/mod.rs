@@ -70,9 +70,13 @@ impl Printer {
         self.to_stderr(Verbosity::Quiet, &label, &sanitized(&message.to_string()));
     }
 
-    /// A summary on stderr, when stdout carries other results.
-    pub(crate) fn result(self, text: &str) {
+    /// A summary: on stdout, or on stderr when stdout carries another result.
+    pub(crate) fn summary(self, text: &str, stdout_is_taken: bool) -> Outcome {
+        if !stdout_is_taken {
+            return print_result(text);
+        }
         self.to_stderr(Verbosity::Normal, "", text.trim_end());
+        Ok(())
     }
 
     /// Messages that were kept.

@@ -13,7 +13,7 @@ use crate::io::{
     Destination, bytes_of, check_distinct, check_json, check_spares, input_name, is_dash, load_photo,
     load_stripes, png_bytes, write_all,
 };
-use crate::output::{Printer, print_json, print_result};
+use crate::output::{Printer, print_json};
 use crate::picture::{for_display, stripes};
 use crate::summary;
 
@@ -44,12 +44,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     if args.json {
         return print_json(&decoding.report.to_json());
     }
-    let text = summary::decoding(&decoding.report);
-    if output == Destination::Stdout {
-        printer.result(&text);
-        return Ok(());
-    }
-    print_result(&text)
+    printer.summary(&summary::decoding(&decoding.report), output == Destination::Stdout)
 }
 
 /// The photographs with the projector dark and white, and the configuration of the decoder.

@@ -91,10 +91,8 @@ pub(super) fn import(args: &ImportArgs, printer: Printer) -> Outcome {
         names.iter().zip(&contents).map(|(name, bytes)| NamedBytes { name, bytes }).collect();
     let config = ImportConfig { camera_size: args.camera_size, projector_size: args.projector_size };
     let first = paths.first().map_or(Path::new("-"), PathBuf::as_path);
-    let found = import_rig(args.from, &files, &config).map_err(|e| match Failure::in_file(first, &e) {
-        Failure::Error { exit, message } => Failure::new(exit, message + option_for(&e)),
-        other => other,
-    })?;
+    let found = import_rig(args.from, &files, &config)
+        .map_err(|e| Failure::in_file(first, &e).and(option_for(&e)))?;
     let bytes = bytes_of(|out| write_rig(&found.rig, out))?;
     let report = ImportReport {
         schema: "slcal-import/1",

@@ -10,7 +10,7 @@ use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{
     Destination, check_panel, check_spares, load_checker, load_photo, load_rig, png_bytes, write_all,
 };
-use crate::output::{Printer, TextLayout, print_result};
+use crate::output::{Printer, TextLayout};
 use crate::summary::unsigned;
 
 pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
@@ -42,10 +42,5 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
         unsigned(place.origin_mm.y, 1)
     );
     layout.line("placed", placed);
-    let text = layout.into_text();
-    if output == Destination::Stdout {
-        printer.result(&text);
-        return Ok(());
-    }
-    print_result(&text)
+    printer.summary(&layout.into_text(), output == Destination::Stdout)
 }

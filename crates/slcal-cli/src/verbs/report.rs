@@ -9,10 +9,10 @@ use slcal_core::photo::PhotoView;
 use slcal_core::{Observations, Rig, ViewResiduals, residuals};
 
 use crate::args::ReportArgs;
-use crate::exit::{Exit, Failure, InFile as _, Outcome};
+use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_panel, check_spares, input_name, is_dash, load_checker, load_observations, load_photo,
-    load_rig, read_bytes, write_all,
+    Destination, check_image_size, check_one_stdin, check_panel, check_spares, input_name, load_checker,
+    load_observations, load_photo, load_rig, read_bytes, write_all,
 };
 use crate::output::Printer;
 use crate::picture::for_display;
@@ -24,9 +24,7 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
         args.photo.iter().chain(&args.observations).chain(&args.pattern).chain(&args.cloud).chain([&args.rig])
     };
     check_spares([&place], inputs().map(PathBuf::as_path))?;
-    if inputs().filter(|p| is_dash(p)).count() > 1 {
-        return Err(Failure::usage("only one input can come from stdin (-); give the others as files"));
-    }
+    check_one_stdin(inputs())?;
     let rig = load_rig(&args.rig)?;
     let photos = photos(args, &rig, printer)?;
     // Photographs that were found by their names count, too.
@@ -86,7 +84,8 @@ fn photos(args: &ReportArgs, rig: &Rig, printer: Printer) -> Outcome<Vec<Option<
             photos.push(None);
             continue;
         };
-        let loaded = load_photo(&path, printer).and_then(|picture| sized(&path, picture, rig));
+        let loaded = load_photo(&path, printer)
+            .and_then(|picture| check_image_size(&path, &picture, &args.rig, rig).map(|()| picture));
         match loaded {
             Ok(picture) => {
                 if given.is_none() {
@@ -113,25 +112,6 @@ fn at_hand(rig: &Path, name: &str) -> Option<PathBuf> {
     [beside.join(name), name.to_owned(), beside.join(file), PathBuf::from(file)]
         .into_iter()
         .find(|p| p.is_file())
-}
-
-fn sized(path: &Path, picture: DynamicImage, rig: &Rig) -> Outcome<DynamicImage> {
-    let (expected, found) =
-        ([rig.camera.model.width, rig.camera.model.height], [picture.width(), picture.height()]);
-    if expected == found {
-        return Ok(picture);
-    }
-    Err(Failure::new(
-        Exit::Input,
-        format!(
-            "{}: expected a photograph of the rig's camera, {}x{} px, found {}x{}",
-            input_name(path),
-            expected[0],
-            expected[1],
-            found[0],
-            found[1]
-        ),
-    ))
 }
 
 /// The residuals, or why they are unknown.

@@ -10,7 +10,7 @@ use crate::io::{
     Destination, bytes_of, check_projector, check_spares, cloud_format_of, input_name, load_rig, read_bytes,
     write_all,
 };
-use crate::output::{Printer, print_result};
+use crate::output::Printer;
 use crate::summary;
 
 pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
@@ -26,10 +26,5 @@ pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
     let result = cloud_from_matches(&rig, &matches, &config).in_file(&args.matches)?;
     write_all(&[(output.clone(), bytes_of(|out| format.write(&result.cloud, out))?)])?;
     drop(busy);
-    let text = summary::cloud(&result);
-    if output == Destination::Stdout {
-        printer.result(&text);
-        return Ok(());
-    }
-    print_result(&text)
+    printer.summary(&summary::cloud(&result), output == Destination::Stdout)
 }

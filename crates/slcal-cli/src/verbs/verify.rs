@@ -11,8 +11,8 @@ use slcal_core::{PhotoVerifier, Rig, VerifiedPhoto, VerifyPhotoConfig};
 use crate::args::VerifyArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_panel, check_spares, input_name, load_checker, load_photo, load_rig, png_bytes,
-    write_all,
+    Destination, check_image_size, check_panel, check_spares, input_name, load_checker, load_photo, load_rig,
+    png_bytes, write_all,
 };
 use crate::output::{Printer, print_json, print_result, without_style};
 use crate::picture::{for_display, verification};
@@ -37,7 +37,7 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     let verifier = PhotoVerifier::new(&rig, &pattern, &config).in_file(&args.rig)?;
     let busy = printer.busy(format!("finding the sheet in {}", input_name(&args.photo)));
     let photo = load_photo(&args.photo, printer)?;
-    check_camera(args, &photo, &rig)?;
+    check_image_size(&args.photo, &photo, &args.rig, &rig)?;
     let view = PhotoView::try_from(&photo).in_file(&args.photo)?;
     let VerifiedPhoto { detection: found, verification: result, .. } =
         verifier.verify(view).in_file(&args.photo)?;
@@ -73,27 +73,6 @@ fn check_size(args: &VerifyArgs, rig: &Rig) -> Outcome {
         "--size: expected the size of the sheet, because {} has no view of a sheet",
         args.rig.display()
     )))
-}
-
-/// The check of the core, with the names of both files in the message.
-fn check_camera(args: &VerifyArgs, photo: &DynamicImage, rig: &Rig) -> Outcome {
-    let (camera, found) = (rig.camera.model, [photo.width(), photo.height()]);
-    if [camera.width, camera.height] == found {
-        return Ok(());
-    }
-    Err(Failure::new(
-        Exit::Input,
-        format!(
-            "{}: expected a photograph of {}x{} pixels, by the camera of {}, found {}x{}; a rig is valid for one camera at one \
-             resolution, uncropped",
-            input_name(&args.photo),
-            camera.width,
-            camera.height,
-            args.rig.display(),
-            found[0],
-            found[1]
-        ),
-    ))
 }
 
 fn draw(

@@ -16,10 +16,10 @@ use self::photographs::observe_all;
 use crate::args::CalibrateArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, bytes_of, check_distinct, check_spares, input_name, is_dash, load_camera, load_observations,
-    write_all,
+    Destination, bytes_of, check_distinct, check_one_stdin, check_spares, input_name, is_dash, load_camera,
+    load_observations, write_all,
 };
-use crate::output::{Printer, print_json, print_result};
+use crate::output::{Printer, print_json};
 use crate::report::{CommandLine, Photo, RigPage, rig_html};
 use crate::summary;
 
@@ -155,11 +155,7 @@ impl Places {
         check_distinct(all())?;
         let inputs = args.photos.iter().chain(&args.plain).chain(&args.pattern).chain(&args.camera);
         check_spares(all(), inputs.chain(&args.observations).map(PathBuf::as_path))?;
-        let inputs = args.photos.iter().chain(&args.plain).chain(&args.observations).chain(&args.camera);
-        let stdin = inputs.filter(|p| is_dash(p)).count();
-        if stdin > 1 {
-            return Err(Failure::usage("only one input can come from stdin (-); give the others as files"));
-        }
+        check_one_stdin(args.photos.iter().chain(&args.plain).chain(&args.observations).chain(&args.camera))?;
         let printed = all().filter(|d| **d == Destination::Stdout).count() + usize::from(args.json);
         if printed > 1 && rig != Some(Destination::Stdout) {
             return Err(Failure::usage("only one result can go to stdout; write the others to files"));
@@ -218,10 +214,5 @@ fn finish(
             .map_err(|e| Failure::new(Exit::Other, format!("the rig is not valid JSON: {e}")))?;
         return print_json(&rig);
     }
-    let text = summary::calibration(&calibration.rig, &calibration.report);
-    if to_stdout {
-        printer.result(&text);
-        return Ok(());
-    }
-    print_result(&text)
+    printer.summary(&summary::calibration(&calibration.rig, &calibration.report), to_stdout)
 }

@@ -22,8 +22,9 @@ use super::decode::References;
 use crate::args::{CloudArgs, ReconstructArgs, ShapeArg};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, RawFormat, bytes_of, check_distinct, check_json, check_panel, check_spares, cloud_format_of,
-    input_name, is_dash, load_rig, load_stripes, make_folder, png_bytes, read_photo, write_all,
+    Destination, RawFormat, bytes_of, check_distinct, check_json, check_one_stdin, check_panel, check_spares,
+    cloud_format_of, input_name, is_dash, load_rig, load_stripes, make_folder, png_bytes, read_photo,
+    write_all,
 };
 use crate::output::{Printer, Remarks};
 use crate::picture::{for_display, stripes};
@@ -76,9 +77,7 @@ fn check_usage(args: &ReconstructArgs) -> Outcome {
             "--raw reads frames from stdin; reconstruct photographs in a separate run",
         ));
     }
-    if args.images.iter().filter(|p| is_dash(p)).count() > 1 {
-        return Err(Failure::usage("only one photograph can come from stdin (-); give the others as files"));
-    }
+    check_one_stdin(&args.images)?;
     if args.output.is_some() && photos > 1 {
         return Err(Failure::usage(format!(
             "-o takes the cloud of one photograph, found {photos} photographs; use --out-dir DIR"

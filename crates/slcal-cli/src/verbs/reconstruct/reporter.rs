@@ -91,11 +91,7 @@ impl<'a> Reporter<'a> {
             (FrameResult::Cloud(report), None) => {
                 print_result(&format!("{}: {}", sanitized(heading), report.line))
             }
-            (FrameResult::Cloud(report), Some(output)) if is_dash(output) => {
-                self.printer.result(&report.text);
-                Ok(())
-            }
-            (FrameResult::Cloud(report), Some(_)) => print_result(&report.text),
+            (FrameResult::Cloud(report), Some(output)) => self.printer.summary(&report.text, is_dash(output)),
             (FrameResult::Resumed { .. }, _) => {
                 self.printer.note(format!("{heading}: skipped, its cloud is complete"));
                 Ok(())

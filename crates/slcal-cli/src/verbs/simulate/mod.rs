@@ -13,7 +13,7 @@ use slcal_core::simulate::{
 use crate::args::{NoiseArgs, SimulateVerb, ViewsArgs};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{Destination, bytes_of, check_distinct, write_all};
-use crate::output::{Printer, Table, TextLayout, print_json, print_result, unbroken};
+use crate::output::{Printer, Table, TextLayout, print_json, unbroken};
 use crate::summary;
 
 /// The random stream of the noise of `views`, separate from those of its poses.
@@ -57,12 +57,7 @@ fn noise(args: &NoiseArgs, printer: Printer) -> Outcome {
     if args.json {
         return print_json(&report.to_json(&config));
     }
-    let text = summary::noise_experiment(&config, &report);
-    if csv_to_stdout {
-        printer.result(&text);
-        return Ok(());
-    }
-    print_result(&text)
+    printer.summary(&summary::noise_experiment(&config, &report), csv_to_stdout)
 }
 
 fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
@@ -93,12 +88,7 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
         files.push((place, bytes_of(|out| write_rig(&scene.rig(), out))?));
     }
     write_all(&files)?;
-    let text = poses_in_words(&poses, &scene);
-    if to_stdout {
-        printer.result(&text);
-        return Ok(());
-    }
-    print_result(&text)
+    printer.summary(&poses_in_words(&poses, &scene), to_stdout)
 }
 
 /// Corners outside the image are simulated, too; a message says so.
