@@ -142,7 +142,7 @@ fn lenses_that_a_format_cannot_hold() {
     bench.put("rig.json", RIG.replacen("[0, 0, 0, 0, 0]", "[-0.1, 0, 0, 0, 0.01]", 1));
     for (format, name) in [("kalibr", "a.yaml"), ("blender", "a.py")] {
         let line = format!("export --rig rig.json --to {format} -o {name}");
-        bench.run(&line).fails(3, &["rig.json", "lens of the camera", format, "k3 = 0.01", " px", "lossy"]);
+        bench.run(&line).fails(3, &["rig.json", "the camera's lens", format, "k3 = 0.01", " px", "lossy"]);
         assert!(!bench.path(name).exists());
         let run = bench.run(&format!("{line} --lossy")).ok();
         assert!(run.stderr.contains("k3 = 0.01") && run.stderr.contains("px"), "{}", run.stderr);

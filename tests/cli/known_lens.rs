@@ -75,7 +75,7 @@ fn camera_files_that_do_not_fit_are_refused() {
     refused(b"a: &a [1]\nb: [*a]\n", &["alias"]);
     refused("[".repeat(1 << 20).as_bytes(), &["camera file"]);
     refused(b"", &["empty"]);
-    refused(&[0x89, b'P', b'N', b'G', 0, 0xFF], &["other bytes"]);
+    refused(&[0x89, b'P', b'N', b'G', 0, 0xFF], &["a PNG picture"]);
     refused(&vec![b'x'; 100_000_000], &["at most"]);
     refused(b"hello: world\n", &["camera matrix", "hello"]);
     std::fs::remove_file(bench.path("camera.yml")).unwrap();
