@@ -67,6 +67,15 @@ impl PoseParameter {
 
 /// A row of a rig's covariance. `Display` and `FromStr` use the names of rig files, such as `camera.focal_px`,
 /// `projector_from_camera.rx_rad` or `views[0].tz_mm`.
+///
+/// # Examples
+/// ```
+/// use slcal_core::{LensParameter, Parameter};
+///
+/// let names: Vec<Parameter> = ["camera.focal_px", "views[0].tz_mm"].map(|n| n.parse().unwrap()).into();
+/// assert_eq!(names[0], Parameter::Camera(LensParameter::Focal));
+/// assert_eq!(names[1].to_string(), "views[0].tz_mm");
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Parameter {
     /// Of the camera.

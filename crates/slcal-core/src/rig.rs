@@ -118,6 +118,15 @@ impl Verdict {
     pub const WEAK_BELOW: f64 = 0.25;
 
     /// The verdict on a relative σ of the focal length; NaN is degenerate.
+    ///
+    /// # Examples
+    /// ```
+    /// use slcal_core::Verdict;
+    ///
+    /// assert_eq!(Verdict::of_focal_sigma(0.02), Verdict::Good);
+    /// assert_eq!(Verdict::of_focal_sigma(f64::NAN), Verdict::Degenerate);
+    /// assert!(Verdict::Good < Verdict::Fair);
+    /// ```
     #[must_use]
     pub fn of_focal_sigma(share: f64) -> Self {
         match share {
@@ -187,6 +196,17 @@ pub struct Covariance {
 }
 
 /// A calibrated camera, and projector if a pattern was seen.
+///
+/// # Examples
+/// ```
+/// # let rig = slcal_core::format::read_rig(&include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/truth_rig.json"))[..])?;
+/// let projector = rig.projector.expect("this rig has one");
+/// assert_eq!((projector.device.model.width, rig.camera.model.width), (1024, 1280));
+/// // Where the projector's centre stands in the camera's frame, mm.
+/// let place = projector.from_camera.pose.centre();
+/// assert!((place.coords.norm() - rig.baseline_mm().unwrap()).abs() < 1e-9);
+/// # Ok::<(), slcal_core::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rig {
     /// The camera.

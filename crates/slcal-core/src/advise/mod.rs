@@ -55,6 +55,22 @@ pub struct CameraPlan {
 ///
 /// # Errors
 /// [`Error::Invalid`] for a rig without views or covariance, or a pattern for another panel.
+///
+/// # Examples
+/// ```
+/// # let checker = slcal_core::CheckerPattern::new([1024, 768], &Default::default())?;
+/// # let sheet = image::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/sheet.jpg"))?;
+/// # let mut calibrator = slcal_core::Calibrator::new("594x420mm".parse()?).with_pattern(&checker);
+/// # calibrator.add(slcal_core::PhotoView::try_from(&sheet)?)?;
+/// # let rig = calibrator.calibrate()?.rig;
+/// use slcal_core::advise::advise_next;
+///
+/// let advice = advise_next(&rig, None)?;
+/// let (now, next) = (advice.now.unwrap(), advice.next.unwrap());
+/// // A second photograph in the advised pose makes the rig far better.
+/// assert!(next.after.worst_focal() < 0.7 * now.worst_focal());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn advise_next(rig: &Rig, pattern: Option<&CheckerPattern>) -> Result<Advice> {
     let knowledge = Knowledge::of_rig(rig, pattern)?;
     let pose = &knowledge.model.views[0];

@@ -22,6 +22,35 @@ use crate::rig::{Rig, Verdict};
 /// [`Error::ImaginaryFocal`](crate::Error::ImaginaryFocal) when no real focal length explains the view;
 /// [`Error::Degenerate`](crate::Error::Degenerate) when the predicted σ of a focal length is 25 % or more and
 /// `config.allow_degenerate` is not set.
+///
+/// # Examples
+/// ```
+/// use slcal_core::nalgebra::{Point3, Rotation3, Vector3};
+/// use slcal_core::{
+///     CalibrateConfig, Camera, Distortion, Intrinsics, Observations, Pose, RectangleSize, SheetObservation, ViewObservation,
+///     calibrate_observations,
+/// };
+///
+/// // What a detector of one's own found: here the exact corners of an A2 sheet, seen tilted by a camera of f = 1500 px.
+/// let size: RectangleSize = "A2-landscape".parse()?;
+/// # let camera = Camera {
+/// #     width: 1280,
+/// #     height: 960,
+/// #     intrinsics: Intrinsics::square(1500.0, Camera::image_centre(1280, 960)),
+/// #     distortion: Distortion::NONE,
+/// # };
+/// # let pose = Pose {
+/// #     rotation: Rotation3::from_euler_angles(0.5, -0.5, 0.0),
+/// #     translation: Vector3::new(-240.0, -220.0, 1100.0),
+/// # };
+/// # let corners = size.corners().map(|c| camera.project(&pose.transform(&Point3::new(c.x, c.y, 0.0))).unwrap());
+/// let sheet = SheetObservation::Corners { corners, sigma_px: Some(0.1) };
+/// let view = ViewObservation { photo: None, size, sheet, pairs: Vec::new() };
+/// let observations = Observations { camera: [1280, 960], projector: None, views: vec![view] };
+/// let calibration = calibrate_observations(&observations, &CalibrateConfig::default())?;
+/// assert!((calibration.rig.camera.model.intrinsics.fx - 1500.0).abs() < 1.0);
+/// # Ok::<(), slcal_core::Error>(())
+/// ```
 pub fn calibrate_observations(observations: &Observations, config: &CalibrateConfig) -> Result<Calibration> {
     validate::check(observations, config)?;
     let (observations, noise) = measure_noise(observations, config);

@@ -37,6 +37,18 @@ const COVERED_SHARE: f64 = 0.4;
 /// [`crate::Error::Invalid`] for a greyscale photograph, frames of different sizes or a configuration out of range;
 /// [`crate::Error::NotFound`] when there are no stripes, when they have no colour, or when their colours follow the
 /// pattern no better than by chance.
+///
+/// # Examples
+/// ```
+/// use slcal_core::decode::{DecodeConfig, decode};
+/// use slcal_core::{PhotoView, StripePattern};
+///
+/// let stripes = StripePattern::new([1024, 768], &Default::default())?;
+/// let photo = image::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/board.jpg"))?;
+/// let decoding = decode(PhotoView::try_from(&photo)?, &stripes, &DecodeConfig::default())?;
+/// assert!(decoding.matches.items.len() > 10_000);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn decode(photo: PhotoView<'_>, pattern: &StripePattern, config: &DecodeConfig) -> Result<Decoding> {
     decode_frames(&DecodeInput { photo, black: None, white: None }, pattern, config)
 }

@@ -99,6 +99,19 @@ pub struct CornerDetection {
 /// # Errors
 /// [`Error::NotFound`] when the checkerboard or the sheet is not detected, with what was detected instead; [`Error::Invalid`] when
 /// the two photographs differ in size or the configuration is wrong.
+///
+/// # Examples
+/// ```
+/// use slcal_core::detect::{DetectConfig, observe};
+/// use slcal_core::{CheckerPattern, PhotoView};
+///
+/// let checker = CheckerPattern::new([1024, 768], &Default::default())?;
+/// let photo = image::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/sheet.jpg"))?;
+/// let found =
+///     observe(PhotoView::try_from(&photo)?, None, "594x420mm".parse()?, Some(&checker), &DetectConfig::default())?;
+/// assert_eq!((found.observation.pairs.len(), found.pattern_corners), (70, 70));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn observe(
     photo: PhotoView<'_>,
     plain: Option<PhotoView<'_>>,
@@ -153,6 +166,21 @@ pub fn observe(
 ///
 /// # Errors
 /// [`Error::NotFound`] when no sheet is detected, with what was detected instead; [`Error::Invalid`] when the configuration is wrong.
+///
+/// # Examples
+/// ```
+/// use slcal_core::PhotoView;
+/// use slcal_core::detect::{DetectConfig, find_sheet};
+/// use slcal_core::image::{DynamicImage, GrayImage, Luma};
+///
+/// // A white sheet in front of a dark wall.
+/// let shade = |x, y| if (120..520).contains(&x) && (100..380).contains(&y) { 220 } else { 30 };
+/// let photo = DynamicImage::ImageLuma8(GrayImage::from_fn(640, 480, |x, y| Luma([shade(x, y)])));
+/// let sheet = find_sheet(PhotoView::try_from(&photo)?, &DetectConfig::default())?;
+/// let [top_left, ..] = sheet.observation.corners().unwrap();
+/// assert!((top_left.x - 119.5).abs() < 0.1 && (top_left.y - 99.5).abs() < 0.1);
+/// # Ok::<(), slcal_core::Error>(())
+/// ```
 pub fn find_sheet(photo: PhotoView<'_>, config: &DetectConfig) -> Result<SheetDetection> {
     config.validate()?;
     let photo = LinearPhoto::new(photo, config.encoding);
@@ -167,6 +195,21 @@ pub fn find_sheet(photo: PhotoView<'_>, config: &DetectConfig) -> Result<SheetDe
 /// # Errors
 /// [`Error::NotFound`] when the checkerboard is not detected, with what was detected instead; [`Error::Invalid`] when the
 /// configuration is wrong.
+///
+/// # Examples
+/// ```
+/// use slcal_core::detect::{DetectConfig, find_corners};
+/// use slcal_core::image::DynamicImage;
+/// use slcal_core::{CheckerPattern, PhotoView};
+///
+/// // As a camera would see it that stands where the projector does.
+/// let checker = CheckerPattern::new([1024, 768], &Default::default())?;
+/// let photo = DynamicImage::ImageRgb8(checker.image()?);
+/// let found = find_corners(PhotoView::try_from(&photo)?, &checker, &DetectConfig::default())?;
+/// assert_eq!((found.pairs.len(), found.expected), (70, 70));
+/// assert!(found.pairs.iter().all(|p| (p.camera - p.projector).norm() < 0.05));
+/// # Ok::<(), slcal_core::Error>(())
+/// ```
 pub fn find_corners(
     photo: PhotoView<'_>,
     pattern: &CheckerPattern,

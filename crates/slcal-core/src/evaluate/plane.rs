@@ -23,6 +23,27 @@ pub struct PlaneFit {
 /// # Errors
 /// [`Error::Invalid`] for fewer than three finite points or a configuration out of range; [`Error::Degenerate`] when all
 /// points lie on one line.
+///
+/// # Examples
+/// ```
+/// use slcal_core::evaluate::{FitConfig, fit_plane};
+/// use slcal_core::nalgebra::Point3;
+/// use slcal_core::{CloudPoint, PointCloud};
+///
+/// # let point = |i: u32| CloudPoint {
+/// #     position: Point3::new(f64::from(i % 20), f64::from(i / 20), 1000.0 + f64::from(i % 20)),
+/// #     pixel: slcal_core::nalgebra::Point2::origin(),
+/// #     color: [0; 3],
+/// #     sigma_mm: 0.1,
+/// #     noise_mm: 0.1,
+/// #     slit: None,
+/// #     confidence: 1.0,
+/// # };
+/// let cloud = PointCloud { points: (0..400).map(point).collect(), ..PointCloud::default() };
+/// let fit = fit_plane(&cloud, &FitConfig::default())?;
+/// assert!(fit.report.rms_mm < 1e-9 && (fit.plane.normal.z.abs() - 0.5_f64.sqrt()).abs() < 1e-9);
+/// # Ok::<(), slcal_core::Error>(())
+/// ```
 pub fn fit_plane(cloud: &PointCloud, config: &FitConfig) -> Result<PlaneFit> {
     config.validate()?;
     let points = finite_points(cloud, "plane", 3)?;

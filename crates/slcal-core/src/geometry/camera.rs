@@ -96,6 +96,24 @@ impl Camera {
     }
 
     /// The pixel of a point in the device frame; `None` behind the device.
+    ///
+    /// # Examples
+    /// ```
+    /// use slcal_core::nalgebra::{Point2, Point3};
+    /// use slcal_core::{Camera, Distortion, Intrinsics};
+    ///
+    /// let camera = Camera {
+    ///     width: 1280,
+    ///     height: 960,
+    ///     intrinsics: Intrinsics::square(1500.0, Camera::image_centre(1280, 960)),
+    ///     distortion: Distortion { k1: -0.1, ..Distortion::NONE },
+    /// };
+    /// assert_eq!(camera.project(&Point3::new(0.0, 0.0, 1000.0)), Some(Point2::new(639.5, 479.5)));
+    /// // The way back: the direction that a pixel sees.
+    /// let pixel = camera.project(&Point3::new(200.0, 100.0, 1000.0)).unwrap();
+    /// let bearing = camera.bearing(pixel).unwrap();
+    /// assert!((bearing.x - 0.2).abs() < 1e-9 && (bearing.y - 0.1).abs() < 1e-9);
+    /// ```
     #[must_use]
     pub fn project(&self, p: &Point3<f64>) -> Option<Point2<f64>> {
         (p.z > 0.0)

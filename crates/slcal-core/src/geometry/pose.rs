@@ -5,6 +5,20 @@ use nalgebra::{Isometry3, Matrix3, Point2, Point3, Rotation3, Translation3, Unit
 use crate::error::{Error, Result};
 
 /// A rigid transform `a_from_b`: X_a = R · X_b + t, lengths in mm.
+///
+/// # Examples
+/// ```
+/// use slcal_core::Pose;
+/// use slcal_core::nalgebra::{Point3, Rotation3, Vector3};
+///
+/// // The sheet is a metre in front of the camera, rotated by 30° about its vertical axis.
+/// let rotation = Rotation3::from_axis_angle(&Vector3::y_axis(), 30_f64.to_radians());
+/// let camera_from_sheet = Pose { rotation, translation: Vector3::new(0.0, 0.0, 1000.0) };
+/// let corner = camera_from_sheet.transform(&Point3::new(100.0, 0.0, 0.0));
+/// assert!((corner.z - 950.0).abs() < 1e-9);
+/// // The camera in the sheet's frame.
+/// assert_eq!(camera_from_sheet.centre(), camera_from_sheet.inverse().transform(&Point3::origin()));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     /// Rotation R.

@@ -65,6 +65,15 @@ impl RectangleSize {
     ///
     /// # Errors
     /// [`Error::Invalid`] for zero, negative or non-finite lengths.
+    ///
+    /// # Examples
+    /// ```
+    /// use slcal_core::RectangleSize;
+    ///
+    /// assert_eq!(RectangleSize::new(594.0, 420.0)?, "A2-landscape".parse()?);
+    /// assert_eq!("59.4x42cm".parse::<RectangleSize>()?, "594x420mm".parse()?);
+    /// # Ok::<(), slcal_core::Error>(())
+    /// ```
     pub fn new(width_mm: f64, height_mm: f64) -> Result<Self> {
         let fine = |x: f64| x.is_finite() && x > 0.0;
         if !(fine(width_mm) && fine(height_mm)) {

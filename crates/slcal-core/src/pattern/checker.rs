@@ -105,6 +105,16 @@ impl CheckerPattern {
     /// # Errors
     /// [`Error::Invalid`] for an even sum of columns and rows, or a board that does not fit on the panel with half a
     /// square around it.
+    ///
+    /// # Examples
+    /// ```
+    /// use slcal_core::{CheckerConfig, CheckerPattern};
+    ///
+    /// let checker = CheckerPattern::new([1024, 768], &CheckerConfig::default())?;
+    /// assert_eq!(checker.inner_corners().len(), 70);
+    /// assert_eq!(checker.image()?.dimensions(), (1024, 768)); // what to project
+    /// # Ok::<(), slcal_core::Error>(())
+    /// ```
     pub fn new(projector: [u32; 2], config: &CheckerConfig) -> Result<Self> {
         check_panel(projector)?;
         config.validate()?;

@@ -15,6 +15,17 @@ const MAX_LENGTH: u64 = 1 << 16;
 ///
 /// # Errors
 /// [`Error::Invalid`] for fewer than two or more than 256 symbols, an order of zero, or a sequence of more than 65536.
+///
+/// # Examples
+/// ```
+/// use slcal_core::pattern::{de_bruijn, unique_window};
+///
+/// let sequence = de_bruijn(4, 3)?;
+/// assert_eq!(sequence.len(), 64);
+/// // Three neighbours say where in the sequence they stand.
+/// assert_eq!(unique_window(&sequence), 3);
+/// # Ok::<(), slcal_core::Error>(())
+/// ```
 pub fn de_bruijn(symbols: u32, order: u32) -> Result<Vec<u8>> {
     let length = u64::from(symbols).checked_pow(order).filter(|&n| n <= MAX_LENGTH);
     let (Some(length), 2..=256, 1..) = (length, symbols, order) else {

@@ -105,6 +105,16 @@ impl StripePattern {
     /// # Errors
     /// [`Error::Invalid`] for a configuration out of range, or slits so many that a slit or the gap between two would
     /// be thinner than a pixel.
+    ///
+    /// # Examples
+    /// ```
+    /// use slcal_core::{StripeConfig, StripePattern};
+    ///
+    /// let stripes = StripePattern::new([1024, 768], &StripeConfig::default())?;
+    /// assert_eq!((stripes.centres_px.len(), stripes.width_px), (64, 8.0));
+    /// assert_eq!(stripes.image()?.dimensions(), (1024, 768)); // what to project
+    /// # Ok::<(), slcal_core::Error>(())
+    /// ```
     pub fn new(projector: [u32; 2], config: &StripeConfig) -> Result<Self> {
         check_panel(projector)?;
         config.validate()?;

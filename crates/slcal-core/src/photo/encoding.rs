@@ -9,6 +9,16 @@ use crate::error::{Error, Result};
 use crate::named::unnamed;
 
 /// The transfer curve of a photograph.
+///
+/// # Examples
+/// ```
+/// use slcal_core::Encoding;
+///
+/// assert_eq!("srgb".parse::<Encoding>()?, Encoding::default());
+/// assert!((Encoding::Srgb.to_linear(0.5) - 0.214).abs() < 1e-3);
+/// assert_eq!("2.2".parse::<Encoding>()?, Encoding::Gamma(2.2));
+/// # Ok::<(), slcal_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Encoding {

@@ -72,22 +72,19 @@ impl<'a> From<PhotoView<'a>> for SheetPhoto<'a> {
 ///
 /// # Examples
 /// ```
-/// use slcal_core::geometry::RectangleSize;
-/// use slcal_core::pattern::{CheckerConfig, CheckerPattern};
-/// use slcal_core::photo::PhotoView;
-/// use slcal_core::{Calibrator, SheetPhoto};
+/// use slcal_core::{Calibrator, CheckerPattern, PhotoView, SheetPhoto, Verdict};
 ///
-/// # fn run(photos: &[image::DynamicImage]) -> slcal_core::Result<()> {
-/// let checker = CheckerPattern::new([1024, 768], &CheckerConfig::default())?;
-/// let mut calibrator = Calibrator::new(RectangleSize::new(594.0, 420.0)?).with_pattern(&checker);
-/// for (i, photo) in photos.iter().enumerate() {
-///     let found = calibrator.add(SheetPhoto::new(PhotoView::try_from(photo)?).name(format!("pose {i}")))?;
-///     println!("{} corners of the pattern", found.observation.pairs.len());
+/// let checker = CheckerPattern::new([1024, 768], &Default::default())?;
+/// let mut calibrator = Calibrator::new("594x420mm".parse()?).with_pattern(&checker);
+/// for path in [concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/sheet.jpg")] {
+///     let photo = image::open(path)?;
+///     let found = calibrator.add(SheetPhoto::new(PhotoView::try_from(&photo)?).name(path))?;
+///     assert_eq!(found.observation.pairs.len(), 70);
 /// }
-/// let rig = calibrator.calibrate()?.rig;
-/// println!("{:.1} px", rig.camera.model.intrinsics.fx);
-/// # Ok(())
-/// # }
+/// let calibration = calibrator.calibrate()?;
+/// let quality = calibration.rig.quality.as_ref().expect("every calibration is assessed");
+/// assert!(quality.verdict <= Verdict::Fair, "{}", quality.cause);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Calibrator {

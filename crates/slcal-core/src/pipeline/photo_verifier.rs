@@ -71,6 +71,23 @@ pub struct VerifiedPhoto {
 
 /// A rig and the pattern that it projects, ready for photographs: what can be wrong with these two is found out before the
 /// first one.
+///
+/// # Examples
+/// ```
+/// use slcal_core::{PhotoVerifier, PhotoView, VerifyPhotoConfig};
+///
+/// # let checker = slcal_core::CheckerPattern::new([1024, 768], &Default::default())?;
+/// # let sheet = image::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/sheet.jpg"))?;
+/// # let mut calibrator = slcal_core::Calibrator::new("594x420mm".parse()?).with_pattern(&checker);
+/// # calibrator.add(slcal_core::PhotoView::try_from(&sheet)?)?;
+/// # let rig = calibrator.calibrate()?.rig;
+/// // The pattern is projected as it was drawn, not rectified for the sheet.
+/// let config = VerifyPhotoConfig { as_drawn: true, ..VerifyPhotoConfig::default() };
+/// let verifier = PhotoVerifier::new(&rig, &checker, &config)?;
+/// let verified = verifier.verify(PhotoView::try_from(&sheet)?)?;
+/// assert!(!verified.verification.rig.moved);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct PhotoVerifier<'a> {
     rig: &'a Rig,

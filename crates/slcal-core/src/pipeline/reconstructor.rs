@@ -50,6 +50,24 @@ pub struct Reconstruction {
 
 /// Reconstructs one photograph after another with the same rig and pattern. After the first photographs no buffer grows
 /// any more (see "Cost" in the documentation of the architecture).
+///
+/// # Examples
+/// ```
+/// use slcal_core::evaluate::{FitConfig, fit_plane};
+/// use slcal_core::{PhotoView, ReconstructConfig, Reconstructor, StripePattern};
+///
+/// # let rig = slcal_core::format::read_rig(&include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/truth_rig.json"))[..])?;
+/// let stripes = StripePattern::new([1024, 768], &Default::default())?;
+/// let config = ReconstructConfig { mesh: true, ..ReconstructConfig::default() };
+/// let mut reconstructor = Reconstructor::new(&rig, &stripes, config)?;
+/// // One photograph after another; the buffers stay.
+/// let photo = image::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/board.jpg"))?;
+/// let cloud = &reconstructor.reconstruct(PhotoView::try_from(&photo)?)?.cloud;
+/// assert!(!cloud.triangles.is_empty());
+/// // The photograph shows a flat board.
+/// assert!(fit_plane(cloud, &FitConfig::default())?.report.rms_mm < 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Reconstructor {
     /// Width and height of its photographs, px.
@@ -110,6 +128,30 @@ impl Reconstructor {
 /// # Errors
 /// [`Error::Invalid`] as for [`triangulate`](crate::reconstruct::triangulate) and
 /// [`in_frame`](crate::reconstruct::in_frame); [`Error::NotFound`] when no point is left.
+///
+/// # Examples
+/// ```
+/// use slcal_core::nalgebra::Point2;
+/// use slcal_core::reconstruct::CullRule;
+/// use slcal_core::{Match, Matches, ReconstructConfig, cloud_from_matches};
+///
+/// # let rig = slcal_core::format::read_rig(&include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/truth_rig.json"))[..])?;
+/// // A decoder of one's own says which projector column each camera pixel sees.
+/// let one = Match {
+///     camera: Point2::new(640.0, 480.0),
+///     projector_column: Some(500.0),
+///     projector_row: None,
+///     slit: None,
+///     confidence: 1.0,
+///     sigma_px: Match::DEFAULT_SIGMA_PX,
+///     color: [255; 3],
+/// };
+/// // A few points make no surface: without culling they stay.
+/// let config = ReconstructConfig { cull: CullRule::Off, ..ReconstructConfig::default() };
+/// let cloud = cloud_from_matches(&rig, &Matches { items: vec![one] }, &config)?.cloud;
+/// assert!(cloud.points[0].position.z > 0.0 && cloud.points[0].sigma_mm > 0.0);
+/// # Ok::<(), slcal_core::Error>(())
+/// ```
 pub fn cloud_from_matches(
     rig: &Rig,
     matches: &Matches,

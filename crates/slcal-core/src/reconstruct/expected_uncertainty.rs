@@ -34,6 +34,19 @@ impl ExpectedUncertainty {
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) for a rig without a projector, or a noise that is negative or not finite.
+    ///
+    /// # Examples
+    /// ```
+    /// use slcal_core::nalgebra::Point2;
+    /// use slcal_core::pattern::Axis;
+    /// use slcal_core::reconstruct::ExpectedUncertainty;
+    ///
+    /// # let rig = slcal_core::format::read_rig(&include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/truth_rig.json"))[..])?;
+    /// let mut expected = ExpectedUncertainty::new(&rig, Axis::Columns, 0.1)?;
+    /// let [near, far] = [900.0, 1100.0].map(|z| expected.at(Point2::new(640.0, 480.0), z).unwrap().noise_mm);
+    /// assert!(far > near);
+    /// # Ok::<(), slcal_core::Error>(())
+    /// ```
     pub fn new(rig: &Rig, axis: Axis, match_sigma_px: f64) -> Result<Self> {
         let synthetic = SyntheticMatches::new(rig, axis, match_sigma_px)?;
         let triangulator = SyntheticMatches::triangulator(rig)?;

@@ -26,6 +26,21 @@ pub fn rectify_picture(rig: &Rig, view: usize, picture: &RgbImage) -> Result<(Rg
 ///
 /// # Errors
 /// As [`rectify`]; [`Error::Invalid`] for a pattern that was drawn for another panel.
+///
+/// # Examples
+/// ```
+/// # let checker = slcal_core::CheckerPattern::new([1024, 768], &Default::default())?;
+/// # let sheet = image::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/sheet.jpg"))?;
+/// # let mut calibrator = slcal_core::Calibrator::new("594x420mm".parse()?).with_pattern(&checker);
+/// # calibrator.add(slcal_core::PhotoView::try_from(&sheet)?)?;
+/// # let rig = calibrator.calibrate()?.rig;
+/// use slcal_core::rectify_checker_picture;
+///
+/// let (picture, place) = rectify_checker_picture(&rig, 0, &checker)?;
+/// assert_eq!(picture.dimensions(), (1024, 768)); // what to project
+/// assert!(place.size_mm.width_mm > 100.0); // how large it appears on the sheet
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn rectify_checker_picture(
     rig: &Rig,
     view: usize,

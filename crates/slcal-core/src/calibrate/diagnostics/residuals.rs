@@ -83,6 +83,21 @@ impl ViewResiduals {
 /// # Errors
 /// [`Error::Invalid`] when there are not as many views as the rig has, when image or panel have other sizes than the rig's
 /// devices, when the observations themselves are inconsistent, or when a point cannot be seen by the rig at all.
+///
+/// # Examples
+/// ```
+/// # let checker = slcal_core::CheckerPattern::new([1024, 768], &Default::default())?;
+/// # let sheet = image::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/sheet.jpg"))?;
+/// # let mut calibrator = slcal_core::Calibrator::new("594x420mm".parse()?).with_pattern(&checker);
+/// # calibrator.add(slcal_core::PhotoView::try_from(&sheet)?)?;
+/// # let calibration = calibrator.calibrate()?;
+/// use slcal_core::residuals;
+///
+/// let views = residuals(&calibration.rig, &calibration.observations)?;
+/// let worst = views[0].points().map(|p| p.vector_px().norm()).fold(0.0, f64::max);
+/// assert!(worst < 1.0 && !views[0].is_odd());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn residuals(rig: &Rig, observations: &Observations) -> Result<Vec<ViewResiduals>> {
     /// Outliers are detected by σ: the first, which is assumed, may be far off.
     const ROUNDS: usize = 3;

@@ -26,6 +26,16 @@ const CAMERA_FILE: Expecting = Expecting { what: ErrorSubject::CameraFile, most_
 /// [`Error::Malformed`] when the text is of none of the kinds, when what it needs is missing, of another size than
 /// stated or not finite, when K is no camera matrix, or when the lens model has terms beyond k1, k2, p1, p2, k3 that
 /// are not zero; [`Error::Io`] when the stream fails.
+///
+/// # Examples
+/// ```
+/// use slcal_core::format::read_camera;
+///
+/// let yaml = "camera_matrix: {rows: 3, cols: 3, data: [1500, 0, 640, 0, 1500, 480, 0, 0, 1]}";
+/// let known = read_camera(yaml.as_bytes())?;
+/// assert_eq!(known.for_image([1280, 960])?.intrinsics.fx, 1500.0);
+/// # Ok::<(), slcal_core::Error>(())
+/// ```
 pub fn read_camera(mut input: impl Read) -> Result<KnownCamera> {
     let mut bytes = Vec::new();
     input.read_to_end(&mut bytes).map_err(|e| Error::reading(ErrorSubject::CameraFile, e))?;

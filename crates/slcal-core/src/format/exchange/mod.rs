@@ -36,6 +36,18 @@ pub use files::{
 /// # Errors
 /// [`Error::Invalid`] when the format cannot represent a term of a lens (the message states how far pixels would move without it), and
 /// for numbers that are not finite.
+///
+/// # Examples
+/// ```
+/// use slcal_core::format::{ExchangeFormat, ExportConfig, NamedBytes, export_rig, import_rig};
+///
+/// # let rig = slcal_core::format::read_rig(&include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/truth_rig.json"))[..])?;
+/// let export = export_rig(&rig, ExchangeFormat::OpenCv, &ExportConfig::default())?;
+/// let files: Vec<_> = export.files.iter().map(|f| NamedBytes { name: f.name, bytes: &f.bytes }).collect();
+/// let imported = import_rig(None, &files, &Default::default())?;
+/// assert_eq!(imported.rig.camera, rig.camera);
+/// # Ok::<(), slcal_core::Error>(())
+/// ```
 pub fn export_rig(rig: &Rig, format: ExchangeFormat, config: &ExportConfig) -> Result<Export> {
     // Refuses numbers that are not finite.
     super::write_rig(rig, std::io::sink())?;

@@ -58,6 +58,17 @@ pub(super) fn rig_value(rig: &Rig) -> Result<Value> {
 ///
 /// # Errors
 /// [`Error::Invalid`] when a number is not finite; [`Error::Io`] when the stream fails.
+///
+/// # Examples
+/// ```
+/// use slcal_core::format::{read_rig, write_rig};
+///
+/// # let rig = slcal_core::format::read_rig(&include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/truth_rig.json"))[..])?;
+/// let mut bytes = Vec::new(); // or a file: anything that is std::io::Write
+/// write_rig(&rig, &mut bytes)?;
+/// assert_eq!(read_rig(bytes.as_slice())?, rig);
+/// # Ok::<(), slcal_core::Error>(())
+/// ```
 pub fn write_rig(rig: &Rig, mut output: impl Write) -> Result<()> {
     let dto = write::rig_to_dto(rig)?;
     let failed = |e| Error::writing(ErrorSubject::RigFile, e);
