@@ -47,7 +47,7 @@ fn decoding(c: &mut Criterion) {
         for (name, input) in [("one frame", &alone), ("with black and white frames", &three)] {
             let mut decoder = Decoder::new(&stripes, DecodeConfig::default()).expect("a pattern");
             group.bench_function(format!("{width}x{height}/{name}"), |b| {
-                b.iter(|| decoder.decode(input).expect("stripes").matches.items.len());
+                b.iter(|| decoder.decode(*input).expect("stripes").matches.items.len());
             });
         }
         group.bench_function(format!("{width}x{height}/one frame, decoder made anew"), |b| {

@@ -14,7 +14,7 @@ use std::fs::File;
 use std::io::{BufReader, Write, stdin, stdout};
 use std::time::Instant;
 
-use slcal_core::decode::{DecodeConfig, DecodeInput, Decoder};
+use slcal_core::decode::{DecodeConfig, Decoder};
 use slcal_core::format::{read_pattern, read_rig};
 use slcal_core::pattern::Pattern;
 use slcal_core::photo::{Layout, PhotoView, Samples};
@@ -35,7 +35,7 @@ impl Scanner {
         if work == "cloud" {
             return Ok(self.reconstructor.reconstruct(photo)?.cloud.points.len());
         }
-        let decoding = self.decoder.decode(&DecodeInput { photo, black: None, white: None })?;
+        let decoding = self.decoder.decode(photo)?;
         match work {
             "matches" => Ok(decoding.matches.items.len()),
             "points" => {

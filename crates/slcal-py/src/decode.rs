@@ -1,7 +1,7 @@
 //! Photograph of stripes → matches.
 
 use pyo3::prelude::*;
-use slcal_core::decode::{DecodeConfig, DecodeInput, decode_frames};
+use slcal_core::decode::{DecodeConfig, DecodeInput};
 use slcal_core::photo::Encoding;
 use slcal_core::{Error, Result};
 
@@ -146,7 +146,7 @@ fn decode(
     let pattern = &object::<StripePattern>(pattern, "pattern")?.get().0;
     let frames = Frames::of(image, black, white)?;
     let config = config(gamma, min_confidence)?;
-    let decoding = frames.read(py, |input| decode_frames(input, pattern, &config))?;
+    let decoding = frames.read(py, |input| slcal_core::decode::decode(*input, pattern, &config))?;
     let report = LazyReport::of("DecodeReport", &decoding.report);
     Ok(Matches { matches: decoding.matches, report })
 }

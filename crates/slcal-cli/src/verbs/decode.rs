@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
-use slcal_core::decode::{DecodeConfig, DecodeInput, Decoding, decode_frames};
+use slcal_core::decode::{DecodeConfig, DecodeInput, Decoding, decode};
 use slcal_core::format::write_matches;
 use slcal_core::photo::PhotoView;
 
@@ -28,7 +28,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     let frames = References::load(&args.input, printer)?;
     let photo = load_photo(&args.image, printer)?;
     let decoding =
-        decode_frames(&frames.input(&args.image, &photo)?, &pattern, &frames.config).in_file(&args.image)?;
+        decode(frames.input(&args.image, &photo)?, &pattern, &frames.config).in_file(&args.image)?;
 
     let bytes = bytes_of(|out| write_matches(&decoding.matches, out))?;
     let mut files = vec![(output.clone(), bytes)];

@@ -18,7 +18,7 @@ use super::tracks::Tracks;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::matches::Match;
 use crate::pattern::{Axis, StripePattern, unique_window};
-use crate::photo::{Encoding, PhotoView};
+use crate::photo::Encoding;
 use crate::solve::median_f32;
 
 /// Number of bands of scanlines; each can be searched by its own thread.
@@ -31,7 +31,9 @@ const GOOD_FIT: f64 = 0.75;
 /// other direction covers is covered there.
 const COVERED_SHARE: f64 = 0.4;
 
-/// Finds the stripes of a photograph and identifies their slits.
+/// Finds the stripes of a photograph and identifies their slits. A [`DecodeInput`] adds two optional photographs: one with
+/// a dark projector (ambient light is subtracted) and one with a plain white projection (the surface's own colour is
+/// divided out).
 ///
 /// # Errors
 /// [`crate::Error::Invalid`] for a greyscale photograph, frames of different sizes or a configuration out of range;
@@ -49,22 +51,13 @@ const COVERED_SHARE: f64 = 0.4;
 /// assert!(decoding.matches.items.len() > 10_000);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn decode(photo: PhotoView<'_>, pattern: &StripePattern, config: &DecodeConfig) -> Result<Decoding> {
-    decode_frames(&DecodeInput { photo, black: None, white: None }, pattern, config)
-}
-
-/// As [`decode`], with two optional photographs: one with a dark projector (ambient light is subtracted) and one with a
-/// plain white projection (the surface's own colour is divided out).
-///
-/// # Errors
-/// As [`decode`].
-pub fn decode_frames(
-    input: &DecodeInput<'_>,
+pub fn decode<'a>(
+    scene: impl Into<DecodeInput<'a>>,
     pattern: &StripePattern,
     config: &DecodeConfig,
 ) -> Result<Decoding> {
     let mut decoder = Decoder::new(pattern, *config)?;
-    decoder.decode(input)?;
+    decoder.decode(scene)?;
     Ok(decoder.out)
 }
 
@@ -147,7 +140,8 @@ impl Decoder {
     /// # Errors
     /// [`Error::Invalid`] for a greyscale photograph or frames of different sizes; [`Error::NotFound`] when there are
     /// no stripes, when they have no colour, or when their colours follow the pattern no better than by chance.
-    pub fn decode(&mut self, input: &DecodeInput<'_>) -> Result<&Decoding> {
+    pub fn decode<'a>(&mut self, scene: impl Into<DecodeInput<'a>>) -> Result<&Decoding> {
+        let input = &scene.into();
         scanlines::check(input)?;
         let frames = [Some(input.photo), input.black, input.white];
         for view in frames.iter().flatten() {

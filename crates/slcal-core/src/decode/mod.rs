@@ -31,4 +31,4 @@ mod tests;
 mod tracks;
 
 pub use config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Rejected, ScanDirection};
-pub use decoder::{Decoder, decode, decode_frames};
+pub use decoder::{Decoder, decode};

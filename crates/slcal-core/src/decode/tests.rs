@@ -10,7 +10,7 @@ use nalgebra::Matrix3;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
-use super::{DecodeConfig, DecodeInput, Decoding, ScanDirection, decode, decode_frames};
+use super::{DecodeConfig, DecodeInput, Decoding, ScanDirection, decode};
 use crate::geometry::Homography;
 use crate::pattern::{Axis, StripeConfig, StripePattern, warp_image};
 use crate::photo::{PhotoView, Samples};
@@ -154,7 +154,7 @@ fn black_and_white_frames_remove_ambient_light_and_surface_colour() {
     let [photo, black, white] = [photo, black, white].map(DynamicImage::from);
     let view = |i| PhotoView::try_from(i).unwrap();
     let input = DecodeInput { photo: view(&photo), black: Some(view(&black)), white: Some(view(&white)) };
-    let decoding = decode_frames(&input, &pattern, &DecodeConfig::default()).unwrap();
+    let decoding = decode(input, &pattern, &DecodeConfig::default()).unwrap();
     let (right, bias, rms) = measure_errors(&decoding, &pattern, &h);
     assert!(right > 0.999 && bias.abs() < 0.02 && rms < 0.15, "{right} {bias} {rms}");
     assert!(decoding.matches.items.len() > 60 * 80);
@@ -213,7 +213,7 @@ fn grey_layouts_and_frames_of_other_sizes_are_refused() {
     let config = DecodeConfig::default();
     assert!(matches!(decode(view(&grey), &columns, &config), Err(Error::Invalid { .. })));
     let input = DecodeInput { photo: view(&color), black: Some(view(&small)), white: None };
-    assert!(matches!(decode_frames(&input, &columns, &config), Err(Error::Invalid { .. })));
+    assert!(matches!(decode(input, &columns, &config), Err(Error::Invalid { .. })));
     let unsure = DecodeConfig { min_confidence: f64::NAN, ..config };
     assert!(decode(view(&color), &columns, &unsure).is_err());
 }

@@ -99,7 +99,7 @@ impl RectangleSize {
         Point2::new(self.width_mm / 2.0, self.height_mm / 2.0)
     }
 
-    /// The sides as lines on the sheet, in the order of [`Side::ALL`].
+    /// The sides as lines on the sheet, top, right, bottom, left.
     #[must_use]
     pub fn sides(&self) -> [Line; 4] {
         let c = self.corners();

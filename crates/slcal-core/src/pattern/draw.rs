@@ -120,7 +120,7 @@ impl StripePattern {
 ///
 /// # Errors
 /// [`Error::Degenerate`] for a singular homography; [`Error::Invalid`] for sizes without pixels or beyond 16384 px.
-pub fn warp_image(
+pub(crate) fn warp_image(
     picture: &RgbImage,
     size: [u32; 2],
     target_from_source: &Warp,

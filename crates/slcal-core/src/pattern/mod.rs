@@ -8,7 +8,7 @@ mod stripes;
 
 pub use checker::{CheckerConfig, CheckerPattern, SquareColor};
 pub use de_bruijn::{de_bruijn, unique_window};
-pub use draw::warp_image;
+pub(crate) use draw::warp_image;
 pub use stripes::{Axis, StripeConfig, StripePattern};
 
 /// Either kind of pattern.

@@ -129,7 +129,7 @@ impl<'a> PhotoVerifier<'a> {
     ///
     /// # Errors
     /// [`Error::Invalid`] for a photograph of another size than the camera's; otherwise as
-    /// [`observe`](crate::detect::observe) and [`verify`](crate::verify::verify).
+    /// [`observe`](crate::detect::observe); [`Error::Degenerate`] when the photograph and the rig do not go together at all.
     pub fn verify(&self, photo: PhotoView<'_>) -> Result<VerifiedPhoto> {
         let (camera, found) = (self.rig.camera.model, [photo.width(), photo.height()]);
         if [camera.width as usize, camera.height as usize] != found {

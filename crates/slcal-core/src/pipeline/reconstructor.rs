@@ -98,7 +98,7 @@ impl Reconstructor {
     /// [`Error::Invalid`] for a photograph of another size than the rig's camera; the errors of
     /// [`decode`](crate::decode::decode).
     pub fn reconstruct<'a>(&mut self, scene: impl Into<DecodeInput<'a>>) -> Result<&Reconstruction> {
-        let input = scene.into();
+        let input: DecodeInput<'_> = scene.into();
         let [width, height] = self.camera;
         let found = (input.photo.width(), input.photo.height());
         if found != (width as usize, height as usize) {
@@ -108,7 +108,7 @@ impl Reconstructor {
                 format!("{}x{} px; take it with the same camera at the same setting", found.0, found.1),
             ));
         }
-        let decoding = self.decoder.decode(&input)?;
+        let decoding = self.decoder.decode(input)?;
         self.stages.run(&decoding.matches, &mut self.result)?;
         check_possible(&self.result.triangulate, decoding.matches.items.len())?;
         self.decoder.swap_report(self.result.decode.get_or_insert_default());

@@ -84,16 +84,6 @@ const MAX_LENGTH_RATIO: f64 = 2.5;
 /// The median length is that of about this many triangles, spread evenly.
 const SAMPLE: usize = 8192;
 
-/// Triangulates the points in the image (Delaunay), removes triangles by `rule` and points without a triangle. The
-/// remaining triangles are the cloud's mesh, counter-clockwise as seen by the camera. With [`CullRule::Off`] all points
-/// and triangles stay. See [`Culler`] for many clouds.
-///
-/// # Errors
-/// As [`Culler::cull`].
-pub fn cull(cloud: &mut PointCloud, rule: CullRule) -> Result<CullReport> {
-    Culler::default().cull(cloud, rule)
-}
-
 /// Culls one cloud after another and keeps its buffers.
 #[derive(Debug, Clone, Default)]
 pub struct Culler {
@@ -106,7 +96,9 @@ pub struct Culler {
 }
 
 impl Culler {
-    /// As the function [`cull`].
+    /// Triangulates the points in the image (Delaunay), removes triangles by `rule` and points without a triangle. The
+    /// remaining triangles are the cloud's mesh, counter-clockwise as seen by the camera. With [`CullRule::Off`] all points
+    /// and triangles stay.
     ///
     /// # Errors
     /// [`Error::Invalid`] for an area that is not a positive number.
@@ -192,6 +184,10 @@ mod tests {
             }
         }
         PointCloud { points, ..PointCloud::default() }
+    }
+
+    fn cull(cloud: &mut PointCloud, rule: CullRule) -> Result<CullReport> {
+        Culler::default().cull(cloud, rule)
     }
 
     #[test]

@@ -15,7 +15,7 @@ mod triangulate;
 #[cfg(test)]
 mod triangulate_tests;
 
-pub use cull::{CullReport, CullRule, Culler, cull};
+pub use cull::{CullReport, CullRule, Culler};
 pub use expected_uncertainty::{ExpectedSigma, ExpectedUncertainty};
 pub use frame::in_frame;
 pub(crate) use frame::{first_view, turn};

@@ -12,7 +12,7 @@ use crate::rig::Rig;
 /// there; black around it. The result has the panel's size.
 ///
 /// # Errors
-/// As [`rectify`]; [`Error::Invalid`] for a picture without pixels or wider than 16384 px.
+/// As [`rectify`]; [`Error::Invalid`](crate::Error::Invalid) for a picture without pixels or wider than 16384 px.
 pub fn rectify_picture(rig: &Rig, view: usize, picture: &RgbImage) -> Result<(RgbImage, Rectification)> {
     let (w, h) = (f64::from(picture.width()), f64::from(picture.height()));
     let place = rectify(rig, view, Point2::new(-0.5, -0.5), Point2::new(w - 0.5, h - 0.5))?;
@@ -25,7 +25,7 @@ pub fn rectify_picture(rig: &Rig, view: usize, picture: &RgbImage) -> Result<(Rg
 /// sharp as those of the pattern itself, and where it lies there.
 ///
 /// # Errors
-/// As [`rectify`]; [`Error::Invalid`] for a pattern that was drawn for another panel.
+/// As [`rectify`]; [`Error::Invalid`](crate::Error::Invalid) for a pattern that was drawn for another panel.
 ///
 /// # Examples
 /// ```

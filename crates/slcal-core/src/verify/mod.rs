@@ -1,6 +1,6 @@
 //! Rig + photograph of a projected checkerboard → how square it is on the sheet, and whether the rig has moved.
 //!
-//! [`verify`] fits the photograph under the rig, with the rig's own covariance as prior (`posterior_fit`), so that an
+//! `verify` fits the photograph under the rig, with the rig's own covariance as prior (`posterior_fit`), so that an
 //! uncertain rig raises no false alarms; once with the rig as it is and once with the projector free. The difference is χ²
 //! distributed when nothing has moved (`change_test`). `keystone` measures the projected rectangle on the sheet.
 
