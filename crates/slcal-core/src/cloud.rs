@@ -1,4 +1,4 @@
-//! Points in space: the hand-over from `reconstruct` to files, viewers and `evaluate`.
+//! Points in space: the result of `reconstruct`.
 
 use nalgebra::{Point2, Point3};
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,8 @@ pub struct CloudPoint {
     pub color: [u8; 3],
     /// 1σ along the camera's ray, mm: of the match and of the rig together.
     pub sigma_mm: f64,
-    /// The part of it that differs from point to point, mm: the noise of the match. The rest is common to the whole cloud.
+    /// The part of `sigma_mm` that is independent from point to point, mm: the noise of the match. The rest is common to the
+    /// whole cloud.
     pub noise_mm: f64,
     /// Index of the slit; `None` when the match did not come from stripes.
     pub slit: Option<u16>,
@@ -37,14 +38,14 @@ pub struct CloudPoint {
     pub confidence: f64,
 }
 
-/// Points, and the triangles between them when a mesh was asked for.
+/// Points, and the triangles between them if a mesh was requested.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PointCloud {
     /// The points.
     pub points: Vec<CloudPoint>,
     /// Indices into `points`, counter-clockwise as the camera sees them.
     pub triangles: Vec<[u32; 3]>,
-    /// Whose coordinates these are.
+    /// The coordinate frame.
     pub frame: Frame,
     /// The camera's centre in these coordinates, mm.
     pub camera_centre: Point3<f64>,

@@ -1,4 +1,5 @@
-//! Camera pixel ↔ projector coordinate: the hand-over from `decode` (or any other decoder) to `reconstruct`.
+//! Correspondences between camera pixels and projector coordinates: the result of `decode` (or of any other decoder), and the
+//! input of `reconstruct`.
 
 use nalgebra::Point2;
 
@@ -7,9 +8,9 @@ use nalgebra::Point2;
 pub struct Match {
     /// Camera pixel (u, v); sub-pixel across the stripe, integer along it.
     pub camera: Point2<f64>,
-    /// Projector column, px, when known.
+    /// Projector column, px, where it is known.
     pub projector_column: Option<f64>,
-    /// Projector row, px, when known.
+    /// Projector row, px, where it is known.
     pub projector_row: Option<f64>,
     /// Index of the slit, when the match comes from stripes.
     pub slit: Option<u16>,
@@ -22,7 +23,7 @@ pub struct Match {
 }
 
 impl Match {
-    /// 1σ of the camera position, px, where nobody states it.
+    /// 1σ of the camera position, px, where it is not stated.
     pub const DEFAULT_SIGMA_PX: f64 = 0.1;
 }
 

@@ -1,4 +1,4 @@
-//! What was seen of the sheet and the pattern: the hand-over from `detect` to `calibrate`.
+//! What `detect` measures in photographs, and `calibrate` estimates from.
 
 use nalgebra::Point2;
 
@@ -12,8 +12,8 @@ pub(crate) const UNKNOWN_SIGMA_PX: f64 = 1.0;
 pub struct EdgePoint {
     /// Position in the camera image, px.
     pub position: Point2<f64>,
-    /// Standard deviation across the side, px, such that the points of a side may be treated as independent: whoever measures
-    /// correlated points widens their σ accordingly. `None` where it is not known.
+    /// 1σ across the side, px; `None` where it is not known. The points of a side are treated as independent: the σ of
+    /// correlated points must be widened accordingly.
     pub sigma_px: Option<f64>,
 }
 
@@ -39,7 +39,7 @@ pub enum SheetObservation {
 }
 
 impl SheetObservation {
-    /// The corners TL, TR, BR, BL: given, or the meets of the lines fitted to the edges. `None` when a side has too
+    /// The corners TL, TR, BR, BL: given, or the intersections of the lines fitted to the edges. `None` when a side has too
     /// few points for a line or neighbouring sides are parallel.
     #[must_use]
     pub fn corners(&self) -> Option<[Point2<f64>; 4]> {
@@ -87,11 +87,11 @@ pub struct ViewObservation {
 }
 
 impl ViewObservation {
-    /// Coordinates beyond this are no pixels; their products would overflow.
+    /// Largest coordinate, px: beyond it products would overflow.
     pub const MAX_COORDINATE_PX: f64 = 1e9;
-    /// σ outside of this range are mistakes; their squares would overflow.
+    /// Valid σ, px: outside of it squares would overflow.
     pub const SIGMA_RANGE_PX: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
-    /// Sides of a sheet, mm: outside of it a unit was mistaken.
+    /// Valid sides of a sheet, mm.
     pub const SIDE_RANGE_MM: std::ops::RangeInclusive<f64> = RectangleSize::SIDE_RANGE_MM;
 
     /// 1σ of every point of the sheet.

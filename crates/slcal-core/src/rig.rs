@@ -20,12 +20,12 @@ pub struct DeviceSigma {
     pub distortion: [f64; 5],
 }
 
-/// A camera or projector with the uncertainty of its parameters (`None` when unknown, as in rigs from elsewhere).
+/// A camera or projector with the uncertainty of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Device {
     /// The model.
     pub model: Camera,
-    /// 1σ of its parameters.
+    /// 1σ of its parameters; `None` where it is not known, as in rigs of other programs.
     pub sigma: Option<DeviceSigma>,
 }
 
@@ -91,11 +91,11 @@ pub struct View {
     pub projector_vanishing_points: Option<VanishingPoints>,
     /// Corners of the sheet TL, TR, BR, BL in the camera image, px.
     pub corners_px: [Point2<f64>; 4],
-    /// Residuals; `None` in rigs from elsewhere that do not state them.
+    /// Residuals; `None` in rigs of other programs that do not state them.
     pub rms_px: Option<ViewRms>,
 }
 
-/// How far the result can be trusted; from the predicted σ of the focal lengths.
+/// Quality of a calibration in one word, from the predicted σ of the focal lengths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -105,7 +105,7 @@ pub enum Verdict {
     Fair,
     /// Below 25 %.
     Weak,
-    /// The view does not determine the focal length.
+    /// 25 % or more: the photographs do not determine the focal length.
     Degenerate,
 }
 
@@ -137,7 +137,7 @@ impl Verdict {
         }
     }
 
-    /// Its word in files: "good".
+    /// The name in files: "good".
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -149,21 +149,21 @@ impl Verdict {
     }
 }
 
-/// Something the user should know about a result, and what to do about it.
+/// A problem that was noticed, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Warning {
     /// Stable identifier.
     pub code: String,
-    /// What was noticed, with numbers.
+    /// The problem, with numbers.
     pub message: String,
     /// What to do.
     pub advice: String,
 }
 
-/// The judgement on a calibration.
+/// The assessment of a calibration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quality {
-    /// In one word.
+    /// The assessment in one word.
     pub verdict: Verdict,
     /// 1σ of the camera's focal length, per cent.
     pub focal_sigma_percent_camera: f64,
@@ -171,12 +171,13 @@ pub struct Quality {
     pub focal_sigma_percent_projector: Option<f64>,
     /// Expected 1σ of a reconstructed point at the sheet's distance, mm.
     pub expected_point_sigma_mm: Option<f64>,
-    /// Why the verdict is what it is, in one sentence: how the sheet was seen and how well the focal length is known from it,
-    /// or what does not fit, where that made the verdict worse; empty where it is not said.
+    /// The reason of the verdict in one sentence: the pose of the sheet and the resulting σ of the focal length, or the
+    /// misfit that made the verdict worse. Empty in rigs that do not state it.
     pub cause: String,
-    /// What would make it better, with predicted numbers where it is the geometry; empty where it is not said.
+    /// What would improve the result, with predicted numbers where the geometry limits it. Empty in rigs that do not state
+    /// it.
     pub advice: String,
-    /// What else was noticed.
+    /// Further problems.
     pub warnings: Vec<Warning>,
 }
 
@@ -189,7 +190,7 @@ impl Warning {
 /// Covariance of all estimated parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covariance {
-    /// What rows and columns are of.
+    /// The parameters of rows and columns.
     pub parameters: Vec<Parameter>,
     /// Symmetric, in the units of the parameters (px, mm, rad).
     pub matrix: DMatrix<f64>,

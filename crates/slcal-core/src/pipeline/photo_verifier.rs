@@ -1,4 +1,4 @@
-//! Photograph + rig → keystone that is left and whether something has moved, in one call.
+//! Photograph + rig → remaining keystone, and whether something has moved.
 
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,7 @@ pub struct VerifyPhotoConfig {
     pub encoding: Encoding,
     /// The sheet's corners TL, TR, BR, BL by hand, px, when it is not found.
     pub corners: Option<[Point2<f64>; 4]>,
-    /// How often a rig that has not moved may be said to have; default 0.001.
+    /// False-alarm rate of the test whether the rig has moved; default 0.001.
     pub significance: f64,
 }
 
@@ -59,7 +59,7 @@ impl VerifyPhotoConfig {
     }
 }
 
-/// What a photograph shows, and what it says of the rig.
+/// The detection in a photograph and its comparison with the rig.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct VerifiedPhoto {
@@ -69,8 +69,8 @@ pub struct VerifiedPhoto {
     pub verification: Verification,
 }
 
-/// A rig and the pattern that it projects, ready for photographs: what can be wrong with these two is found out before the
-/// first one.
+/// Compares photographs of a projected checkerboard with a rig: how much keystone remains on the sheet, and whether camera
+/// or projector have moved. Rig, pattern and configuration are checked once, before the first photograph.
 ///
 /// # Examples
 /// ```
