@@ -53,7 +53,7 @@ mod tests {
     use std::fmt::{Debug, Display};
     use std::str::FromStr;
 
-    use crate::calibrate::{DistortionModel, Method, PrincipalPointRule};
+    use crate::calibrate::{DistortionModel, Method, PrincipalPointRule as Rule};
     use crate::cloud::Frame;
     use crate::error::Error;
     use crate::format::{CloudFormat, ExchangeFormat};
@@ -78,7 +78,6 @@ mod tests {
         round_trip(&Axis::ALL);
         round_trip(&CloudFormat::ALL);
         round_trip(&ExchangeFormat::ALL);
-        use PrincipalPointRule as Rule;
         round_trip(&[Rule::Shift, Rule::Prior, Rule::Centre, Rule::Free, Rule::Exact(-3.5, 4.0)]);
         round_trip(&[Encoding::Srgb, Encoding::Linear, Encoding::Gamma(2.2)]);
         round_trip(&[CullRule::Auto, CullRule::Off, CullRule::MaxAreaMm2(25.0)]);
@@ -94,8 +93,8 @@ mod tests {
             assert!(text.parse::<CullRule>().is_err(), "{text}");
         }
         for text in ["1", "1,2,3", "1,nan", "inf,2"] {
-            assert!(text.parse::<PrincipalPointRule>().is_err(), "{text}");
+            assert!(text.parse::<Rule>().is_err(), "{text}");
         }
-        assert_eq!("center".parse(), Ok(PrincipalPointRule::Centre));
+        assert_eq!("center".parse(), Ok(Rule::Centre));
     }
 }

@@ -82,7 +82,9 @@ impl Places {
         }
         write_all(&files)?;
         drop(busy);
-        notes.iter().for_each(|note| printer.note(note));
+        for note in &notes {
+            printer.note(note);
+        }
         Ok(())
     }
 }
