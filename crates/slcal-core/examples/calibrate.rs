@@ -12,9 +12,7 @@ use std::fs;
 use std::process::ExitCode;
 
 use slcal_core::format::{read_pattern, write_rig};
-use slcal_core::pattern::Pattern;
-use slcal_core::photo::PhotoView;
-use slcal_core::{Calibrator, Rig, SheetPhoto};
+use slcal_core::{Calibrator, Pattern, PhotoView, Rig, SheetPhoto};
 
 fn run(size: &str, pattern: &str, output: &str, photographs: &[String]) -> Result<(), Box<dyn Error>> {
     let Pattern::Checker(checker) = read_pattern(&fs::read(pattern)?[..])? else {

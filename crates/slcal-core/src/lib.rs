@@ -108,3 +108,8 @@ pub use rig::{
 // Their types are part of the interface: points, matrices and pictures.
 pub use image;
 pub use nalgebra;
+
+/// Runs the programs of the guide.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/rust.md")]
+struct RustGuide;
