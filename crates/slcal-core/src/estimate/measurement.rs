@@ -58,7 +58,9 @@ pub(crate) fn measurements(observations: &Observations) -> Vec<Measurement> {
         match &o.sheet {
             SheetObservation::Edges(sides) => {
                 for (side, points) in Side::ALL.into_iter().zip(sides) {
-                    points.iter().for_each(|p| add(p.position, p.sigma_px, Target::Edge(side)));
+                    for p in points {
+                        add(p.position, p.sigma_px, Target::Edge(side));
+                    }
                 }
             }
             SheetObservation::Corners { corners, sigma_px } => {

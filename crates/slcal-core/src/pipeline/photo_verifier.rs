@@ -144,7 +144,7 @@ impl<'a> PhotoVerifier<'a> {
         }
         let detection = observe(photo, None, self.size, Some(self.pattern), &self.detect)?;
         let verification =
-            verify(self.rig, &detection.observation, &self.outline_px, self.aspect, &self.test)?;
+            verify(self.rig, &detection.observation, &self.outline_px, self.aspect, self.test)?;
         Ok(VerifiedPhoto { detection, verification })
     }
 }

@@ -128,9 +128,11 @@ fn change(
     let all = [freed, std::slice::from_ref(&camera)].concat();
     let most = posterior.fit(&all)?.chi_squared;
     let gained = (bound.chi_squared - most).max(0.0);
-    for free in
-        [&[projector.clone()][..], &[camera.clone()], &PoseParameter::ALL.map(Parameter::ProjectorFromCamera)]
-    {
+    for free in [
+        std::slice::from_ref(&projector),
+        std::slice::from_ref(&camera),
+        &PoseParameter::ALL.map(Parameter::ProjectorFromCamera),
+    ] {
         let Some(fit) = posterior.fit(free) else { continue };
         let left = (fit.chi_squared - most).max(0.0);
         let enough = chi_squared_sf(left, PROJECTOR_FREEDOM + 1 - free.len()) >= significance;

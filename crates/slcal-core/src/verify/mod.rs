@@ -46,7 +46,7 @@ impl VerifyConfig {
     ///
     /// # Errors
     /// [`Error::Invalid`] naming the field.
-    pub(crate) fn validate(&self) -> Result<()> {
+    pub(crate) fn validate(self) -> Result<()> {
         if self.significance > 0.0 && self.significance < 1.0 {
             return Ok(());
         }
@@ -102,7 +102,7 @@ pub(crate) fn verify(
     seen: &ViewObservation,
     outline_px: &[Point2<f64>; 4],
     aspect: f64,
-    config: &VerifyConfig,
+    config: VerifyConfig,
 ) -> Result<Verification> {
     config.validate()?;
     let projector = rig.require_projector()?.device.model;

@@ -33,7 +33,7 @@ fn panel() -> [Point2<f64>; 4] {
 }
 
 fn run(rig: &Rig, seen: &ViewObservation) -> Verification {
-    verify(rig, seen, &panel(), 4.0 / 3.0, &VerifyConfig::default()).unwrap()
+    verify(rig, seen, &panel(), 4.0 / 3.0, VerifyConfig::default()).unwrap()
 }
 
 /// The largest distance of the sorted values from those of a uniform distribution (Kolmogorov and Smirnov).
@@ -190,7 +190,7 @@ fn a_rectified_pattern_has_no_keystone_left_and_a_moved_sheet_has_what_geometry_
     let (corners, aspect) = outline(&pattern, Some(&h)).unwrap();
     let at: Vec<_> = pattern.inner_corners().into_iter().map(|p| h.map(p).unwrap()).collect();
     let check = |model: &Model, rng: &mut ChaCha8Rng| {
-        verify(&rig, &rectified(model, &at, rng), &corners, aspect, &VerifyConfig::default()).unwrap()
+        verify(&rig, &rectified(model, &at, rng), &corners, aspect, VerifyConfig::default()).unwrap()
     };
     let found = check(&model, &mut rng);
     let k = found.keystone;
@@ -233,7 +233,7 @@ fn what_cannot_be_compared_is_refused() {
     let model = two_views();
     let rig = calibrated(&model, &mut rng);
     let seen = photograph(&model, &mut rng);
-    let with = |rig: &Rig, seen: &ViewObservation| verify(rig, seen, &panel(), 1.0, &VerifyConfig::default());
+    let with = |rig: &Rig, seen: &ViewObservation| verify(rig, seen, &panel(), 1.0, VerifyConfig::default());
     let alone = Rig { projector: None, ..rig.clone() };
     assert!(with(&alone, &seen).unwrap_err().to_string().contains("projector"));
     let few = ViewObservation { pairs: seen.pairs[..3].to_vec(), ..seen.clone() };
@@ -242,7 +242,7 @@ fn what_cannot_be_compared_is_refused() {
     nan.pairs[3].camera.x = f64::NAN;
     assert!(with(&rig, &nan).is_err());
     let wrong = VerifyConfig { significance: f64::NAN };
-    assert!(verify(&rig, &seen, &panel(), 1.0, &wrong).is_err());
+    assert!(verify(&rig, &seen, &panel(), 1.0, wrong).is_err());
     // Another sheet has no first view to be compared with.
     let other = Rig { views: Vec::new(), ..rig };
     assert!(with(&other, &seen).unwrap().sheet.is_none());

@@ -128,10 +128,12 @@ fn corners(rect: &Rect) -> Vec<Point2<f64>> {
 fn shifted(mut item: Item, by: Vector2<f64>) -> Item {
     match &mut item.primitive {
         Primitive::Lines(parts) | Primitive::Areas(parts) => {
-            parts.iter_mut().flatten().for_each(|p| *p += by)
+            parts.iter_mut().flatten().for_each(|p| *p += by);
         }
         Primitive::Dots(centres, _) | Primitive::Rings(centres, _) => {
-            centres.iter_mut().for_each(|p| *p += by)
+            for p in centres {
+                *p += by;
+            }
         }
         Primitive::Text { at, .. } => *at += by,
     }

@@ -96,7 +96,7 @@ impl Painter<'_, '_> {
         let pen = &item.pen;
         match &item.primitive {
             Primitive::Text { at, text, size, anchor } => {
-                self.text((*at, text.as_str(), *size, *anchor), pen)
+                self.text((*at, text.as_str(), *size, *anchor), pen);
             }
             Primitive::Lines(_) | Primitive::Rings(..) => {
                 let Some(path) = path(&item.primitive) else { return };

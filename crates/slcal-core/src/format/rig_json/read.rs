@@ -173,6 +173,6 @@ fn covariance_from_dto(dto: CovarianceDto) -> Result<Covariance> {
     if dto.matrix.len() != n || dto.matrix.iter().any(|row| row.len() != n) {
         return Err(malformed(format!("covariance: expected a {n}x{n} matrix for {n} parameters")));
     }
-    let parameters = dto.parameters.iter().map(|name| name.as_str().into()).collect();
+    let parameters = dto.parameters.into_iter().map(|name| name.as_str().into()).collect();
     Ok(Covariance { matrix: DMatrix::from_fn(n, n, |i, j| dto.matrix[i][j]), parameters })
 }
