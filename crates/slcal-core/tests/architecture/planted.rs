@@ -1,5 +1,7 @@
 //! Plants every forbidden arrow, in every spelling, in a made-up crate: each must be found.
 
+use std::fmt::Write as _;
+
 use crate::page;
 use crate::source::{Texts, modules};
 use crate::table::{Row, disagreements, rows};
@@ -10,7 +12,7 @@ fn made_up(table: &[Row]) -> Texts {
     let mut texts = Texts::new();
     let mut root = String::new();
     for name in table.iter().flat_map(|row| &row.modules) {
-        root += &format!("pub mod {name};\npub use {name}::Item as {name}_item;\n");
+        writeln!(root, "pub mod {name};\npub use {name}::Item as {name}_item;").unwrap();
         texts.insert(format!("{name}/mod.rs"), "mod inner;\npub struct Item;\npub fn call() {}\n".into());
         texts.insert(format!("{name}/inner/mod.rs"), "mod deep;\n".into());
         texts.insert(format!("{name}/inner/deep.rs"), "struct Own;\n".into());
@@ -64,7 +66,7 @@ fn every_forbidden_arrow_is_found_in_every_spelling() {
             let mut expected = Vec::new();
             for (i, spelling) in SPELLINGS.iter().enumerate() {
                 let file = format!("{user}/inner/deep{i}.rs");
-                texts.get_mut(&format!("{user}/inner/mod.rs")).unwrap().push_str(&format!("mod deep{i};\n"));
+                writeln!(texts.get_mut(&format!("{user}/inner/mod.rs")).unwrap(), "mod deep{i};").unwrap();
                 texts.insert(file.clone(), spelling.replace("NAME", used));
                 expected.extend((!allowed).then(|| format!("{file} uses {used}")));
             }
