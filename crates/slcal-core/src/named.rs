@@ -72,7 +72,6 @@ mod tests {
 
     #[test]
     fn every_option_parses_what_it_prints() {
-        use PrincipalPointRule as Rule;
         round_trip(&Method::ALL);
         round_trip(&DistortionModel::ALL);
         round_trip(&Frame::ALL);
