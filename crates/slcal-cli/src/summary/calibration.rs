@@ -21,7 +21,7 @@ pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
     }
     devices(&mut layout, rig);
     if let Some(baseline) = rig.baseline_mm() {
-        let sigma = rig.baseline_sigma_mm().map_or(String::new(), |s| format!(" ± {s:.1}"));
+        let sigma = rig.baseline_sigma_mm().map_or(String::new(), |s| format!(" ± {}", rounded(s, 1)));
         layout.line("baseline", format!("{baseline:.1}{sigma} mm"));
     }
     expected_uncertainty(&mut layout, rig);
