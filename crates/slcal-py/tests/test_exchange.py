@@ -127,7 +127,7 @@ def test_opencv_writes_what_is_imported(tmp_path: Path) -> None:
             storage.write(name, np.array(value))
         storage.write("stereo_error", 0.25)
         storage.release()
-        with pytest.raises(slcal.Error, match="image size of the camera"):
+        with pytest.raises(slcal.Error, match="size of the camera's image"):
             slcal.Rig.import_from(file)
         read = slcal.Rig.import_from(file, camera_size=rig.camera.size, projector_size=rig.projector.size)
         for found, truth in zip(expected(read), expected(rig)):
@@ -318,7 +318,7 @@ def test_blender(tmp_path: Path, size: str, monkeypatch: pytest.MonkeyPatch) -> 
 def test_what_a_format_cannot_hold(tmp_path: Path) -> None:
     rig = rig_of("k3")
     for to, name in (("kalibr", "a.yaml"), ("blender", "a.py")):
-        with pytest.raises(slcal.Error, match=r"lens of the camera.*k3 = -0\.02.* px"):
+        with pytest.raises(slcal.Error, match=r"camera's lens.*k3 = -0\.02.* px"):
             rig.export(tmp_path / name, to)  # type: ignore[arg-type]
         assert not (tmp_path / name).exists()
         notes = rig.export(tmp_path / name, to, lossy=True)  # type: ignore[arg-type]

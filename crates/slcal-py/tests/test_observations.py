@@ -243,7 +243,7 @@ def test_what_is_wrong_with_which_photograph(photo, checker):
         slcal.observe([photo, dark], SIZE, checker, names=("a.jpg", "b.jpg"))
     with pytest.raises(slcal.Error, match=r"photos\[1\].*1280x960.*1280x900"):
         slcal.observe([photo, photo[:900]], SIZE, checker)
-    with pytest.raises(slcal.Error, match=r"screen\[0\].*1280x960"):
+    with pytest.raises(slcal.Error, match=r"plain photograph.*1280x960.*1280x900"):
         slcal.observe([photo], SIZE, checker, screen=[photo[:900]])
     with pytest.raises(TypeError, match=r"photos\[1\].*None"):
         slcal.observe([photo, None], SIZE, checker)
