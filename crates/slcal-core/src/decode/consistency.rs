@@ -1,8 +1,8 @@
 //! Consistency of the labels of neighbouring stripes: a wrong pattern may share windows with the right one.
 
 use super::code_check::another_pattern;
+use super::crossing_features::{BRIGHTER, CrossingFeatures, NONE, differ_by_factor, differ_in_light};
 use super::labeling::{Labeling, VotedLabel};
-use super::sequence_alignment::{BRIGHTER, CrossingFeatures, NONE, differ_by_factor, differ_in_light};
 use super::tracks::Tracks;
 use crate::error::{ErrorSubject, Result};
 use crate::solve::median_f32;

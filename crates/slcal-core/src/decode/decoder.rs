@@ -2,16 +2,17 @@
 
 use nalgebra::Point2;
 
+use super::center_sigma::{SigmaWork, measure_sigma};
 use super::code_check::{CodeCandidates, another_pattern, check_color, try_pattern};
 use super::config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Rejected, ScanDirection};
 use super::consistency::{check_neighbors, check_runs};
+use super::crossing_features::NONE;
 use super::crosstalk::{check_hues, crosstalk};
 use super::labeling::{AlignedLines, Code, Labeling};
 use super::noise::Noise;
 use super::scanlines::{self, Scanline, ScanlineReader, Tables};
-use super::sequence_alignment::NONE;
 use super::slit_layout::SlitLayout;
-use super::stripe_centers::{self, SigmaWork, StripeCenter};
+use super::stripe_centers::{self, StripeCenter};
 use super::stripe_edges::{self, Scratch, StripeColor, StripeEdges};
 use super::stripe_scale::{ScaleScratch, StripeScale, measure_scale};
 use super::tracks::Tracks;
@@ -215,7 +216,7 @@ impl Decoder {
         self.layout.set_half_width(half_px);
         stripe_centers::locate(&self.tracks, votes, &self.layout, &mut self.scratch, &mut self.centers);
         let reach = (SIGMA_WIDTHS * width).ceil() as usize;
-        stripe_centers::measure_sigma(&self.tracks, votes, reach, &mut self.sigma_work, &mut self.centers);
+        measure_sigma(&self.tracks, votes, reach, &mut self.sigma_work, &mut self.centers);
 
         let n = self.tracks.crossings.len();
         let hues = &self.labeling.classes;

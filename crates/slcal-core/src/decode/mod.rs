@@ -5,14 +5,17 @@
 //! are located to sub-pixel (`stripe_edges`). A stripe on one scanline is a crossing; crossings linked from scanline to
 //! scanline form a track (`tracks`). The colour classes of the hues are learned from the photograph (`color_classes`,
 //! `crosstalk`). Once the code is recognised (`code_check`), dynamic programming assigns slits along scanlines
-//! (`sequence_alignment`) and the scanlines vote along tracks (`labeling`). Labels that contradict each other are
-//! refused (`consistency`). The edges of a stripe and of its neighbours give the centre of its slit (`stripe_centers`),
-//! with the geometry of the pattern (`slit_layout`). [`Decoder`] runs the stages.
+//! (`sequence_alignment`, `crossing_features`) and the scanlines vote along tracks (`labeling`). Labels that contradict
+//! each other are refused (`consistency`). The edges of a stripe and of its neighbours give the centre of its slit and
+//! its σ (`stripe_centers`, `center_sigma`), with the geometry of the pattern (`slit_layout`). [`Decoder`] runs the
+//! stages.
 
+mod center_sigma;
 mod code_check;
 mod color_classes;
 mod config;
 mod consistency;
+mod crossing_features;
 mod crosstalk;
 mod decoder;
 mod labeling;

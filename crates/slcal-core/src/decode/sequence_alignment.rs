@@ -7,6 +7,8 @@
 //! crosses the same slit on the object and again on the wall. Further passes use the votes of the neighbouring
 //! scanlines (`labeling`).
 
+use super::crossing_features::{Continuity, CrossingFeatures, NONE, step};
+
 /// Log-odds that a crossing is a slit at all: the gain of matching it with an uninformative colour.
 const MATCH_GAIN: f32 = 1.0;
 /// Cost of starting a run at any slit: the logarithm of the number of starts (about 60), and some for the surfaces that
@@ -19,14 +21,6 @@ const JUMP_BACK_COST: f32 = 8.0;
 const MISSING_SLIT: f32 = 2.5;
 /// Cost of one crossing between two slits that is no slit.
 const EXTRA_CROSSING: f32 = 1.0;
-/// Cost of continuing with the next slit across an apparent change of surface: the crossings are more than `FAR` times
-/// as far apart as their widths suggest, or their light differs by more than a factor of `BRIGHTER`. Twice that factor
-/// costs twice as much.
-const BREAK_COST: f32 = 2.5;
-const FAR: f32 = 1.7;
-pub(super) const BRIGHTER: f32 = 2.0;
-/// A gap of one slit is between this many periods wide and one more.
-const NEAR_TWO: f32 = 1.5;
 /// Fewer neighbouring crossings on neighbouring slits than this are no evidence: two colours occur in many places.
 const MIN_RUN: usize = 3;
 /// Share of the log-odds of perfect colours that a run must have: a run of three with one wrong colour fits elsewhere,
@@ -36,24 +30,8 @@ const MIN_REST_ODDS: f32 = 0.9;
 /// Gain of a unanimous vote for a slit along the track of a crossing, in nats.
 const VOTE_GAIN: f32 = 4.0;
 
-/// Marks a slit or crossing without a match.
-pub(super) const NONE: u16 = u16::MAX;
-
 /// Every row of scores begins with as many entries of −∞ as steps reach back.
 const PAD: usize = 2;
-
-/// The features of a crossing that enter the alignment.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct CrossingFeatures {
-    /// Position along the scanline, px.
-    pub(super) u: f32,
-    /// Width, px.
-    pub(super) width: f32,
-    /// Light relative to what is usual for its class.
-    pub(super) light: f32,
-    /// The slit found by earlier passes, or [`NONE`], and its share of the votes along the track.
-    pub(super) prior: (u16, f32),
-}
 
 /// Aligns scanlines with the pattern; keeps its tables.
 #[derive(Debug, Clone, Default)]
@@ -313,60 +291,6 @@ fn carry(best: &mut [f32], from: usize, scores: &[f32]) {
 #[inline]
 fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
-}
-
-/// The cost of a step from one crossing to another.
-struct StepCost {
-    /// With the next slit.
-    next: f32,
-    /// With the slit after the next.
-    missed: f32,
-    /// Whether light and distance suggest one continuous surface.
-    continuity: Continuity,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Continuity {
-    Continuous,
-    /// The light differs: a shadow, a fold, or another surface.
-    Uncertain,
-    Broken,
-}
-
-/// Whether one number is more than `by` times the other.
-pub(super) fn differ_by_factor(a: f32, b: f32, by: f32) -> bool {
-    a > by * b || b > by * a
-}
-
-/// Whether the light of two neighbours differs by more than a factor. Where a surface turns away from the projector, a
-/// slit's light spreads over more of it; light times width then changes less than light.
-pub(super) fn differ_in_light(a: &CrossingFeatures, b: &CrossingFeatures, by: f32) -> bool {
-    differ_by_factor(a.light, b.light, by) && differ_by_factor(a.light * a.width, b.light * b.width, by)
-}
-
-/// The step to crossing `i` from the one `back` before it.
-fn step(features: &[CrossingFeatures], i: usize, back: usize, period_per_width: f32) -> StepCost {
-    let Some(a) = i.checked_sub(back).map(|i| &features[i]) else {
-        return StepCost { next: 0.0, missed: 0.0, continuity: Continuity::Continuous };
-    };
-    let b = &features[i];
-    let (distance, period) = (b.u - a.u, 0.5 * (a.width + b.width) * period_per_width);
-    let (twice, much) = (differ_in_light(a, b, BRIGHTER), differ_in_light(a, b, 2.0 * BRIGHTER));
-    let lit = BREAK_COST * (f32::from(u8::from(twice)) + f32::from(u8::from(much)));
-    let spaced = |fits: bool| if fits { lit } else { BREAK_COST };
-    let far = distance > FAR * period;
-    let continuity = if far || much {
-        Continuity::Broken
-    } else if twice {
-        Continuity::Uncertain
-    } else {
-        Continuity::Continuous
-    };
-    StepCost {
-        next: spaced(!far),
-        missed: spaced(distance >= NEAR_TWO * period && distance < (NEAR_TWO + 1.0) * period),
-        continuity,
-    }
 }
 
 #[cfg(test)]

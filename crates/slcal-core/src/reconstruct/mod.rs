@@ -12,6 +12,7 @@ mod point_covariance;
 mod synthetic_match;
 mod triangle_metrics;
 mod triangulate;
+mod triangulate_config;
 #[cfg(test)]
 mod triangulate_tests;
 
@@ -20,7 +21,8 @@ pub use expected_uncertainty::{ExpectedSigma, ExpectedUncertainty};
 pub use frame::in_frame;
 pub(crate) use frame::{first_view, turn};
 pub use length_uncertainty::{LengthSigma, length_sigma};
-pub use triangulate::{TriangulateConfig, TriangulateReport, Triangulator, triangulate};
+pub use triangulate::{Triangulator, triangulate};
+pub use triangulate_config::{TriangulateConfig, TriangulateReport};
 
 /// A camera and a projector about 220 mm to its left and above, both looking at a point a metre away.
 #[cfg(test)]

@@ -2,7 +2,8 @@
 
 use nalgebra::Point3;
 
-use super::triangulate::{TriangulateConfig, Triangulator};
+use super::triangulate::Triangulator;
+use super::triangulate_config::TriangulateConfig;
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, Pose};
 use crate::matches::Match;

@@ -5,7 +5,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal, StandardNormal};
 
-use super::triangulate::{TriangulateConfig, Triangulator, triangulate};
+use super::triangulate::{Triangulator, triangulate};
+use super::triangulate_config::TriangulateConfig;
 use crate::cloud::PointCloud;
 use crate::geometry::{Camera, Distortion, Intrinsics, Plane, Ray};
 use crate::matches::{Match, Matches};

@@ -9,8 +9,9 @@ use std::ops::Range;
 use self::training::KnownCrossings;
 use self::votes::{UNDECIDED, VoteCounter};
 use super::color_classes::{ColorClasses, ColorSample, NO_CLASS};
+use super::crossing_features::{CrossingFeatures, NONE};
 use super::rgb::Rgb;
-use super::sequence_alignment::{Aligner, CrossingFeatures, NONE};
+use super::sequence_alignment::Aligner;
 use super::tracks::Tracks;
 
 pub(super) use self::votes::VotedLabel;

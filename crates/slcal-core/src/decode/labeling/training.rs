@@ -1,8 +1,8 @@
 //! Training data of the colour classes: samples whose slit is known, with the colour of the surface divided out.
 
 use crate::decode::color_classes::{ColorSample, NO_CLASS};
+use crate::decode::crossing_features::NONE;
 use crate::decode::rgb::{Rgb, over, plus, scaled, times, total, unit};
-use crate::decode::sequence_alignment::NONE;
 
 /// The colour of a surface is estimated from this many neighbouring stripes to either side. At least as many stripes as a
 /// window of the code, and some more, must be there. Each channel must hold this share of their light.

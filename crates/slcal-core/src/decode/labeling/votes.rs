@@ -1,6 +1,6 @@
 //! Votes of the aligned scanlines along each track.
 
-use crate::decode::sequence_alignment::NONE;
+use crate::decode::crossing_features::NONE;
 use crate::decode::tracks::Tracks;
 
 /// Share of the votes cast that the winner needs, and share of all scanlines in reach that must have voted for it.

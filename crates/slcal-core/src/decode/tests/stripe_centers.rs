@@ -3,10 +3,11 @@
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
+use super::super::center_sigma::{SigmaWork, measure_sigma};
+use super::super::crossing_features::NONE;
 use super::super::labeling::VotedLabel;
-use super::super::sequence_alignment::NONE;
 use super::super::slit_layout::SlitLayout;
-use super::super::stripe_centers::{SigmaWork, StripeCenter, locate, measure_half_width, measure_sigma};
+use super::super::stripe_centers::{StripeCenter, locate, measure_half_width};
 use super::super::stripe_edges::StripeEdges;
 use super::super::tracks::Tracks;
 
