@@ -264,6 +264,19 @@ pub enum ErrorClass {
     Other,
 }
 
+/// Refuses a value outside its range; `unit` follows the numbers of the message.
+pub(crate) fn within<T: PartialOrd + Copy + fmt::Display>(
+    what: impl Into<ErrorSubject>,
+    value: T,
+    [least, most]: [T; 2],
+    unit: &str,
+) -> Result<()> {
+    if least <= value && value <= most {
+        return Ok(());
+    }
+    Err(Error::invalid(what, format!("{least} to {most}{unit}"), format!("{value}{unit}")))
+}
+
 impl Error {
     /// An [`Error::Invalid`] from anything that can be shown.
     pub fn invalid(

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Result, within};
 use crate::matches::Matches;
 use crate::photo::{Encoding, PhotoView};
 
@@ -29,13 +29,10 @@ impl DecodeConfig {
     /// Checks the ranges of the fields.
     ///
     /// # Errors
-    /// [`Error::Invalid`] naming the field.
+    /// [`crate::Error::Invalid`] naming the field.
     pub fn validate(&self) -> Result<()> {
         self.encoding.validate()?;
-        if !(0.0..=1.0).contains(&self.min_confidence) {
-            return Err(Error::invalid("min_confidence", "0 to 1", self.min_confidence));
-        }
-        Ok(())
+        within("min_confidence", self.min_confidence, [0.0, 1.0], "")
     }
 }
 

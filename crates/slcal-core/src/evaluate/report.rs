@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::PointCloud;
-use crate::error::{Error, ErrorSubject, Result};
+use crate::error::{Error, ErrorSubject, Result, within};
 
 /// Configuration of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -33,17 +33,9 @@ impl FitConfig {
     /// # Errors
     /// [`Error::Invalid`] naming the field.
     pub fn validate(&self) -> Result<()> {
-        if !(1..=1_000_000).contains(&self.samples) {
-            return Err(Error::invalid("samples", "1 to 1000000", self.samples));
-        }
-        let check = |what: &'static str, v: f64, low: f64, high: f64| {
-            if (low..=high).contains(&v) {
-                return Ok(());
-            }
-            Err(Error::invalid(what, format!("{low} to {high}"), v))
-        };
-        check("consensus_percent", self.consensus_percent, 1e-6, 50.0)?;
-        check("inlier_sigmas", self.inlier_sigmas, 1.0, 100.0)
+        within("samples", self.samples, [1, 1_000_000], "")?;
+        within("consensus_percent", self.consensus_percent, [1e-6, 50.0], "")?;
+        within("inlier_sigmas", self.inlier_sigmas, [1.0, 100.0], "")
     }
 }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::de_bruijn::de_bruijn;
 use super::panel::check_panel;
-use crate::error::{Error, ErrorSubject, Result};
+use crate::error::{Error, ErrorSubject, Result, within};
 use crate::named::named;
 
 /// Direction of the slits.
@@ -75,12 +75,8 @@ impl StripeConfig {
     /// # Errors
     /// [`Error::Invalid`] naming the field.
     pub fn validate(&self) -> Result<()> {
-        if !(2..=MAX_HUES).contains(&self.hues) {
-            return Err(Error::invalid("hues", format!("2 to {MAX_HUES}"), self.hues));
-        }
-        if !(0.1..=0.9).contains(&self.lit) {
-            return Err(Error::invalid("lit share of the period", "0.1 to 0.9", self.lit));
-        }
+        within("hues", self.hues, [2, MAX_HUES], "")?;
+        within("lit share of the period", self.lit, [0.1, 0.9], "")?;
         let windows = de_bruijn(self.hues, self.order)?.len();
         let most = windows + self.order as usize - 1;
         let slits = self.slits.unwrap_or(DEFAULT_SLITS.min(most as u32)) as usize;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::light_plane::Rejection;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, within};
 
 /// Which intersections are accepted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -46,15 +46,9 @@ impl TriangulateConfig {
     /// # Errors
     /// [`Error::Invalid`] naming the field.
     pub fn validate(&self) -> Result<()> {
-        let check = |what: &'static str, value: f64, most: f64| {
-            if (0.0..=most).contains(&value) {
-                return Ok(());
-            }
-            Err(Error::invalid(what, format!("0 to {most}"), value))
-        };
-        check("min_angle_rad", self.min_angle_rad, 1.0)?;
-        check("projector_sigma_px", self.projector_sigma_px, 100.0)?;
-        check("panel_margin", self.panel_margin, 100.0)?;
+        within("min_angle_rad", self.min_angle_rad, [0.0, 1.0], "")?;
+        within("projector_sigma_px", self.projector_sigma_px, [0.0, 100.0], "")?;
+        within("panel_margin", self.panel_margin, [0.0, 100.0], "")?;
         let limits = [("near_mm", self.near_mm), ("far_mm", self.far_mm)];
         for (what, mm) in limits.into_iter().filter_map(|(what, mm)| Some((what, mm?))) {
             if !(mm.is_finite() && mm >= 0.0) {

@@ -13,7 +13,7 @@ use super::rig_config::RigConfig;
 use super::scene::{NoiseModel, Scene};
 use super::trial::{MethodName, MethodReport, Tally};
 use crate::calibrate::{CalibrateConfig, DistortionModel, Method, PrincipalPointRule};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, within};
 use crate::named::named;
 
 /// Largest noise, px: beyond it no corner is detectable.
@@ -87,12 +87,8 @@ impl NoiseConfig {
             let expected = format!("1 to {MOST_LEVELS} levels");
             return Err(Error::invalid("noise levels", expected, self.levels_px.len()));
         }
-        if let Some(wrong) = self.levels_px.iter().find(|l| !(0.0..=MOST_LEVEL_PX).contains(*l)) {
-            return Err(Error::invalid(
-                "noise level",
-                format!("0 to {MOST_LEVEL_PX} px"),
-                format!("{wrong} px"),
-            ));
+        for level in &self.levels_px {
+            within("noise level", *level, [0.0, MOST_LEVEL_PX], " px")?;
         }
         let most = MOST_DRAWS / self.levels_px.len();
         if !(1..=most).contains(&self.draws) {

@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, ErrorSubject, Result};
+use crate::error::{Error, ErrorSubject, Result, within};
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
 use crate::pattern::{CheckerConfig, CheckerPattern};
 
@@ -69,19 +69,6 @@ impl Default for RigConfig {
             checker: CheckerConfig::default(),
         }
     }
-}
-
-/// Refuses a value outside its range; `unit` follows the numbers of the message.
-pub(super) fn within(
-    what: impl Into<ErrorSubject>,
-    value: f64,
-    [least, most]: [f64; 2],
-    unit: &str,
-) -> Result<()> {
-    if (least..=most).contains(&value) {
-        return Ok(());
-    }
-    Err(Error::invalid(what, format!("{least} to {most}{unit}"), format!("{value}{unit}")))
 }
 
 impl RigConfig {

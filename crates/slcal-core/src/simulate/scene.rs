@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::draws::Draws;
 use super::poses::PoseConfig;
 use super::rig_config::RigConfig;
-use crate::error::{Error, ErrorSubject, Result};
+use crate::error::{Error, ErrorSubject, Result, within};
 use crate::geometry::{Camera, Pose, RectangleSize};
 use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 use crate::rig::{Device, Projector, Rig, View};
@@ -53,16 +53,9 @@ impl NoiseModel {
         for (name, sigma) in
             [("noise of the sheet", self.sheet_px), ("noise of the pattern", self.pattern_px)]
         {
-            if !(0.0..=MOST_NOISE_PX).contains(&sigma) {
-                return Err(Error::invalid(name, format!("0 to {MOST_NOISE_PX} px"), format!("{sigma} px")));
-            }
+            within(name, sigma, [0.0, MOST_NOISE_PX], " px")?;
         }
-        match self.edge_points {
-            Some(n) if !(2..=MOST_EDGE_POINTS).contains(&n) => {
-                Err(Error::invalid("edge points per side", format!("2 to {MOST_EDGE_POINTS}"), n))
-            }
-            _ => Ok(()),
-        }
+        self.edge_points.map_or(Ok(()), |n| within("edge points per side", n, [2, MOST_EDGE_POINTS], ""))
     }
 
     fn stated(sigma_px: f64) -> f64 {

@@ -8,7 +8,7 @@ use super::draws::Draws;
 use super::poses::{PoseConfig, STEEPEST_RAD};
 use super::rig_config::RigConfig;
 use super::scene::Scene;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, within};
 
 /// Largest number of poses.
 const MOST_POSES: usize = 1000;
@@ -52,9 +52,7 @@ pub fn spread_poses(
     spread: &SpreadConfig,
     seed: u64,
 ) -> Result<Vec<PoseConfig>> {
-    if !(1..=MOST_POSES).contains(&count) {
-        return Err(Error::invalid("number of poses", format!("1 to {MOST_POSES}"), count));
-    }
+    within("number of poses", count, [1, MOST_POSES], "")?;
     let [least, most] = spread.tilt_rad;
     if !(0.0 <= least && least <= most && most <= STEEPEST_RAD) {
         let found = format!("{}° to {}°", least.to_degrees(), most.to_degrees());

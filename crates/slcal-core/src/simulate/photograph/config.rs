@@ -2,9 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, within};
 use crate::photo::Encoding;
-use crate::simulate::rig_config::within;
 
 /// Largest blur, px: beyond it no pattern is visible.
 const MOST_BLUR_PX: f64 = 50.0;
@@ -117,9 +116,7 @@ impl RenderConfig {
         if ![8, 16].contains(&self.bits) {
             return Err(Error::invalid("bits per sample", "8 or 16", self.bits));
         }
-        if !(1..=MOST_SAMPLES).contains(&self.samples) {
-            return Err(Error::invalid("samples per side", format!("1 to {MOST_SAMPLES}"), self.samples));
-        }
+        within("samples per side", self.samples, [1, MOST_SAMPLES], "")?;
         self.encoding.validate()
     }
 }
