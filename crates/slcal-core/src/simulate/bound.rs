@@ -62,7 +62,7 @@ fn whitened(scene: &Scene, noise: &NoiseModel) -> Option<Vec<f64>> {
     for view in &scene.views {
         let mut put = |p: Point2<f64>, sigma: f64| all.extend([p.x / sigma, p.y / sigma]);
         for c in scene.size.corners() {
-            let p = view.transform(&nalgebra::Point3::new(c.x, c.y, 0.0));
+            let p = view.lift(c);
             put(scene.camera.project(&p)?, noise.sheet_px);
         }
         for &q in &scene.pattern {

@@ -140,7 +140,7 @@ impl Scene {
 
     /// The pixel of a point of the sheet in a pose.
     fn sheet_pixel(&self, view: &Pose, p: Point2<f64>) -> Option<Point2<f64>> {
-        self.camera.project(&view.transform(&Point3::new(p.x, p.y, 0.0)))
+        self.camera.project(&view.lift(p))
     }
 
     fn lit(&self, view: &Pose, q: Point2<f64>) -> Option<Point3<f64>> {

@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::geometry::{Camera, Plane, Pose, Ray};
 use crate::observations::{Observations, SheetObservation};
 use crate::rig::{Projector, Rig, Verdict};
+use crate::solve::rms;
 
 /// The estimator of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -163,7 +164,7 @@ fn reprojection(rig: &Rig, projector: &Camera, stereo: &Pose, observations: &Obs
         let pose = &view.camera_from_sheet;
         if let SheetObservation::Corners { corners, .. } = &seen.sheet {
             for (mm, px) in seen.size.corners().iter().zip(corners) {
-                let p = camera.project(&pose.transform(&Point3::new(mm.x, mm.y, 0.0)));
+                let p = camera.project(&pose.lift(*mm));
                 in_camera.push(apart(p, *px));
             }
         }
@@ -174,15 +175,12 @@ fn reprojection(rig: &Rig, projector: &Camera, stereo: &Pose, observations: &Obs
             in_projector.push(apart(onto.and_then(|p| projector.project(&p)), pair.projector));
         }
     }
-    (rms(&in_camera), rms(&in_projector))
+    let rms = |distances: Vec<f64>| rms(distances.into_iter()).unwrap_or(f64::NAN);
+    (rms(in_camera), rms(in_projector))
 }
 
 /// The point of the sheet at a camera pixel, in the camera frame.
 fn on_sheet(camera: &Camera, pose: &Pose, pixel: Point2<f64>) -> Option<Point3<f64>> {
     let plane = Plane::from_point_normal(&pose.translation.into(), pose.rotation * Vector3::z())?;
     Ray { origin: Point3::origin(), direction: camera.bearing(pixel)? }.meet(&plane)
-}
-
-fn rms(distances: &[f64]) -> f64 {
-    (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt()
 }
