@@ -75,7 +75,7 @@ impl Triangulator {
     /// Precomputes what does not change from frame to frame.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a rig without a projector or a configuration out of range.
+    /// [`Error::Invalid`](crate::Error::Invalid) for a rig without a projector or a configuration out of range.
     pub fn new(rig: &Rig, config: TriangulateConfig) -> Result<Self> {
         config.validate()?;
         let Projector { device, from_camera } = rig.require_projector()?;
