@@ -13,8 +13,10 @@ export SLCAL_SHARED
 echo "== Rust"
 cargo test --locked
 cargo test --locked -p slcal-core --features rayon --test threads
-# Without the formats that bring dependencies of their own.
-RUSTFLAGS="-D warnings" cargo check --locked --quiet -p slcal-core --no-default-features --target-dir target/bare
+# The library as programs see it that ask for one of its features, or for none.
+for feature in "" report advise evaluate exchange npz stages simulate; do
+    RUSTFLAGS="-D warnings" cargo check --locked --quiet -p slcal-core --features "$feature" --target-dir target/bare
+done
 
 echo "== Python"
 rm -rf target/wheels

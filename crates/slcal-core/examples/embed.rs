@@ -66,8 +66,8 @@ fn run(rig: &str, pattern: &str, photographs: &[String]) -> Result<(), Box<dyn s
             Ok(result) => println!(
                 "frame {number}: {} points, σ {:.3} mm ({:.3} mm of it noise), {:.1} ms",
                 result.cloud.points.len(),
-                result.triangulate.median_sigma_mm,
-                result.triangulate.median_noise_mm,
+                result.median_sigma_mm(),
+                result.median_noise_mm(),
                 1e3 * start.elapsed().as_secs_f64()
             ),
             Err(error) => println!("frame {number}: {error}"),

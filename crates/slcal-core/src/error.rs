@@ -78,8 +78,8 @@ pub enum Error {
     /// Reading or writing the underlying stream failed.
     #[error("{access} {what}: {source}")]
     Io {
-        /// Whether the stream was read or written.
-        access: Access,
+        /// "reading" or "writing".
+        access: &'static str,
         /// The kind of text.
         what: ErrorSubject,
         /// The stream's error.
@@ -109,25 +109,6 @@ impl fmt::Display for Cause {
 impl PartialEq for Cause {
     fn eq(&self, other: &Self) -> bool {
         self.0.to_string() == other.0.to_string()
-    }
-}
-
-/// What was done with a stream.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Access {
-    /// It was read.
-    Reading,
-    /// It was written.
-    Writing,
-}
-
-impl fmt::Display for Access {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Reading => "reading",
-            Self::Writing => "writing",
-        })
     }
 }
 
@@ -304,12 +285,12 @@ impl Error {
 
     /// An [`Error::Io`] of a stream that was read.
     pub(crate) fn reading(what: ErrorSubject, source: std::io::Error) -> Self {
-        Self::Io { access: Access::Reading, what, source: Cause(Arc::new(source)) }
+        Self::Io { access: "reading", what, source: Cause(Arc::new(source)) }
     }
 
     /// An [`Error::Io`] of a stream that was written.
     pub(crate) fn writing(what: ErrorSubject, source: impl Into<std::io::Error>) -> Self {
-        Self::Io { access: Access::Writing, what, source: Cause(Arc::new(source.into())) }
+        Self::Io { access: "writing", what, source: Cause(Arc::new(source.into())) }
     }
 
     /// The class of this error.

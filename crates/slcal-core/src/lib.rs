@@ -35,16 +35,30 @@
 //! |---|---|
 //! | photographs → rig | [`Calibrator`] |
 //! | corners and pairs of another detector → rig | [`Observations`], [`calibrate_observations`] |
-//! | how good a rig is | [`Rig::quality`], [`Verdict`], [`residuals`], [`advise`] |
+//! | how good a rig is | [`Rig::quality`], [`Verdict`] |
 //! | photograph → cloud, frame after frame | [`Reconstructor`] |
 //! | matches of another decoder → cloud | [`Matches`], [`cloud_from_matches`] |
 //! | has anything moved? | [`PhotoVerifier`] |
 //! | a picture without keystone | [`rectify_picture`], [`rectify_checker_picture`] |
-//! | how flat, how round | [`evaluate`] |
-//! | files of this and of other programs | [`mod@format`] |
+//! | files | [`mod@format`] |
 //!
-//! The modules hold the single stages: [`pattern`] → [`detect`] → [`mod@calibrate`] → [`decode`] → [`mod@reconstruct`]. They
-//! meet in the types at the root. `simulate` (a cargo feature) makes photographs and observations with known truth.
+//! # Features
+//!
+//! By default the crate has what a program needs that calibrates, reconstructs and verifies. Cargo features add the rest:
+//!
+//! | feature | what it adds |
+//! |---|---|
+//! | `rayon` | several threads where a configuration asks for them; the results are the same, bit for bit |
+//! | `report` | what reports print and draw: residuals, counts of every stage, tests in detail, expected uncertainty |
+//! | `advise` | which pose to photograph next, and how much that would improve a rig |
+//! | `evaluate` | planes and spheres fitted to clouds |
+//! | `exchange` | rigs and cameras as files of OpenCV, ROS, COLMAP, Kalibr and Blender |
+//! | `npz` | the same as arrays of NumPy; includes `exchange` |
+//! | `stages` | the single stages: detect, decode, triangulate, cull; includes `report` |
+//! | `simulate` | photographs and observations with known truth; includes `stages` |
+//!
+//! The stages are [`pattern`] → [`detect`] → [`mod@calibrate`] → [`decode`] → [`mod@reconstruct`]. They meet in the types at
+//! the root.
 //!
 //! # Conventions
 //!
@@ -55,11 +69,35 @@
 //! global state. The same input gives the same output, bit for bit. Configurations have `Default`; write
 //! `Config { field: value, ..Config::default() }`, since fields may be added.
 
+// What only a feature uses is idle without it; the build with all of them finds what nothing uses.
+#![cfg_attr(
+    not(all(
+        feature = "advise",
+        feature = "evaluate",
+        feature = "npz",
+        feature = "report",
+        feature = "simulate"
+    )),
+    allow(dead_code, unreachable_pub, unused_imports)
+)]
+
+/// Names that are public with a cargo feature, and the crate's own without it.
+macro_rules! public_with {
+    ($feature:literal: pub use $($names:tt)+) => {
+        #[cfg(feature = $feature)]
+        pub use $($names)+
+        #[cfg(not(feature = $feature))]
+        pub(crate) use $($names)+
+    };
+}
+
+#[cfg(feature = "advise")]
 pub mod advise;
 pub mod calibrate;
 pub mod decode;
 pub mod detect;
 mod estimate;
+#[cfg(feature = "evaluate")]
 pub mod evaluate;
 pub mod format;
 pub mod geometry;
@@ -68,7 +106,7 @@ pub mod photo;
 mod pipeline;
 pub mod reconstruct;
 pub mod rectify;
-#[cfg(any(test, feature = "simulate"))]
+#[cfg(feature = "simulate")]
 pub mod simulate;
 mod solve;
 pub mod verify;
@@ -84,21 +122,24 @@ mod rendered_scenes;
 mod rig;
 
 pub use calibrate::{
-    CalibrateConfig, Calibration, CalibrationReport, DistortionModel, FocalPrior, Method, NoiseFound,
-    NoiseOf, PairResidual, PointResidual, PrincipalPointRule, ViewResiduals, calibrate_observations,
-    residuals,
+    CalibrateConfig, Calibration, DistortionModel, FocalPrior, Method, PrincipalPointRule,
+    calibrate_observations,
 };
+#[cfg(feature = "report")]
+pub use calibrate::{CalibrationReport, NoiseFound, PairResidual, PointResidual, ViewResiduals, residuals};
 pub use cloud::{CloudPoint, Frame, PointCloud};
-pub use error::{Access, Cause, Error, ErrorClass, ErrorSubject, Result};
+pub use error::{Cause, Error, ErrorClass, ErrorSubject, Result};
 pub use geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
 pub use matches::{Match, Matches};
 pub use observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 pub use parameter::{LensParameter, Parameter, PoseParameter};
 pub use pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
 pub use photo::{Encoding, PhotoView};
+#[cfg(feature = "report")]
+pub use pipeline::CloudReport;
 pub use pipeline::{
-    Calibrator, CloudReport, PhotoVerifier, ReconstructConfig, Reconstruction, Reconstructor, SheetPhoto,
-    VerifiedPhoto, VerifyPhotoConfig, cloud_from_matches, verify_photo,
+    Calibrator, PhotoVerifier, ReconstructConfig, Reconstruction, Reconstructor, SheetPhoto, VerifiedPhoto,
+    VerifyPhotoConfig, cloud_from_matches, verify_photo,
 };
 pub use rectify::{Rectification, rectify, rectify_checker, rectify_checker_picture, rectify_picture};
 pub use rig::{

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, Point2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, ErrorSubject, Result};
-use crate::geometry::{Camera, Pose, RectangleSize, VanishingPoints};
+use crate::geometry::{Camera, Pose, RectangleSize};
 use crate::parameter::{Parameter, PoseParameter};
 
 /// 1σ of a device's parameters; zero for what was held fixed.
@@ -85,10 +85,10 @@ pub struct View {
     pub camera_from_sheet: Pose,
     /// X_projector = R · X_sheet + t.
     pub projector_from_sheet: Option<Pose>,
-    /// Vanishing points of the sheet's directions in the camera.
-    pub camera_vanishing_points: VanishingPoints,
+    /// Vanishing points of the sheet's width and height in the camera, homogeneous px (z is 0 at infinity).
+    pub camera_vanishing_points: [Vector3<f64>; 2],
     /// The same in the projector.
-    pub projector_vanishing_points: Option<VanishingPoints>,
+    pub projector_vanishing_points: Option<[Vector3<f64>; 2]>,
     /// Corners of the sheet TL, TR, BR, BL in the camera image, px.
     pub corners_px: [Point2<f64>; 4],
     /// Residuals; `None` in rigs of other programs that do not state them.

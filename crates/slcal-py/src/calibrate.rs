@@ -51,7 +51,8 @@ impl Options<'_, '_> {
 
 impl From<Calibration> for Rig {
     fn from(done: Calibration) -> Self {
-        Self { rig: done.rig, report: Some(done.report) }
+        let report = Some(done.report().clone());
+        Self { rig: done.rig, report }
     }
 }
 

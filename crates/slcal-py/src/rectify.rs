@@ -4,7 +4,7 @@ use image::{DynamicImage, ImageBuffer, RgbImage};
 use nalgebra::{Matrix3, Point2};
 use numpy::{PyUntypedArray, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
-use slcal_core::geometry::{Homography, RectangleSize, Warp};
+use slcal_core::geometry::RectangleSize;
 use slcal_core::{
     Device, ErrorSubject, Rig as CoreRig, rectify, rectify_checker, rectify_checker_picture, rectify_picture,
 };
@@ -127,7 +127,7 @@ impl Rectification {
     /// includes the distortion.
     #[getter]
     fn panel_from_source<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let m = self.0.panel_from_source.homography.0;
+        let m = self.0.homography();
         rows(py, m.row_iter().map(|r| [r[0], r[1], r[2]]))
     }
 
@@ -168,7 +168,7 @@ impl Rectification {
     fn map<'py>(&self, pixels: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = pixels.py();
         let mapped = rows_of::<2>(pixels, "pixels")?.into_iter().enumerate().map(|(i, p)| {
-            self.0.panel_from_source.map(Point2::from(p)).map(|q| [q.x, q.y]).ok_or_else(|| {
+            self.0.map(Point2::from(p)).map(|q| [q.x, q.y]).ok_or_else(|| {
                 let found = format!("[{}, {}] in row {i}", p[0], p[1]);
                 errors::invalid(py, "pixels", "pixels that the panel can show", &found)
             })
@@ -177,10 +177,10 @@ impl Rectification {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, State)> {
-        let m = self.0.panel_from_source.homography.0;
+        let m = self.0.homography();
         let state = (
             [0, 1, 2].map(|i| [m[(i, 0)], m[(i, 1)], m[(i, 2)]]),
-            self.0.panel_from_source.lens.map(|model| Camera(Device { model, sigma: None })),
+            self.0.lens().map(|&model| Camera(Device { model, sigma: None })),
             self.0.corners_px.map(|c| [c.x, c.y]),
             self.origin_mm().into(),
             self.size_mm().into(),
@@ -196,13 +196,13 @@ impl Rectification {
         origin: [f64; 2],
         size: [f64; 2],
     ) -> Self {
-        let homography = Homography(Matrix3::from_fn(|i, j| m[i][j]));
-        Self(slcal_core::Rectification {
-            panel_from_source: Warp { homography, lens: lens.map(|c| c.0.model) },
-            corners_px: corners.map(Point2::from),
-            origin_mm: origin.into(),
-            size_mm: RectangleSize { width_mm: size[0], height_mm: size[1] },
-        })
+        Self(slcal_core::Rectification::new(
+            Matrix3::from_fn(|i, j| m[i][j]),
+            lens.map(|c| c.0.model),
+            corners.map(Point2::from),
+            origin.into(),
+            RectangleSize { width_mm: size[0], height_mm: size[1] },
+        ))
     }
 
     fn __repr__(&self) -> String {

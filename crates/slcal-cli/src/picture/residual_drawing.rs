@@ -131,16 +131,16 @@ fn near_points<'a>(
     view: &'a View,
 ) -> impl Iterator<Item = (Point2<f64>, [[Point2<f64>; 2]; 2], &'static str)> + 'a {
     let [tl, tr, br, bl] = view.corners_px;
-    let points = &view.camera_vanishing_points;
+    let [to_width, to_height] = view.camera_vanishing_points;
     let frame = drawing.frame();
     let size = frame.high - frame.low;
     let near = move |p: &Point2<f64>| {
         (0..2).all(|k| (frame.low[k] - NEAR * size[k]..=frame.high[k] + NEAR * size[k]).contains(&p[k]))
     };
-    [(points.x, [[tl, tr], [bl, br]], "width"), (points.y, [[tl, bl], [tr, br]], "height")]
+    [(to_width, [[tl, tr], [bl, br]], "width"), (to_height, [[tl, bl], [tr, br]], "height")]
         .into_iter()
-        .filter_map(move |(point, sides, name): (ProjectivePoint, _, _)| {
-            Some((point.pixel().filter(near)?, sides, name))
+        .filter_map(move |(point, sides, name)| {
+            Some((ProjectivePoint(point).pixel().filter(near)?, sides, name))
         })
 }
 
@@ -180,7 +180,7 @@ fn draw_vanishing_points(drawing: &mut Drawing, view: &View) {
 #[cfg(test)]
 mod tests {
     use nalgebra::Vector3;
-    use slcal_core::geometry::{Pose, RectangleSize, VanishingPoints};
+    use slcal_core::geometry::{Pose, RectangleSize};
     use slcal_core::{CornerPair, PairResidual, PointResidual, SheetObservation, ViewRms};
 
     use super::*;
@@ -194,10 +194,7 @@ mod tests {
             size: RectangleSize::new(594.0, 420.0).unwrap(),
             camera_from_sheet: Pose::identity(),
             projector_from_sheet: None,
-            camera_vanishing_points: VanishingPoints {
-                x: ProjectivePoint(vanishing[0]),
-                y: ProjectivePoint(vanishing[1]),
-            },
+            camera_vanishing_points: vanishing,
             projector_vanishing_points: None,
             corners_px: CORNERS.map(Point2::from),
             rms_px: Some(ViewRms { edges: 0.0512, corners: Some(0.5), projector: None }),

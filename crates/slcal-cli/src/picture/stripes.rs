@@ -77,7 +77,7 @@ pub(crate) fn reconstructed(size: [u32; 2], name: &str, result: &Reconstruction)
         legend =
             legend.entry(Swatch::Ramp, format!("{far:.decimals$} … {near:.decimals$} mm from the camera"));
     }
-    if let Some(report) = &result.decode {
+    if let Some(report) = result.decode() {
         legend = legend.note(counted(report));
     }
     drawing.legend = Some(legend);

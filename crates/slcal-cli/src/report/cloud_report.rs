@@ -42,7 +42,7 @@ pub(crate) fn cloud_html(page: &CloudPage) -> Vec<u8> {
         Some(view_3d::section(page.rig, Some(&shown), &mut figures)),
         fit(&mut figures),
         Some(point_statistics::section(result, &mut figures)),
-        result.decode.as_ref().map(decoding::section),
+        result.decode().map(decoding::section),
         Some(next_steps::listings(&page.made_by, &following(page))),
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
@@ -51,8 +51,8 @@ pub(crate) fn cloud_html(page: &CloudPage) -> Vec<u8> {
 
 fn head(page: &CloudPage) -> Markup {
     let (result, rig) = (page.result, page.rig);
-    let (cloud, t) = (&result.cloud, &result.triangulate);
-    let remarks = result.decode.as_ref().map(summary::remarks).unwrap_or_default();
+    let (cloud, t) = (&result.cloud, result.triangulate());
+    let remarks = result.decode().map(summary::remarks).unwrap_or_default();
     let millimetres = |name: &str, x: f64| derived(name, x, &significant(x, 2));
     html! {
         div class={ "verdict " (if remarks.iter().any(|(label, _)| *label == "warning") { "fair" } else { "none" }) } {
@@ -61,7 +61,7 @@ fn head(page: &CloudPage) -> Markup {
                 span.word { (thousands(cloud.points.len())) " points" }
             }
             ul.key-figures {
-                @if let Some(decode) = &result.decode {
+                @if let Some(decode) = result.decode() {
                     @let share = 100.0 * decode.decoded as f64 / decode.crossings.max(1) as f64;
                     li { span.value { (derived("decoded_percent", share, &fixed(share, 0))) " %" } span.label { "of the stripe crossings decoded" } }
                 }

@@ -17,7 +17,7 @@ pub(crate) fn cloud_in_a_line(result: &Reconstruction) -> String {
     if let Some((near, _, far)) = distances(&result.cloud) {
         let _ = write!(text, ", {near:.0} to {far:.0} mm away");
     }
-    if let Some(report) = &result.decode {
+    if let Some(report) = result.decode() {
         let _ = write!(text, ", {:.1} % decoded", decoded_percent(report));
         let mut layout = TextLayout::new();
         add_remarks(&mut layout, report);
@@ -29,11 +29,11 @@ pub(crate) fn cloud_in_a_line(result: &Reconstruction) -> String {
 /// Decoding, points, warnings and notes.
 pub(crate) fn reconstruction(result: &Reconstruction) -> String {
     let mut layout = TextLayout::new();
-    if let Some(report) = &result.decode {
+    if let Some(report) = result.decode() {
         add_counts(&mut layout, report);
     }
     points(&mut layout, result);
-    if let Some(report) = &result.decode {
+    if let Some(report) = result.decode() {
         add_remarks(&mut layout, report);
     }
     layout.into_text()
@@ -68,9 +68,9 @@ fn points(layout: &mut TextLayout, result: &Reconstruction) {
 
 /// Matches that are no points of the cloud: how many, and why; only reasons that occurred.
 pub(crate) fn left_out(result: &Reconstruction) -> Vec<(usize, &'static str)> {
-    let t = &result.triangulate;
+    let t = result.triangulate();
     let mut reasons = vec![
-        (result.cull.outliers, "outliers (far from their neighbours)"),
+        (result.cull().outliers, "outliers (far from their neighbours)"),
         (t.invalid, "invalid (no projector coordinate, or outside the lens model)"),
         (t.grazing, "with a ray nearly parallel to the light plane"),
         (t.behind, "behind the camera or the projector"),

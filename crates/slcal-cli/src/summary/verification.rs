@@ -33,11 +33,11 @@ fn probability(p: f64) -> String {
 pub(crate) fn verification(v: &Verification, as_drawn: bool) -> String {
     let mut layout = TextLayout::new();
     layout.line("rig", rig_in_words(v));
-    if let Some(sheet) = &v.sheet {
+    if let Some(sheet) = v.sheet() {
         layout.line("sheet", sheet_in_words(v, sheet, as_drawn));
     }
     layout.gap();
-    let k = &v.keystone;
+    let k = v.keystone();
     layout.line("keystone", format!("{} for the worst side", degrees(k.worst_rad)));
     let sides = ["top", "right", "bottom", "left"].iter().zip(&k.sides_rad);
     let sides: Vec<String> =
@@ -71,7 +71,7 @@ fn sheet_in_words(v: &Verification, s: &SheetCheck, as_drawn: bool) -> String {
         s.shift_mm,
         s.turn_rad.to_degrees(),
         probability(s.p_value),
-        if v.keystone.worst_rad.value.to_degrees().abs() < INVISIBLE_DEG {
+        if v.worst_keystone_rad().0.to_degrees().abs() < INVISIBLE_DEG {
             "the picture still looks square"
         } else {
             "calibrate with the sheet where it is now, and rectify again"
@@ -81,7 +81,7 @@ fn sheet_in_words(v: &Verification, s: &SheetCheck, as_drawn: bool) -> String {
 
 /// Whether the rig has changed, and how.
 pub(crate) fn rig_in_words(v: &Verification) -> String {
-    let r = &v.rig;
+    let r = v.rig();
     if !r.moved {
         return format!(
             "{} ({}); the pattern is {:.2} mm (rms) from where the rig predicts it",

@@ -56,9 +56,9 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     } else {
         print_result(&summary::verification(&result, args.as_drawn))?;
     }
-    let sheet_moved = !args.as_drawn && result.sheet.is_some_and(|s| s.moved);
-    if args.fail_if_moved && (result.rig.moved || sheet_moved) {
-        let what = if result.rig.moved { "the rig has moved" } else { "the sheet has moved" };
+    let sheet_moved = !args.as_drawn && result.sheet_moved().unwrap_or(false);
+    if args.fail_if_moved && (result.rig_moved() || sheet_moved) {
+        let what = if result.rig_moved() { "the rig has moved" } else { "the sheet has moved" };
         return Err(Failure::new(Exit::Other, format!("{}: {what}", input_name(&args.photo))));
     }
     Ok(())

@@ -21,9 +21,10 @@ mod variance_components;
 pub use crate::estimate::assumptions::{DistortionModel, FocalPrior, PrincipalPointRule};
 pub use calibration::calibrate_observations;
 pub use config::{CalibrateConfig, Method};
-pub use diagnostics::residuals::{PairResidual, PointResidual, ViewResiduals, residuals};
-pub use report::{Calibration, CalibrationReport};
-pub use variance_components::{NoiseFound, NoiseOf};
+public_with! { "report": pub use diagnostics::residuals::{PairResidual, PointResidual, ViewResiduals, residuals}; }
+pub use report::Calibration;
+public_with! { "report": pub use report::CalibrationReport; }
+public_with! { "report": pub use variance_components::NoiseFound; }
 
 #[cfg(test)]
 pub(crate) mod tests;

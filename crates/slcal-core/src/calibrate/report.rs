@@ -30,13 +30,27 @@ pub struct CalibrationReport {
 pub struct Calibration {
     /// The result.
     pub rig: Rig,
-    /// How it went.
-    pub report: CalibrationReport,
+    pub(super) report: CalibrationReport,
     /// What it was computed from: every σ is filled in, and at most 4000 points of a side and pairs of a view are left,
     /// spread evenly. Calibrating from these gives the same rig.
     pub observations: Observations,
+    pub(super) noise: Vec<NoiseFound>,
+}
+
+/// How it went in detail.
+#[cfg(feature = "report")]
+impl Calibration {
+    /// The record of the calibration.
+    #[must_use]
+    pub fn report(&self) -> &CalibrationReport {
+        &self.report
+    }
+
     /// The σ that were not stated.
-    pub noise: Vec<NoiseFound>,
+    #[must_use]
+    pub fn noise(&self) -> &[NoiseFound] {
+        &self.noise
+    }
 }
 
 /// `slcal-calibration-report/1`.

@@ -7,7 +7,7 @@
 //! `crosstalk`). Once the code is recognised (`code_check`), dynamic programming assigns slits along scanlines
 //! (`sequence_alignment`, `crossing_features`) and the scanlines vote along tracks (`labeling`). Labels that contradict
 //! each other are refused (`consistency`). The edges of a stripe and of its neighbours give the centre of its slit and
-//! its σ (`stripe_centers`, `center_sigma`), with the geometry of the pattern (`slit_layout`). [`Decoder`] runs the
+//! its σ (`stripe_centers`, `center_sigma`), with the geometry of the pattern (`slit_layout`). `decoder` runs the
 //! stages.
 
 mod center_sigma;
@@ -33,5 +33,7 @@ mod stripe_scale;
 mod tests;
 mod tracks;
 
-pub use config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Rejected, ScanDirection};
-pub use decoder::{Decoder, decode};
+pub use config::{DecodeConfig, DecodeInput};
+public_with! { "report": pub use config::{DecodeReport, Rejected, ScanDirection}; }
+public_with! { "stages": pub use config::Decoding; }
+public_with! { "stages": pub use decoder::{Decoder, decode}; }

@@ -4,10 +4,11 @@ use image::{DynamicImage, GrayImage, Luma};
 use nalgebra::{Matrix3, Point2};
 
 use super::*;
-use crate::error::ErrorSubject;
-use crate::geometry::{Homography, Line};
-use crate::pattern::SquareColor;
-use crate::photo::Samples;
+use crate::error::{Error, ErrorSubject, Result};
+use crate::geometry::{Homography, Line, RectangleSize};
+use crate::observations::{SheetObservation, ViewObservation};
+use crate::pattern::{CheckerPattern, SquareColor};
+use crate::photo::{Encoding, PhotoView, Samples};
 use crate::rendered_scenes::rendered_scenes;
 use crate::solve::homography_from_points;
 

@@ -1,7 +1,9 @@
 //! Rigs, observations, patterns, matches and clouds as text and binary files, on any `Read` and `Write`.
 
+#[cfg(feature = "exchange")]
 mod camera;
 mod cloud_format;
+#[cfg(feature = "exchange")]
 mod exchange;
 mod glb;
 mod matches_csv;
@@ -14,11 +16,14 @@ mod pfm;
 mod ply;
 mod recognise;
 mod rig_json;
+#[cfg(feature = "exchange")]
 mod tree;
 mod xyz;
 
+#[cfg(feature = "exchange")]
 pub use camera::{KnownCamera, read_camera};
 pub use cloud_format::CloudFormat;
+#[cfg(feature = "exchange")]
 pub use exchange::{
     ExchangeFormat, Export, ExportConfig, ExportedFile, ImportConfig, Imported, NamedBytes, StorageText,
     export_rig, import_rig,

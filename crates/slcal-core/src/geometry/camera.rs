@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Point2, Point3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::{Distortion, Homography, Pose, VanishingPoints};
+use super::{Distortion, Homography, Pose};
 use crate::error::{Error, Result};
 
 /// The matrix K = [[fx, s, cx], [0, fy, cy], [0, 0, 1]], px.
@@ -126,11 +126,12 @@ impl Camera {
         self.distortion.undistort(self.intrinsics.normalized(p))
     }
 
-    /// The images of the X and Y directions of a plane that stands at `device_from_plane`, without distortion: the columns
-    /// of K·R.
+    /// The images of the X and Y directions of a plane that stands at `device_from_plane`, without distortion, in
+    /// homogeneous pixels: the columns of K·R.
     #[must_use]
-    pub fn vanishing_points(&self, device_from_plane: &Pose) -> VanishingPoints {
-        Homography(self.intrinsics.matrix() * device_from_plane.rotation.matrix()).vanishing_points()
+    pub fn vanishing_points(&self, device_from_plane: &Pose) -> [Vector3<f64>; 2] {
+        let [x, y, _] = Homography(self.intrinsics.matrix() * device_from_plane.rotation.matrix()).columns();
+        [x, y]
     }
 
     /// The direction (x, y, 1) seen at a pixel; `None` where the distortion has no inverse.

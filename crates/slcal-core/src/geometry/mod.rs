@@ -17,14 +17,17 @@ mod warp;
 
 pub use camera::{Camera, Intrinsics};
 pub use distortion::Distortion;
-pub use homography::Homography;
-pub use line::Line;
+public_with! { "stages": pub use homography::Homography; }
+public_with! { "stages": pub use line::Line; }
 pub(crate) use nominal::FILM_DIAGONAL_MM;
+#[cfg(any(feature = "evaluate", feature = "stages"))]
 pub use plane::Plane;
-pub use point::{ProjectivePoint, VanishingPoints};
+#[cfg(not(any(feature = "evaluate", feature = "stages")))]
+pub(crate) use plane::Plane;
+public_with! { "stages": pub use point::{ProjectivePoint, VanishingPoints}; }
 pub use pose::Pose;
 pub(crate) use pose::nearest_rotation;
-pub use ray::Ray;
+public_with! { "stages": pub use ray::Ray; }
 pub use rectangle::RectangleSize;
 pub(crate) use rectangle::Side;
-pub use warp::Warp;
+public_with! { "stages": pub use warp::Warp; }

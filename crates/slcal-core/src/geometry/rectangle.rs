@@ -7,7 +7,6 @@ use std::str::FromStr;
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
-use super::Line;
 use crate::error::{Error, ErrorSubject, Result};
 
 /// Width (along the image's x axis as the camera sees it) and height of a rectangle, mm.
@@ -97,13 +96,6 @@ impl RectangleSize {
     #[must_use]
     pub fn centre(&self) -> Point2<f64> {
         Point2::new(self.width_mm / 2.0, self.height_mm / 2.0)
-    }
-
-    /// The sides as lines on the sheet, top, right, bottom, left.
-    #[must_use]
-    pub fn sides(&self) -> [Line; 4] {
-        let c = self.corners();
-        std::array::from_fn(|i| Line::through_pixels(c[i], c[(i + 1) % 4]))
     }
 
     /// The names of papers that [`FromStr`] knows; each of them may be followed by `-landscape` or `-portrait`.

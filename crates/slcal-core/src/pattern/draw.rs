@@ -32,7 +32,7 @@ impl CheckerPattern {
     ///
     /// # Errors
     /// [`Error::Degenerate`] for a singular homography; [`Error::Invalid`] as for [`CheckerPattern::image`].
-    pub fn draw_warped(&self, panel_from_pattern: &Warp) -> Result<RgbImage> {
+    pub(crate) fn draw_warped(&self, panel_from_pattern: &Warp) -> Result<RgbImage> {
         let [cx, cy] = self.squares.map(|n| f64::from(n) / 2.0 * self.square_px);
         let centre = Point2::new(self.origin_px.x + cx, self.origin_px.y + cy);
         draw(self.projector, panel_from_pattern, centre, shade(self.background), self.light(), |_| None)
@@ -75,10 +75,8 @@ impl StripePattern {
     }
 
     /// The slits rendered through the warp, as [`CheckerPattern::draw_warped`].
-    ///
-    /// # Errors
-    /// [`Error::Degenerate`] for a singular homography; [`Error::Invalid`] as for [`StripePattern::image`].
-    pub fn draw_warped(&self, panel_from_pattern: &Warp) -> Result<RgbImage> {
+    #[cfg(test)]
+    pub(crate) fn draw_warped(&self, panel_from_pattern: &Warp) -> Result<RgbImage> {
         let [w, h] = self.projector.map(f64::from);
         let centre = Point2::new(w / 2.0, h / 2.0);
         draw(self.projector, panel_from_pattern, centre, [0.0; 3], self.light(), |_| None)

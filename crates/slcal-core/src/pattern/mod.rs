@@ -7,7 +7,7 @@ mod panel;
 mod stripes;
 
 pub use checker::{CheckerConfig, CheckerPattern, SquareColor};
-pub use de_bruijn::{de_bruijn, unique_window};
+public_with! { "stages": pub use de_bruijn::{de_bruijn, unique_window}; }
 pub(crate) use draw::warp_image;
 pub use stripes::{Axis, StripeConfig, StripePattern};
 

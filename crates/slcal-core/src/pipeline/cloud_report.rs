@@ -22,6 +22,7 @@ pub struct CloudReport {
     pub cull: CullReport,
 }
 
+#[cfg(feature = "report")]
 impl Reconstruction {
     /// The record of this reconstruction.
     #[must_use]

@@ -7,6 +7,6 @@ mod photo_verifier;
 mod reconstructor;
 
 pub use calibrator::{Calibrator, SheetPhoto};
-pub use cloud_report::CloudReport;
+public_with! { "report": pub use cloud_report::CloudReport; }
 pub use photo_verifier::{PhotoVerifier, VerifiedPhoto, VerifyPhotoConfig, verify_photo};
 pub use reconstructor::{ReconstructConfig, Reconstruction, Reconstructor, cloud_from_matches};

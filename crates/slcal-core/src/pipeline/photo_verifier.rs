@@ -85,7 +85,7 @@ pub struct VerifiedPhoto {
 /// let config = VerifyPhotoConfig { as_drawn: true, ..VerifyPhotoConfig::default() };
 /// let verifier = PhotoVerifier::new(&rig, &checker, &config)?;
 /// let verified = verifier.verify(PhotoView::try_from(&sheet)?)?;
-/// assert!(!verified.verification.rig.moved);
+/// assert!(!verified.verification.rig_moved());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -128,8 +128,8 @@ impl<'a> PhotoVerifier<'a> {
     /// Finds sheet and pattern in a photograph and compares them with the rig.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a photograph of another size than the camera's; otherwise as
-    /// [`observe`](crate::detect::observe); [`Error::Degenerate`] when the photograph and the rig do not go together at all.
+    /// [`Error::Invalid`] for a photograph of another size than the camera's; [`Error::NotFound`] when the checkerboard or the
+    /// sheet is not seen; [`Error::Degenerate`] when the photograph and the rig do not go together at all.
     pub fn verify(&self, photo: PhotoView<'_>) -> Result<VerifiedPhoto> {
         let (camera, found) = (self.rig.camera.model, [photo.width(), photo.height()]);
         if [camera.width as usize, camera.height as usize] != found {

@@ -34,18 +34,51 @@ pub struct ReconstructConfig {
     pub mesh: bool,
 }
 
-/// A cloud and the reports of its stages.
+/// A cloud, and how its stages went.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Reconstruction {
     /// The points, and triangles if requested.
     pub cloud: PointCloud,
+    pub(super) decode: Option<DecodeReport>,
+    pub(super) triangulate: TriangulateReport,
+    pub(super) cull: CullReport,
+}
+
+impl Reconstruction {
+    /// Median over the points of σ along the line of sight, mm.
+    #[must_use]
+    pub fn median_sigma_mm(&self) -> f64 {
+        self.triangulate.median_sigma_mm
+    }
+
+    /// The part of it that is noise and differs from point to point, mm; the rest is the calibration's.
+    #[must_use]
+    pub fn median_noise_mm(&self) -> f64 {
+        self.triangulate.median_noise_mm
+    }
+}
+
+/// The reports of the stages.
+#[cfg(feature = "report")]
+impl Reconstruction {
     /// Report of decoding; `None` when the matches were given.
-    pub decode: Option<DecodeReport>,
+    #[must_use]
+    pub fn decode(&self) -> Option<&DecodeReport> {
+        self.decode.as_ref()
+    }
+
     /// Counts of matches that gave no point.
-    pub triangulate: TriangulateReport,
+    #[must_use]
+    pub fn triangulate(&self) -> &TriangulateReport {
+        &self.triangulate
+    }
+
     /// Counts of removed triangles and points.
-    pub cull: CullReport,
+    #[must_use]
+    pub fn cull(&self) -> &CullReport {
+        &self.cull
+    }
 }
 
 /// Reconstructs one photograph after another with the same rig and pattern. After the first photographs no buffer grows
@@ -53,7 +86,6 @@ pub struct Reconstruction {
 ///
 /// # Examples
 /// ```
-/// use slcal_core::evaluate::{FitConfig, fit_plane};
 /// use slcal_core::{PhotoView, ReconstructConfig, Reconstructor, StripePattern};
 ///
 /// # let rig = slcal_core::format::read_rig(&include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/truth_rig.json"))[..])?;
@@ -63,9 +95,7 @@ pub struct Reconstruction {
 /// // One photograph after another; the buffers stay.
 /// let photo = image::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo/board.jpg"))?;
 /// let cloud = &reconstructor.reconstruct(PhotoView::try_from(&photo)?)?.cloud;
-/// assert!(!cloud.triangles.is_empty());
-/// // The photograph shows a flat board.
-/// assert!(fit_plane(cloud, &FitConfig::default())?.report.rms_mm < 0.5);
+/// assert!(cloud.points.len() > 10_000 && !cloud.triangles.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -95,8 +125,8 @@ impl Reconstructor {
     /// belongs to the reconstructor and is valid until the next scene; clone it, or [take](Self::take_last) it, to keep it.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a photograph of another size than the rig's camera; the errors of
-    /// [`decode`](crate::decode::decode).
+    /// [`Error::Invalid`] for a photograph of another size than the rig's camera or than its dark and white twins;
+    /// [`Error::NotFound`] when the stripes are not seen or cannot be read, or no surface is left.
     pub fn reconstruct<'a>(&mut self, scene: impl Into<DecodeInput<'a>>) -> Result<&Reconstruction> {
         let input: DecodeInput<'_> = scene.into();
         let [width, height] = self.camera;
@@ -126,8 +156,8 @@ impl Reconstructor {
 /// The cloud of matches from any decoder: triangulated, culled, in the requested frame.
 ///
 /// # Errors
-/// [`Error::Invalid`] as for [`triangulate`](crate::reconstruct::triangulate) and
-/// [`in_frame`](crate::reconstruct::in_frame); [`Error::NotFound`] when no point is left.
+/// [`Error::Invalid`] for a rig without a projector, the sheet's frame with a rig that has no views, or a configuration out of
+/// range; [`Error::NotFound`] when no point is left.
 ///
 /// # Examples
 /// ```

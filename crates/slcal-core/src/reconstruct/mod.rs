@@ -16,13 +16,16 @@ mod triangulate_config;
 #[cfg(test)]
 mod triangulate_tests;
 
-pub use cull::{CullReport, CullRule, Culler};
-pub use expected_uncertainty::{ExpectedSigma, ExpectedUncertainty};
-pub use frame::in_frame;
+pub use cull::CullRule;
+public_with! { "report": pub use cull::CullReport; }
+public_with! { "stages": pub use cull::Culler; }
+public_with! { "report": pub use expected_uncertainty::{ExpectedSigma, ExpectedUncertainty}; }
+public_with! { "stages": pub use frame::in_frame; }
 pub(crate) use frame::{first_view, turn};
-pub use length_uncertainty::{LengthSigma, length_sigma};
-pub use triangulate::{Triangulator, triangulate};
-pub use triangulate_config::{TriangulateConfig, TriangulateReport};
+public_with! { "report": pub use length_uncertainty::{LengthSigma, length_sigma}; }
+public_with! { "stages": pub use triangulate::{Triangulator, triangulate}; }
+pub use triangulate_config::TriangulateConfig;
+public_with! { "report": pub use triangulate_config::TriangulateReport; }
 
 /// A camera and a projector about 220 mm to its left and above, both looking at a point a metre away.
 #[cfg(test)]

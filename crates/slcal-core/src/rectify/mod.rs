@@ -21,14 +21,48 @@ use crate::solve::homography_from_points;
 /// A keystone-free placement of a picture on the sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rectification {
-    /// Source pixels → panel pixels: draw the source through this.
-    pub panel_from_source: Warp,
+    /// Source pixels → panel pixels.
+    pub(crate) panel_from_source: Warp,
     /// The source's corners TL, TR, BR, BL on the panel, px.
     pub corners_px: [Point2<f64>; 4],
     /// Top-left corner of the picture on the sheet, mm.
     pub origin_mm: Point2<f64>,
     /// Size of the picture on the sheet, mm.
     pub size_mm: RectangleSize,
+}
+
+impl Rectification {
+    /// A placement from its parts: the homography from source pixels to panel pixels, the projector if its lens distorts,
+    /// and the fields.
+    #[must_use]
+    pub fn new(
+        homography: Matrix3<f64>,
+        lens: Option<Camera>,
+        corners_px: [Point2<f64>; 4],
+        origin_mm: Point2<f64>,
+        size_mm: RectangleSize,
+    ) -> Self {
+        let panel_from_source = Warp { homography: Homography(homography), lens };
+        Self { panel_from_source, corners_px, origin_mm, size_mm }
+    }
+
+    /// The panel pixel that shows a source pixel; `None` at infinity.
+    #[must_use]
+    pub fn map(&self, source: Point2<f64>) -> Option<Point2<f64>> {
+        self.panel_from_source.map(source)
+    }
+
+    /// Source pixels → panel pixels without lens distortion.
+    #[must_use]
+    pub fn homography(&self) -> Matrix3<f64> {
+        self.panel_from_source.homography.0
+    }
+
+    /// The projector, where its lens distorts.
+    #[must_use]
+    pub fn lens(&self) -> Option<&Camera> {
+        self.panel_from_source.lens.as_ref()
+    }
 }
 
 /// Background kept around a rectified checkerboard, in squares: the outermost squares must be seen as squares.
@@ -201,7 +235,7 @@ mod tests {
     use super::*;
     use crate::calibrate::tests::scene::{observe, pose, rig, rng};
     use crate::calibrate::{CalibrateConfig, calibrate_observations};
-    use crate::geometry::Distortion;
+    use crate::geometry::{Distortion, ProjectivePoint};
 
     fn calibrated() -> Rig {
         let truth = rig(768.0, vec![pose(25.0, 28.0)]);
@@ -231,14 +265,14 @@ mod tests {
         let full = (found.size_mm.height_mm - 420.0).abs() < 1e-6;
         assert!(full || touching >= 1, "a larger one would fit: {found:?}");
         // Its sides run through the projector's vanishing points (paper, Fig. 14).
-        let v = rig.views[0].projector_vanishing_points.unwrap();
+        let [x, y] = rig.views[0].projector_vanishing_points.unwrap();
         let line = |i: usize, j: usize| {
             crate::geometry::Line::through_pixels(found.corners_px[i], found.corners_px[j])
                 .normalized()
                 .unwrap()
         };
-        for (l, v) in [(line(0, 1), v.x), (line(3, 2), v.x), (line(0, 3), v.y), (line(1, 2), v.y)] {
-            assert!(l.signed_distance_px(v.pixel().unwrap()).abs() < 1e-5);
+        for (l, v) in [(line(0, 1), x), (line(3, 2), x), (line(0, 3), y), (line(1, 2), y)] {
+            assert!(l.signed_distance_px(ProjectivePoint(v).pixel().unwrap()).abs() < 1e-5);
         }
     }
 

@@ -25,8 +25,8 @@ use crate::parameter::{LensParameter, Parameter, PoseParameter};
 use crate::pattern::CheckerPattern;
 use crate::rig::Rig;
 
-pub use change_test::{Change, RigCheck, SheetCheck};
-pub use keystone::{Keystone, Measured};
+public_with! { "report": pub use change_test::{Change, RigCheck, SheetCheck}; }
+public_with! { "report": pub use keystone::{Keystone, Measured}; }
 
 /// Parameters of [`verify`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,12 +58,9 @@ impl VerifyConfig {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Verification {
-    /// The projected rectangle on the sheet.
-    pub keystone: Keystone,
-    /// Projector against camera.
-    pub rig: RigCheck,
-    /// The sheet against the rig's first view; `None` for a rig without views, or another sheet.
-    pub sheet: Option<SheetCheck>,
+    pub(crate) keystone: Keystone,
+    pub(crate) rig: RigCheck,
+    pub(crate) sheet: Option<SheetCheck>,
     /// Where the sheet is now: X_camera = R · X_sheet + t.
     pub camera_from_sheet: Pose,
     /// The level of the tests.
@@ -76,6 +73,55 @@ pub struct Verification {
     pub left_out: usize,
     /// By how much the scatter of edge points and of corners exceeds their own σ (at least 1): the tests count with it.
     pub widened: [f64; 2],
+}
+
+impl Verification {
+    /// Whether the projector has moved against the camera, or one of them has changed its focal length.
+    #[must_use]
+    pub fn rig_moved(&self) -> bool {
+        self.rig.moved
+    }
+
+    /// Whether the sheet has moved since the rig's first view; `None` for a rig without views, or another sheet.
+    #[must_use]
+    pub fn sheet_moved(&self) -> Option<bool> {
+        self.sheet.as_ref().map(|s| s.moved)
+    }
+
+    /// Rms distance of the pattern on the sheet from where the rig puts it, mm.
+    #[must_use]
+    pub fn pattern_off_mm(&self) -> f64 {
+        self.rig.pattern_off_mm
+    }
+
+    /// The keystone that is left, rad, and its σ: the largest angle between a side of the projected rectangle and the
+    /// sheet's.
+    #[must_use]
+    pub fn worst_keystone_rad(&self) -> (f64, f64) {
+        (self.keystone.worst_rad.value, self.keystone.worst_rad.sigma)
+    }
+}
+
+/// All figures.
+#[cfg(feature = "report")]
+impl Verification {
+    /// The projected rectangle on the sheet.
+    #[must_use]
+    pub fn keystone(&self) -> &Keystone {
+        &self.keystone
+    }
+
+    /// Projector against camera.
+    #[must_use]
+    pub fn rig(&self) -> &RigCheck {
+        &self.rig
+    }
+
+    /// The sheet against the rig's first view; `None` for a rig without views, or another sheet.
+    #[must_use]
+    pub fn sheet(&self) -> Option<&SheetCheck> {
+        self.sheet.as_ref()
+    }
 }
 
 /// What is free when the projector is: where it stands and all of its lens that one view of a plane shows.
@@ -168,6 +214,7 @@ pub(crate) fn outline(
 
 /// Where the rig, as it is, would have the camera see what the projector throws at `projector_px` onto a sheet; `None` where
 /// it does not fall on the sheet's plane or in front of the camera.
+#[cfg(feature = "report")]
 #[must_use]
 pub fn expected_corner(
     rig: &Rig,

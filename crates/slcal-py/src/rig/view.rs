@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 use pyo3::prelude::*;
-use slcal_core::geometry::VanishingPoints;
+use slcal_core::nalgebra::Vector3;
 
 use crate::convert::array::{rows, shaped};
 use crate::convert::report::record;
@@ -13,8 +13,8 @@ use crate::geometry::Pose;
 #[derive(PartialEq)]
 pub(crate) struct View(pub(crate) slcal_core::View);
 
-fn vanishing<'py>(py: Python<'py>, points: &VanishingPoints) -> PyResult<Bound<'py, PyAny>> {
-    rows(py, [points.x, points.y].into_iter().map(|p| [p.0.x, p.0.y, p.0.z]))
+fn vanishing<'py>(py: Python<'py>, points: &[Vector3<f64>; 2]) -> PyResult<Bound<'py, PyAny>> {
+    rows(py, points.iter().map(|p| [p.x, p.y, p.z]))
 }
 
 #[pymethods]

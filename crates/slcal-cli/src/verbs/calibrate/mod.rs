@@ -115,7 +115,7 @@ fn calibrate(
     let busy = printer.busy("calibrating");
     let done = calibrate_observations(&observations, &config).in_file(Path::new(&inputs.join(", ")))?;
     drop(busy);
-    for noise in &done.noise {
+    for noise in done.noise() {
         printer.note(noise_in_words(noise));
     }
     let count = |o: &Observations| o.views.iter().map(|v| v.pairs.len()).sum::<usize>();
@@ -129,7 +129,7 @@ fn calibrate(
 }
 
 fn noise_in_words(noise: &NoiseFound) -> String {
-    let name = noise.of.name();
+    let name = noise.name();
     match noise.redundancy {
         Some(_) => format!("noise of {name}: not stated, {:.3} px (1σ) by the residuals", noise.sigma_px),
         None => format!("noise of {name}: not stated, {:.2} px (1σ) assumed", noise.sigma_px),
@@ -214,5 +214,5 @@ fn finish(
             .map_err(|e| Failure::new(Exit::Other, format!("the rig is not valid JSON: {e}")))?;
         return print_json(&rig);
     }
-    printer.summary(&summary::calibration(&calibration.rig, &calibration.report), to_stdout)
+    printer.summary(&summary::calibration(&calibration.rig, calibration.report()), to_stdout)
 }

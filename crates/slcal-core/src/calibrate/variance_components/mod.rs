@@ -38,8 +38,7 @@ const STEP: f64 = 0.05;
 
 /// What a σ is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum NoiseOf {
+pub(crate) enum NoiseOf {
     /// The points on the sheet's sides, across the side.
     SheetEdges,
     /// The sheet's corners, per coordinate.
@@ -74,16 +73,6 @@ impl NoiseOf {
         let used = self != Self::Pairs || observations.projector.is_some();
         observations.views.iter().map(|view| used && self.is_unstated_in(view)).collect()
     }
-
-    /// In words.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::SheetEdges => "the sheet's edge points",
-            Self::SheetCorners => "the sheet's corners",
-            Self::Pairs => "the pairs",
-        }
-    }
 }
 
 /// A σ that was not stated.
@@ -91,11 +80,23 @@ impl NoiseOf {
 #[non_exhaustive]
 pub struct NoiseFound {
     /// What it is of.
-    pub of: NoiseOf,
+    pub(crate) of: NoiseOf,
     /// 1σ, px; for edge points widened by what neighbours have in common.
     pub sigma_px: f64,
     /// By how many numbers it was measured; `None` when there are too few and it was assumed.
     pub redundancy: Option<f64>,
+}
+
+impl NoiseFound {
+    /// What it is of, in words.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self.of {
+            NoiseOf::SheetEdges => "the sheet's edge points",
+            NoiseOf::SheetCorners => "the sheet's corners",
+            NoiseOf::Pairs => "the pairs",
+        }
+    }
 }
 
 pub(crate) fn diagonal(observations: &Observations) -> f64 {
@@ -139,7 +140,7 @@ pub(crate) fn assumed(observations: &Observations) -> Vec<NoiseFound> {
 
 /// What a user should know about a σ that was not stated.
 pub(crate) fn warning(found: &NoiseFound, observations: &Observations) -> Option<Warning> {
-    let (name, sigma) = (found.of.name(), found.sigma_px);
+    let (name, sigma) = (found.name(), found.sigma_px);
     if found.redundancy.is_none() {
         let field = if found.of == NoiseOf::Pairs { "pair_sigma_px" } else { "sheet_sigma_px" };
         return Some(Warning::new(

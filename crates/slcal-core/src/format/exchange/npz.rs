@@ -24,6 +24,7 @@
 
 use std::io::{Cursor, Read as _, Write as _};
 
+use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
@@ -34,7 +35,7 @@ use super::text::rows;
 use super::{extras, opencv};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::format::tree::Node;
-use crate::geometry::{Pose, VanishingPoints};
+use crate::geometry::Pose;
 use crate::rig::{DeviceSigma, Rig, StereoPose, View};
 
 /// Entries and bytes of an entry that are read; a covariance of a hundred views has 3 MB.
@@ -104,7 +105,7 @@ fn views(views: &[View]) -> Named {
     let unknown = |count: usize| vec![f64::NAN; count];
     let turn = |p: &Pose| rows(p.rotation.matrix()).to_vec();
     let place = |p: &Pose| p.translation.as_slice().to_vec();
-    let pair = |v: &VanishingPoints| v.x.0.iter().chain(v.y.0.iter()).copied().collect::<Vec<f64>>();
+    let pair = |v: &[Vector3<f64>; 2]| v.iter().flatten().copied().collect::<Vec<f64>>();
     let photos = views.iter().map(|v| v.photo.clone().unwrap_or_default()).collect();
     vec![
         ("view_photo", Array::Words(vec![n], photos)),

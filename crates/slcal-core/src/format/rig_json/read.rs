@@ -8,9 +8,7 @@ use super::schema::{
     CovarianceDto, DeviceDto, QualityDto, RigDto, Rows3, StereoDto, VanishingDto, ViewDto, malformed,
 };
 use crate::error::Result;
-use crate::geometry::{
-    Camera, Distortion, Intrinsics, Pose, ProjectivePoint, RectangleSize, VanishingPoints,
-};
+use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
 use crate::rig::{Covariance, Device, DeviceSigma, Projector, Quality, Rig, StereoPose, View, ViewRms};
 
 /// Common prefix of all versions.
@@ -105,8 +103,8 @@ pub(in crate::format) fn exact_pose(matrix: &Matrix3<f64>, t: Vector3<f64>) -> R
     Ok(pose)
 }
 
-fn vanishing_from_rows([x, y]: [[f64; 3]; 2]) -> VanishingPoints {
-    VanishingPoints { x: ProjectivePoint(Vector3::from(x)), y: ProjectivePoint(Vector3::from(y)) }
+fn vanishing_from_rows(rows: [[f64; 3]; 2]) -> [Vector3<f64>; 2] {
+    rows.map(Vector3::from)
 }
 
 fn view_from_dto(

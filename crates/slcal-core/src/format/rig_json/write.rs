@@ -1,6 +1,6 @@
 //! Conversion of a rig to the file's fields; all numbers are finite.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
 use super::schema::{
@@ -8,7 +8,7 @@ use super::schema::{
     SigmaDto, StereoDto, UNITS, VanishingDto, ViewDto,
 };
 use crate::error::{Error, ErrorSubject, Result};
-use crate::geometry::{Pose, VanishingPoints};
+use crate::geometry::Pose;
 use crate::rig::{Covariance, Device, Quality, Rig, StereoPose, View};
 
 fn rows_from_matrix(m: &Matrix3<f64>) -> Rows3 {
@@ -86,7 +86,7 @@ fn stereo_to_dto(s: &StereoPose) -> Result<StereoDto> {
 }
 
 fn view_to_dto(v: &View) -> Result<ViewDto> {
-    let rows = |v: &VanishingPoints| [v.x.0.into(), v.y.0.into()];
+    let rows = |v: &[Vector3<f64>; 2]| v.map(Into::into);
     let camera: [[f64; 3]; 2] = rows(&v.camera_vanishing_points);
     let projector = v.projector_vanishing_points.as_ref().map(rows);
     finite(camera.iter().chain(projector.iter().flatten()).flatten(), "vanishing points")?;
