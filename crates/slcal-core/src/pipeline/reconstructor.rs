@@ -46,13 +46,13 @@ pub struct Reconstruction {
 }
 
 impl Reconstruction {
-    /// Median over the points of σ along the line of sight, mm.
+    /// Median 1σ of a point along the camera's ray, mm.
     #[must_use]
     pub fn median_sigma_mm(&self) -> f64 {
         self.triangulate.median_sigma_mm
     }
 
-    /// The part of it that is noise and differs from point to point, mm; the rest is the calibration's.
+    /// Median of the part of it that differs from point to point, mm.
     #[must_use]
     pub fn median_noise_mm(&self) -> f64 {
         self.triangulate.median_noise_mm
