@@ -60,6 +60,11 @@ impl Failure {
         Self::new(Exit::Usage, message)
     }
 
+    /// An input that cannot be used; the message follows the name of its file.
+    pub(crate) fn input(path: &Path, message: impl fmt::Display) -> Self {
+        Self::new(Exit::Input, format!("{}: {message}", input_name(path)))
+    }
+
     /// An error of the core from a file. The message names the file. A value that the core calls
     /// invalid is then a malformed input, not a wrong command line.
     pub(crate) fn in_file(path: &Path, error: &Error) -> Self {

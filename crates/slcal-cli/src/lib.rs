@@ -15,6 +15,7 @@ mod quantile;
 mod report;
 mod similar;
 mod summary;
+mod surface;
 mod verbs;
 
 use std::ffi::OsString;

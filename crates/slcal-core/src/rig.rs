@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Pose, RectangleSize};
+use crate::named::named;
 use crate::parameter::{Parameter, PoseParameter};
 
 /// 1σ of a device's parameters; zero for what was held fixed.
@@ -136,18 +137,9 @@ impl Verdict {
             _ => Self::Degenerate,
         }
     }
-
-    /// The name in files: "good".
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Good => "good",
-            Self::Fair => "fair",
-            Self::Weak => "weak",
-            Self::Degenerate => "degenerate",
-        }
-    }
 }
+
+named!(Verdict, "verdict", { Good => "good", Fair => "fair", Weak => "weak", Degenerate => "degenerate" });
 
 /// A problem that was noticed, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -296,7 +288,7 @@ impl Rig {
     /// [`Error::Invalid`] for a rig that holds the camera alone, and for another panel.
     pub fn projector_for(&self, what: ErrorSubject, panel: [u32; 2]) -> Result<&Projector> {
         let projector = self.require_projector()?;
-        let [w, h] = [projector.device.model.width, projector.device.model.height];
+        let [w, h] = projector.device.model.size();
         if panel != [w, h] {
             let expected = format!("a pattern for the rig's projector of {w}x{h} px");
             return Err(Error::invalid(what, expected, format!("one for {}x{} px", panel[0], panel[1])));

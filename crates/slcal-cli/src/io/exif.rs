@@ -5,8 +5,7 @@ use std::path::Path;
 
 use exif::{In, Reader, Tag, Value};
 
-use crate::exit::{Exit, Failure, Outcome};
-use crate::name::input_name;
+use crate::exit::{Failure, Outcome};
 
 /// Relative difference of two aspect ratios beyond which one picture is not the other resized.
 const SAME_SHAPE: f64 = 0.01;
@@ -20,14 +19,11 @@ const PLAUSIBLE_MM: std::ops::RangeInclusive<f64> = 5.0..=5000.0;
 /// afterwards.
 pub(crate) fn focal_35mm(path: &Path, bytes: &[u8], size: [u32; 2]) -> Outcome<f64> {
     let refused = |found: &str| {
-        Failure::new(
-            Exit::Input,
-            format!(
-                "{}: --exif: expected the EXIF tag FocalLengthIn35mmFilm of an uncropped photograph, found {found}; give the \
-                 photograph as the camera wrote it, or leave --exif out",
-                input_name(path)
-            ),
-        )
+        let message = format!(
+            "--exif: expected the EXIF tag FocalLengthIn35mmFilm of an uncropped photograph, found {found}; give the photograph \
+             as the camera wrote it, or leave --exif out"
+        );
+        Failure::input(path, message)
     };
     let tags = Reader::new()
         .read_from_container(&mut Cursor::new(bytes))

@@ -19,8 +19,8 @@ pub(crate) use photo::{decode_photo, load_photo, load_photo_and_file, read_photo
 pub(crate) use raw::{RawFormat, RawFrame};
 pub(crate) use read::{check_one_stdin, read_bytes};
 pub(crate) use text::{
-    check_image_size, check_panel, check_projector, load_camera, load_checker, load_mesh, load_observations,
-    load_pattern, load_rig, load_stripes, read_exchange,
+    check_image_size, check_panel, check_projector, load_camera, load_checker, load_cloud, load_mesh,
+    load_observations, load_pattern, load_rig, load_stripes, read_exchange,
 };
 pub(crate) use write::{
     Destination, bytes_of, check_distinct, check_json, check_spares, end_whole_on_interrupt, make_folder,

@@ -4,8 +4,8 @@ use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use crate::exit::{Exit, Failure, Outcome};
-use crate::name::{input_name, is_dash};
+use crate::exit::{Failure, Outcome};
+use crate::name::is_dash;
 use crate::similar::nearest;
 
 /// Limit of the size of inputs: above the largest accepted photographs, even uncompressed.
@@ -51,9 +51,9 @@ pub(crate) fn read_at_most(path: &Path, kind: &str, limit_mib: u64) -> Outcome<V
             std::io::ErrorKind::NotFound => missing(path),
             std::io::ErrorKind::PermissionDenied => "no permission to read it".to_owned(),
             std::io::ErrorKind::IsADirectory => "it is a folder; give a file".to_owned(),
-            _ => return Failure::new(Exit::Input, format!("{}: expected {kind}: {e}", input_name(path))),
+            _ => e.to_string(),
         };
-        Failure::new(Exit::Input, format!("{}: expected {kind}: {advice}", input_name(path)))
+        Failure::input(path, format!("expected {kind}: {advice}"))
     };
     let mut bytes = Vec::new();
     let limit = (limit_mib << 20) + 1;
@@ -64,25 +64,12 @@ pub(crate) fn read_at_most(path: &Path, kind: &str, limit_mib: u64) -> Outcome<V
         file.take(limit).read_to_end(&mut bytes).map_err(|e| unreadable(&e))?;
     }
     if bytes.len() as u64 >= limit {
-        return Err(Failure::new(
-            Exit::Input,
-            format!(
-                "{}: expected {kind} of at most {limit_mib} MiB, found a larger file; is it the right one?",
-                input_name(path)
-            ),
-        ));
-    }
-    if bytes.is_empty() && is_dash(path) {
-        return Err(Failure::new(
-            Exit::Input,
-            format!("stdin: expected {kind}, found no data; use - for one input only"),
-        ));
+        let expected = format!("expected {kind} of at most {limit_mib} MiB");
+        return Err(Failure::input(path, format!("{expected}, found a larger file; is it the right one?")));
     }
     if bytes.is_empty() {
-        return Err(Failure::new(
-            Exit::Input,
-            format!("{}: expected {kind}, found an empty file", input_name(path)),
-        ));
+        let found = if is_dash(path) { "no data; use - for one input only" } else { "an empty file" };
+        return Err(Failure::input(path, format!("expected {kind}, found {found}")));
     }
     Ok(bytes)
 }

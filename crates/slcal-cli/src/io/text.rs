@@ -8,10 +8,10 @@ use slcal_core::format::{
 };
 use slcal_core::pattern::{CheckerPattern, Pattern, StripePattern};
 use slcal_core::simulate::TriangleMesh;
-use slcal_core::{Observations, Projector, Rig};
+use slcal_core::{Observations, PointCloud, Projector, Rig};
 
 use super::read::{read_at_most, read_bytes};
-use crate::exit::{Exit, Failure, InFile as _, Outcome};
+use crate::exit::{Failure, InFile as _, Outcome};
 use crate::name::input_name;
 
 /// Reads a rig JSON.
@@ -72,14 +72,16 @@ pub(crate) fn load_pattern(path: &Path) -> Outcome<Pattern> {
 }
 
 fn wrong_kind(path: &Path, expected: &str, found: &str) -> Failure {
-    Failure::new(
-        Exit::Input,
-        format!(
-            "{}: expected a pattern of the kind \"{expected}\", found \"{found}\"; give the JSON that \
-             `slcal pattern {expected}` wrote beside the picture",
-            input_name(path)
-        ),
-    )
+    let message = format!(
+        "expected a pattern of the kind \"{expected}\", found \"{found}\"; give the JSON that `slcal pattern {expected}` wrote \
+         beside the picture"
+    );
+    Failure::input(path, message)
+}
+
+/// Reads a point cloud.
+pub(crate) fn load_cloud(path: &Path) -> Outcome<PointCloud> {
+    read_ply(read_bytes(path, "a point cloud as PLY")?.as_slice()).in_file(path)
 }
 
 /// Reads a mesh, PLY or OBJ by its name, and multiplies its coordinates by `scale`.
@@ -94,52 +96,39 @@ pub(crate) fn load_mesh(path: &Path, scale: f64) -> Outcome<TriangleMesh> {
 /// The rig's projector; a rig without one is refused.
 pub(crate) fn check_projector<'a>(path: &Path, rig: &'a Rig) -> Outcome<&'a Projector> {
     rig.projector.as_ref().ok_or_else(|| {
-        Failure::new(
-            Exit::Input,
-            format!(
-                "{}: expected a rig with a projector, found the camera alone; calibrate with --pattern",
-                input_name(path)
-            ),
-        )
+        let message = "expected a rig with a projector, found the camera alone; calibrate with --pattern";
+        Failure::input(path, message)
     })
 }
 
 /// Refuses a pattern that was drawn for another projector than the rig's.
 pub(crate) fn check_panel(path: &Path, pattern: [u32; 2], rig_path: &Path, rig: &Rig) -> Outcome {
-    let model = &check_projector(rig_path, rig)?.device.model;
-    let [w, h] = [model.width, model.height];
+    let [w, h] = check_projector(rig_path, rig)?.device.model.size();
+    let [found_w, found_h] = pattern;
     if pattern == [w, h] {
         return Ok(());
     }
-    Err(Failure::new(
-        Exit::Input,
+    let rig = input_name(rig_path);
+    Err(Failure::input(
+        path,
         format!(
-            "{}: expected a pattern for the {w}x{h} projector of {}, found one for {}x{}; draw it with --projector {w}x{h}",
-            input_name(path),
-            input_name(rig_path),
-            pattern[0],
-            pattern[1]
+            "expected a pattern for the {w}x{h} projector of {rig}, found one for {found_w}x{found_h}; draw it with --projector {w}x{h}"
         ),
     ))
 }
 
 /// Refuses a photograph of another size than the images of the rig's camera.
 pub(crate) fn check_image_size(path: &Path, photo: &DynamicImage, rig_path: &Path, rig: &Rig) -> Outcome {
-    let (camera, found) = (rig.camera.model, [photo.width(), photo.height()]);
-    if [camera.width, camera.height] == found {
+    let ([w, h], [found_w, found_h]) = (rig.camera.model.size(), [photo.width(), photo.height()]);
+    if [w, h] == [found_w, found_h] {
         return Ok(());
     }
-    Err(Failure::new(
-        Exit::Input,
+    let rig = input_name(rig_path);
+    Err(Failure::input(
+        path,
         format!(
-            "{}: expected a photograph of {}x{} pixels, by the camera of {}, found {}x{}; a rig is valid for one camera at one \
-             resolution, uncropped",
-            input_name(path),
-            camera.width,
-            camera.height,
-            input_name(rig_path),
-            found[0],
-            found[1]
+            "expected a photograph of {w}x{h} pixels, by the camera of {rig}, found {found_w}x{found_h}; a rig is valid for one \
+             camera at one resolution, uncropped"
         ),
     ))
 }

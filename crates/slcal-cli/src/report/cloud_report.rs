@@ -8,11 +8,12 @@ use super::next_steps::{PIPED, file_word};
 use super::number::{derived, fixed, significant};
 use super::page::{self, Section};
 use super::photo::Photo;
-use super::point_statistics::{self, FittedSurface};
+use super::point_statistics;
 use super::rig_page::ShownCloud;
 use super::{decoding, next_steps, verdict, view_3d};
 use crate::picture::stripes::{self, thousands};
 use crate::summary;
+use crate::surface::FittedSurface;
 
 /// What the report on a cloud shows.
 pub(crate) struct CloudPage<'a> {
@@ -110,7 +111,7 @@ fn head(page: &CloudPage) -> Markup {
 
 fn photograph(page: &CloudPage, photo: &Photo) -> Section {
     let model = &page.rig.camera.model;
-    let mut drawing = stripes::reconstructed([model.width, model.height], &page.image_name, page.result);
+    let mut drawing = stripes::reconstructed(model.size(), &page.image_name, page.result);
     // The page has its own legend.
     drawing.legend = None;
     let cloud = &page.result.cloud;

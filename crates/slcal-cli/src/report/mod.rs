@@ -26,7 +26,6 @@ pub(crate) use self::command_line::CommandLine;
 use self::figure::Figures;
 use self::page::Section;
 pub(crate) use self::photo::Photo;
-pub(crate) use self::point_statistics::FittedSurface;
 pub(crate) use self::rig_page::{RigPage, ShownCloud};
 use crate::summary::working_volume;
 

@@ -35,7 +35,7 @@ pub(super) fn section(page: &RigPage) -> Section {
 
 fn device(path: &str, title: &str, device: &Device) -> Markup {
     let (model, sigma) = (&device.model, &device.sigma);
-    let (k, size) = (&model.intrinsics, [model.width, model.height]);
+    let (k, size) = (&model.intrinsics, model.size());
     let at = |field: &str| format!("{path}.{field}");
     let focal = |axis: usize, value: f64| {
         measured(&at(&format!("K.{axis}.{axis}")), value, sigma.map(|s| (at("sigma.focal_px"), s.focal_px)))

@@ -59,7 +59,7 @@ fn fits<'a>(page: &'a RigPage) -> Vec<Option<MeasuredView<'a>>> {
 /// A drawing with coarser lines, as the page shows photographs small.
 fn drawing(rig: &Rig, title: &str) -> Drawing {
     let coarser = if rig.views.len() > 1 { COARSER_AMONG_OTHERS } else { COARSER_ALONE };
-    Drawing::new([rig.camera.model.width, rig.camera.model.height], title).coarser(coarser)
+    Drawing::new(rig.camera.model.size(), title).coarser(coarser)
 }
 
 fn shot(

@@ -2,7 +2,6 @@
 
 use maud::{Markup, html};
 use serde_json::json;
-use slcal_core::evaluate::{FitReport, PlaneFit, SphereFit};
 use slcal_core::{PointCloud, Reconstruction};
 
 use super::figure::{Figures, flat_layout};
@@ -11,15 +10,10 @@ use super::page::Section;
 use crate::picture::stripes::thousands;
 use crate::quantile::Sorted;
 use crate::summary;
+use crate::surface::FittedSurface;
 
 /// Bars of a histogram.
 const BARS: usize = 60;
-
-/// A surface that was fitted to the cloud.
-pub(crate) enum FittedSurface {
-    Plane(PlaneFit),
-    Sphere(SphereFit),
-}
 
 /// Distances and noise of the points, and what was left out.
 pub(super) fn section(result: &Reconstruction, figures: &mut Figures) -> Section {
@@ -55,55 +49,24 @@ pub(super) fn fit(
 ) -> Section {
     let content = match surface {
         Err(why) => html! { p.note { "No surface was fitted: " (why) } },
-        Ok(FittedSurface::Plane(found)) => {
-            let n = found.plane.normal;
-            let from = cloud.points.iter().map(|p| found.plane.signed_distance_mm(&p.position)).collect();
-            fitted(
-                "plane",
-                html! {
-                    "Normal " (fixed(n.x, 5)) ", " (fixed(n.y, 5)) ", " (fixed(n.z, 5)) ", offset " (fixed(found.plane.offset_mm, 2)) " mm"
-                },
-                &found.report,
-                from,
-                figures,
-            )
-        }
-        Ok(FittedSurface::Sphere(found)) => {
-            let c = found.centre;
-            let from = cloud.points.iter().map(|p| (p.position - c).norm() - found.radius_mm).collect();
-            fitted(
-                "sphere",
-                html! {
-                    "Radius " (derived("sphere_radius_mm", found.radius_mm, &fixed(found.radius_mm, 2))) " mm, centre " (fixed(c.x, 2)) ", "
-                    (fixed(c.y, 2)) ", " (fixed(c.z, 2)) " mm"
-                },
-                &found.report,
-                from,
-                figures,
-            )
-        }
+        Ok(surface) => fitted(surface, cloud, figures),
     };
     Section { id: "fit", title: "Fitted surface", content }
 }
 
-fn fitted(
-    shape: &str,
-    words: Markup,
-    report: &FitReport,
-    mut from: Vec<f64>,
-    figures: &mut Figures,
-) -> Markup {
+fn fitted(surface: &FittedSurface, cloud: &PointCloud, figures: &mut Figures) -> Markup {
+    let ((shape, _), report) = (surface.in_words(), surface.report());
+    let mut from = surface.distances_mm(cloud);
     from.retain(|d| d.abs() <= report.inlier_limit_mm);
     let rows = [
         ("mean", report.mean_mm, report.mean_percent),
         ("standard deviation", report.std_mm, report.std_percent),
         ("root mean square", report.rms_mm, report.rms_percent),
     ];
-    let words = maud::PreEscaped(words.into_string());
     html! {
         p {
             "A " (shape) " was fitted to " (thousands(report.inliers)) " of " (thousands(report.points)) " points: the inliers, within "
-            (significant(report.inlier_limit_mm, 2)) " mm of it. " (words) "."
+            (significant(report.inlier_limit_mm, 2)) " mm of it. " (parameters(surface)) "."
         }
         div.pair {
             div {
@@ -123,6 +86,24 @@ fn fitted(
             }
             figure {
                 (histogram(figures, "fit-distances", "Distances of the points from the surface.", &from, "distance from the surface, mm", "$cloud"))
+            }
+        }
+    }
+}
+
+fn parameters(surface: &FittedSurface) -> Markup {
+    match surface {
+        FittedSurface::Plane(found) => {
+            let n = found.plane.normal;
+            html! {
+                "Normal " (fixed(n.x, 5)) ", " (fixed(n.y, 5)) ", " (fixed(n.z, 5)) ", offset " (fixed(found.plane.offset_mm, 2)) " mm"
+            }
+        }
+        FittedSurface::Sphere(found) => {
+            let c = found.centre;
+            html! {
+                "Radius " (derived("sphere_radius_mm", found.radius_mm, &fixed(found.radius_mm, 2))) " mm, centre " (fixed(c.x, 2)) ", "
+                (fixed(c.y, 2)) ", " (fixed(c.z, 2)) " mm"
             }
         }
     }

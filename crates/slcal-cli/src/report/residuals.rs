@@ -39,7 +39,7 @@ pub(super) fn section(page: &RigPage, figures: &mut Figures) -> Option<Section> 
 
 /// Arrows over the image, enlarged by a round factor.
 fn over_image(rig: &Rig, views: &[ViewResiduals], figures: &mut Figures) -> Markup {
-    let [w, h] = [rig.camera.model.width, rig.camera.model.height].map(f64::from);
+    let [w, h] = rig.camera.model.size().map(f64::from);
     let sheet = || views.iter().flat_map(|v| &v.sheet);
     let pairs = || views.iter().flat_map(|v| &v.pairs).map(|p| &p.camera);
     let kept = views.iter().flat_map(ViewResiduals::points).filter(|p| p.kept);

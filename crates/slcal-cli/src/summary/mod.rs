@@ -17,6 +17,6 @@ pub(crate) use cloud::{cloud, cloud_in_a_line, left_out, reconstruction};
 pub(crate) use decoding::{decoding, remarks};
 pub(crate) use noise_experiment::noise_experiment;
 pub(crate) use number::unsigned;
-pub(crate) use surface_fit::{plane_fit, sphere_fit};
+pub(crate) use surface_fit::surface_fit;
 pub(crate) use verdict::verdict;
 pub(crate) use verification::{rig_in_words, verification};

@@ -1,8 +1,7 @@
 //! The synthetic noise experiment as tables.
 
 use slcal_core::simulate::{
-    Coverage, ErrorStatistics, LevelReport, MethodName, MethodReport, NoiseConfig, NoiseReport,
-    PrincipalPoints, Statistics,
+    Coverage, ErrorStatistics, LevelReport, NoiseConfig, NoiseReport, PrincipalPoints, Statistics,
 };
 
 use super::number::unsigned;
@@ -56,13 +55,6 @@ fn head(layout: &mut TextLayout, config: &NoiseConfig, report: &NoiseReport) {
     );
 }
 
-fn name(m: &MethodReport) -> &'static str {
-    match m.method {
-        MethodName::TwoVp => "two-vp",
-        MethodName::Ml => "ml",
-    }
-}
-
 /// The level, in its first row only.
 fn level_cell(level: &LevelReport, row: usize) -> String {
     if row == 0 { format!("{:.3}", level.level_px) } else { String::new() }
@@ -75,7 +67,7 @@ fn fits(report: &NoiseReport) -> Table {
         for (i, m) in level.methods.iter().enumerate() {
             table.row([
                 level_cell(level, i),
-                name(m).to_owned(),
+                m.method.to_string(),
                 mean(&m.camera_reprojection_px, 3),
                 mean(&m.projector_reprojection_px, 3),
                 mean(&m.cube_position_percent, 2),
@@ -94,7 +86,7 @@ fn errors(report: &NoiseReport) -> Table {
         for (i, m) in level.methods.iter().enumerate() {
             table.row([
                 level_cell(level, i),
-                name(m).to_owned(),
+                m.method.to_string(),
                 error(&m.camera_focal_px, t.camera_focal_px / 100.0, 3),
                 error(&m.projector_focal_px, t.projector_focal_px / 100.0, 3),
                 error(&m.translation_mm, 1.0, 2),
@@ -118,7 +110,7 @@ fn coverage(report: &NoiseReport) -> Table {
         Table::new(["noise, px", "", ">coverage: f camera, %", ">f projector, %", ">baseline, %"]);
     for level in &report.levels {
         for (i, m) in level.methods.iter().enumerate() {
-            let row = [level_cell(level, i), name(m).to_owned()];
+            let row = [level_cell(level, i), m.method.to_string()];
             table.row(row.into_iter().chain(shares(&m.coverage)));
         }
     }

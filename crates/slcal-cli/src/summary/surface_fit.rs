@@ -1,30 +1,13 @@
 //! A plane or sphere fitted to a cloud.
 
-use slcal_core::evaluate::{FitReport, PlaneFit, SphereFit};
-
 use crate::output::{Table, TextLayout};
+use crate::surface::FittedSurface;
 
-/// The plane, and the distances of the points from it.
-pub(crate) fn plane_fit(fit: &PlaneFit) -> String {
-    let (n, offset) = (fit.plane.normal, fit.plane.offset_mm);
-    let term = |x: f64, digits: usize, name: &str| {
-        format!("{} {:.digits$} {name}", if x < 0.0 { '-' } else { '+' }, x.abs())
-    };
-    let equation =
-        format!("{:.5} x {} {} {} = 0", n.x, term(n.y, 5, "y"), term(n.z, 5, "z"), term(offset, 2, "mm"));
-    surface_fit("plane", &equation, &fit.report)
-}
-
-/// The sphere, and the distances of the points from it.
-pub(crate) fn sphere_fit(fit: &SphereFit) -> String {
-    let [x, y, z]: [f64; 3] = fit.centre.into();
-    let words = format!("centre {x:.2}, {y:.2}, {z:.2} mm, radius {:.2} mm", fit.radius_mm);
-    surface_fit("sphere", &words, &fit.report)
-}
-
-fn surface_fit(shape: &str, surface: &str, report: &FitReport) -> String {
+/// The surface, and the distances of the points from it.
+pub(crate) fn surface_fit(fit: &FittedSurface) -> String {
     let mut layout = TextLayout::new();
-    layout.line(shape, surface);
+    layout.line(fit.in_words().0, equation(fit));
+    let report = fit.report();
     let mut table = Table::new(["", ">mm", "% of the distance from the camera"]);
     for (name, mm, percent) in [
         ("mean", report.mean_mm, report.mean_percent),
@@ -46,4 +29,20 @@ fn surface_fit(shape: &str, surface: &str, report: &FitReport) -> String {
         ),
     );
     layout.into_text()
+}
+
+fn equation(fit: &FittedSurface) -> String {
+    match fit {
+        FittedSurface::Plane(fit) => {
+            let (n, offset) = (fit.plane.normal, fit.plane.offset_mm);
+            let term = |x: f64, digits: usize, name: &str| {
+                format!("{} {:.digits$} {name}", if x < 0.0 { '-' } else { '+' }, x.abs())
+            };
+            format!("{:.5} x {} {} {} = 0", n.x, term(n.y, 5, "y"), term(n.z, 5, "z"), term(offset, 2, "mm"))
+        }
+        FittedSurface::Sphere(fit) => {
+            let [x, y, z]: [f64; 3] = fit.centre.into();
+            format!("centre {x:.2}, {y:.2}, {z:.2} mm, radius {:.2} mm", fit.radius_mm)
+        }
+    }
 }

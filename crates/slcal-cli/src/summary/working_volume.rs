@@ -94,7 +94,7 @@ pub(crate) fn slopes(model: &Camera) -> Vec<f64> {
 /// Pixels over the whole image.
 fn grid(model: &Camera) -> impl Iterator<Item = Point2<f64>> {
     const SIDE: u32 = 12;
-    let [w, h] = [model.width, model.height].map(f64::from);
+    let [w, h] = model.size().map(f64::from);
     let at = |i: u32, length: f64| (f64::from(i) + 0.5) / f64::from(SIDE) * length - 0.5;
     (0..SIDE * SIDE).map(move |i| Point2::new(at(i % SIDE, w), at(i / SIDE, h)))
 }
@@ -127,11 +127,9 @@ impl WorkingVolume {
         x: f64,
         z: f64,
     ) -> Option<ExpectedSigma> {
-        let [w, h] = [model.width, model.height].map(f64::from);
         slopes.iter().find_map(|slope| {
             let pixel = model.project(&Point3::new(x, slope * z, z))?;
-            let inside = (-0.5..=w - 0.5).contains(&pixel.x) && (-0.5..=h - 0.5).contains(&pixel.y);
-            if inside { self.uncertainty.at(pixel, z) } else { None }
+            if model.holds(pixel) { self.uncertainty.at(pixel, z) } else { None }
         })
     }
 }

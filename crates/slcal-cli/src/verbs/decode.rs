@@ -8,7 +8,7 @@ use slcal_core::format::write_matches;
 use slcal_core::photo::PhotoView;
 
 use crate::args::{self, DecodeArgs};
-use crate::exit::{Exit, Failure, InFile as _, Outcome};
+use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{
     Destination, bytes_of, check_distinct, check_json, check_spares, input_name, is_dash, load_photo,
     load_stripes, png_bytes, write_all,
@@ -94,21 +94,12 @@ fn view<'a>(
 ) -> Outcome<Option<PhotoView<'a>>> {
     let Some((file, picture)) = frame else { return Ok(None) };
     let view = PhotoView::try_from(picture).in_file(file)?;
-    let [found, expected] = [&view, photo].map(|v| (v.width(), v.height()));
-    if found == expected {
+    let [[w, h], expected] = [&view, photo].map(|v| [v.width(), v.height()]);
+    if [w, h] == expected {
         return Ok(Some(view));
     }
-    Err(Failure::new(
-        Exit::Input,
-        format!(
-            "{}: expected the size of the striped photograph, {}x{} px, found {}x{} px; take it with the same camera",
-            input_name(file),
-            expected.0,
-            expected.1,
-            found.0,
-            found.1
-        ),
-    ))
+    let expected = format!("expected the size of the striped photograph, {}x{} px", expected[0], expected[1]);
+    Err(Failure::input(file, format!("{expected}, found {w}x{h} px; take it with the same camera")))
 }
 
 /// The matches drawn on the photograph, as PNG.

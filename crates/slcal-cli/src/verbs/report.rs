@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
 use slcal_core::detect::{DetectConfig, observe};
-use slcal_core::format::read_ply;
 use slcal_core::photo::PhotoView;
 use slcal_core::{Observations, Rig, ViewResiduals, residuals};
 
@@ -12,7 +11,7 @@ use crate::args::ReportArgs;
 use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{
     Destination, check_image_size, check_one_stdin, check_panel, check_spares, input_name, load_checker,
-    load_observations, load_photo, load_rig, read_bytes, write_all,
+    load_cloud, load_observations, load_photo, load_rig, write_all,
 };
 use crate::output::Printer;
 use crate::picture::for_display;
@@ -33,12 +32,7 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
         Ok((seen, residuals)) => (Some(seen), residuals),
         Err(why) => (None, Err(why)),
     };
-    let cloud = match &args.cloud {
-        Some(path) => {
-            Some((path, read_ply(read_bytes(path, "a point cloud as PLY")?.as_slice()).in_file(path)?))
-        }
-        None => None,
-    };
+    let cloud = args.cloud.as_deref().map(load_cloud).transpose()?;
     let count = photos.len();
     let gamma = args.gamma.gamma;
     // Frees the photograph, which may be large.
@@ -51,7 +45,11 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
         observations: observations.as_ref(),
         residuals,
         checker_name: args.pattern.as_deref().map(input_name),
-        cloud: cloud.as_ref().map(|(path, cloud)| ShownCloud { name: input_name(path), cloud }),
+        cloud: args
+            .cloud
+            .as_deref()
+            .zip(cloud.as_ref())
+            .map(|(path, cloud)| ShownCloud { name: input_name(path), cloud }),
         made_by: vec![typed.typed()],
     };
     write_all(&[(place, rig_html(&page))])
@@ -153,8 +151,8 @@ fn seen(
             }
         }
     }
-    let size = [rig.camera.model.width, rig.camera.model.height];
-    let seen = Observations { camera: size, projector: pattern.map(|p| p.projector), views };
+    let seen =
+        Observations { camera: rig.camera.model.size(), projector: pattern.map(|p| p.projector), views };
     // New detections may not match the views of the rig.
     let residuals = residuals(rig, &seen).map_err(|e| e.to_string());
     Ok(Ok((seen, residuals)))

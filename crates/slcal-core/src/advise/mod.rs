@@ -102,7 +102,7 @@ pub fn advise_first(plan: &CameraPlan) -> Result<Advice> {
         }
     }
     let f = plan.camera.intrinsics.fx;
-    let [w, h] = [plan.camera.width, plan.camera.height].map(f64::from);
+    let [w, h] = plan.camera.size().map(f64::from);
     let fill = (f * plan.size.width_mm / (FILLED * w)).max(f * plan.size.height_mm / (FILLED * h));
     let distance_mm = plan.distance_mm.unwrap_or(fill);
     let middle = Point3::new(0.0, 0.0, distance_mm);

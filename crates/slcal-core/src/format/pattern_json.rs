@@ -2,27 +2,17 @@
 
 use std::io::{Read, Write};
 
-use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::recognise::read_json;
 use crate::error::{Error, ErrorSubject, Result};
-use crate::pattern::{Axis, CheckerPattern, Pattern, SquareColor, StripePattern, unique_window};
+use crate::pattern::{Axis, CheckerPattern, Pattern, StripePattern, unique_window};
 
 const SCHEMA: &str = "slcal-pattern/1";
 
-#[derive(Serialize, Deserialize)]
-struct CheckerFile {
-    projector: [u32; 2],
-    squares: [u32; 2],
-    square_px: f64,
-    origin_px: [f64; 2],
-    first_square: SquareColor,
-    background: SquareColor,
-}
-
-#[derive(Serialize, Deserialize)]
+/// Stripes as other programs may write them.
+#[derive(Deserialize)]
 struct StripesFile {
     projector: [u32; 2],
     #[serde(default)]
@@ -30,14 +20,12 @@ struct StripesFile {
     palette: Vec<[u8; 3]>,
     sequence: Vec<u8>,
     centres_px: Vec<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     width_px: Option<Width>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     order: Option<u32>,
 }
 
 /// One width for all slits, or one for each.
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 #[serde(untagged)]
 enum Width {
     All(f64),
@@ -45,11 +33,10 @@ enum Width {
 }
 
 #[derive(Serialize)]
-struct Envelope<'a, T> {
+struct Envelope<'a> {
     schema: &'a str,
-    kind: &'a str,
     #[serde(flatten)]
-    body: T,
+    pattern: &'a Pattern,
 }
 
 fn malformed(detail: impl Into<String>) -> Error {
@@ -87,15 +74,8 @@ pub fn read_pattern(input: impl Read) -> Result<Pattern> {
 }
 
 fn checker(value: Value) -> Result<CheckerPattern> {
-    let f: CheckerFile = serde_json::from_value(value).map_err(|e| malformed(format!("checker: {e}")))?;
-    let pattern = CheckerPattern {
-        projector: f.projector,
-        squares: f.squares,
-        square_px: f.square_px,
-        origin_px: Point2::from(f.origin_px),
-        first_square: f.first_square,
-        background: f.background,
-    };
+    let pattern: CheckerPattern =
+        serde_json::from_value(value).map_err(|e| malformed(format!("checker: {e}")))?;
     pattern.validate()?;
     Ok(pattern)
 }
@@ -137,31 +117,7 @@ fn stripes(value: Value) -> Result<StripePattern> {
 /// # Errors
 /// [`Error::Io`] when the stream fails.
 pub fn write_pattern(pattern: &Pattern, mut output: impl Write) -> Result<()> {
-    let written = match pattern {
-        Pattern::Checker(p) => {
-            let body = CheckerFile {
-                projector: p.projector,
-                squares: p.squares,
-                square_px: p.square_px,
-                origin_px: [p.origin_px.x, p.origin_px.y],
-                first_square: p.first_square,
-                background: p.background,
-            };
-            serde_json::to_writer_pretty(&mut output, &Envelope { schema: SCHEMA, kind: "checker", body })
-        }
-        Pattern::Stripes(p) => {
-            let body = StripesFile {
-                projector: p.projector,
-                axis: p.axis,
-                palette: p.palette.clone(),
-                sequence: p.sequence.clone(),
-                centres_px: p.centres_px.clone(),
-                width_px: Some(Width::All(p.width_px)),
-                order: Some(p.order),
-            };
-            serde_json::to_writer_pretty(&mut output, &Envelope { schema: SCHEMA, kind: "stripes", body })
-        }
-    };
+    let written = serde_json::to_writer_pretty(&mut output, &Envelope { schema: SCHEMA, pattern });
     written
         .map_err(Into::into)
         .and_then(|()| writeln!(output))

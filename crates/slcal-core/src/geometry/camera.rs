@@ -95,6 +95,19 @@ impl Camera {
         Point2::new((f64::from(width) - 1.0) / 2.0, (f64::from(height) - 1.0) / 2.0)
     }
 
+    /// Width and height, px.
+    #[must_use]
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// Whether a pixel, with its whole area, belongs to the image.
+    #[must_use]
+    pub fn holds(&self, p: Point2<f64>) -> bool {
+        let [w, h] = self.size().map(f64::from);
+        (-0.5..=w - 0.5).contains(&p.x) && (-0.5..=h - 0.5).contains(&p.y)
+    }
+
     /// The pixel of a point in the device frame; `None` behind the device.
     ///
     /// # Examples

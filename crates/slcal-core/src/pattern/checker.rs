@@ -1,7 +1,7 @@
 //! The checkerboard that calibration needs.
 
 use nalgebra::Point2;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::panel::check_panel;
 use crate::error::{Error, ErrorSubject, Result};
@@ -23,7 +23,7 @@ named!(SquareColor, "colour", { Black => "black", White => "white" });
 ///
 /// Columns + rows is odd in every pattern that slcal draws, so that a half-turn changes the colour of the first
 /// square and the pattern is not ambiguous.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CheckerPattern {
     /// Width and height of the panel, px.
     pub projector: [u32; 2],
@@ -32,6 +32,7 @@ pub struct CheckerPattern {
     /// Side of a square, px.
     pub square_px: f64,
     /// Projector coordinate of the outer top-left corner of the top-left square, px.
+    #[serde(deserialize_with = "point")]
     pub origin_px: Point2<f64>,
     /// Colour of the top-left square.
     pub first_square: SquareColor,
@@ -63,6 +64,10 @@ impl Default for CheckerConfig {
             background: SquareColor::White,
         }
     }
+}
+
+fn point<'de, D: Deserializer<'de>>(from: D) -> std::result::Result<Point2<f64>, D::Error> {
+    <[f64; 2]>::deserialize(from).map(Point2::from)
 }
 
 /// Fewest squares per side: a homography needs two rows of inner corners.

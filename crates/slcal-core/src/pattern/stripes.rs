@@ -22,7 +22,7 @@ named!(Axis, "axis", { Columns => "columns", Rows => "rows" });
 
 /// A multi-slit pattern: coloured slits between black bands (paper, section 3; J. Pagès, J. Salvi, C. Collewet,
 /// J. Forest, "Optimised De Bruijn patterns for one-shot shape acquisition", Image and Vision Computing 23:707-720, 2005).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StripePattern {
     /// Width and height of the panel, px.
     pub projector: [u32; 2],

@@ -180,8 +180,8 @@ impl Calibrator {
             );
             return Err(Error::invalid(ErrorSubject::Photograph, expected, found));
         }
-        if let Some(known) = self.config.known_camera.filter(|k| [k.width, k.height] != size) {
-            let [w, h] = [known.width, known.height];
+        if let Some(known) = self.config.known_camera.filter(|k| k.size() != size) {
+            let [w, h] = known.size();
             let expected =
                 format!("{w}x{h} pixels like the known camera (intrinsics hold for one resolution)");
             return Err(Error::invalid(ErrorSubject::Photograph, expected, found));

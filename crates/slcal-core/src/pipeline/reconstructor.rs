@@ -117,7 +117,7 @@ impl Reconstructor {
         rig.projector_for(ErrorSubject::StripePattern, pattern.projector)?;
         let stages = Stages::new(rig, &config)?;
         let decoder = Decoder::new(pattern, config.decode)?;
-        let camera = [rig.camera.model.width, rig.camera.model.height];
+        let camera = rig.camera.model.size();
         Ok(Self { camera, decoder, stages, result: Reconstruction::default() })
     }
 

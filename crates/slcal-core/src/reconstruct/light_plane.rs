@@ -85,7 +85,7 @@ impl ProjectorLight {
             bent: !projector.distortion.is_none(),
             least_sin2: min_angle_rad.sin().powi(2),
             panel: [side(projector.width), side(projector.height)],
-            margin: [projector.width, projector.height].map(|n| panel_margin * f64::from(n)),
+            margin: projector.size().map(|n| panel_margin * f64::from(n)),
         }
     }
 

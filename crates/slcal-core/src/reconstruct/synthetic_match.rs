@@ -55,8 +55,7 @@ impl SyntheticMatches {
     /// The match of a point in the camera's frame, mm; `None` where the camera does not see it or the panel does not light it.
     pub(super) fn seen(&self, point: &Point3<f64>) -> Option<Match> {
         let lit = self.projector.project(&self.projector_from_camera.transform(point))?;
-        let [w, h] = [self.projector.width, self.projector.height].map(f64::from);
-        if !((-0.5..=w - 0.5).contains(&lit.x) && (-0.5..=h - 0.5).contains(&lit.y)) {
+        if !self.projector.holds(lit) {
             return None;
         }
         let (projector_column, projector_row) = match self.axis {

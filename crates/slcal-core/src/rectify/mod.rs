@@ -162,7 +162,7 @@ pub fn rectify(
 /// The rectangle of ideal pixels [left, right, top, bottom] that the panel's border leaves free: the border itself without
 /// distortion.
 fn straight_panel(projector: &Camera) -> Result<[f64; 4]> {
-    let [w, h] = [projector.width, projector.height].map(|n| f64::from(n) - 0.5);
+    let [w, h] = projector.size().map(|n| f64::from(n) - 0.5);
     let mut limits = [-0.5, w, -0.5, h];
     if projector.distortion.is_none() {
         return Ok(limits);

@@ -16,8 +16,7 @@ use crate::rig::Rig;
 pub fn rectify_picture(rig: &Rig, view: usize, picture: &RgbImage) -> Result<(RgbImage, Rectification)> {
     let (w, h) = (f64::from(picture.width()), f64::from(picture.height()));
     let place = rectify(rig, view, Point2::new(-0.5, -0.5), Point2::new(w - 0.5, h - 0.5))?;
-    let projector = rig.require_projector()?.device.model;
-    let panel = [projector.width, projector.height];
+    let panel = rig.require_projector()?.device.model.size();
     Ok((warp_image(picture, panel, &place.panel_from_source, [0; 3])?, place))
 }
 

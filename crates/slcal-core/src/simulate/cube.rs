@@ -137,6 +137,5 @@ fn seen_by_both(i: usize, view: &Pose, scene: &Scene, place: &dyn Fn(usize) -> P
 }
 
 fn inside(device: &Camera, p: &Point3<f64>) -> Option<Point2<f64>> {
-    let [w, h] = [device.width, device.height].map(f64::from);
-    device.project(p).filter(|q| (-0.5..=w - 0.5).contains(&q.x) && (-0.5..=h - 0.5).contains(&q.y))
+    device.project(p).filter(|q| device.holds(*q))
 }

@@ -11,7 +11,7 @@ use super::draws::Draws;
 use super::poses::PoseConfig;
 use super::rig_config::RigConfig;
 use super::scene::{NoiseModel, Scene};
-use super::trial::{MethodName, MethodReport, Tally};
+use super::trial::{MethodReport, Tally};
 use crate::calibrate::{CalibrateConfig, DistortionModel, Method, PrincipalPointRule};
 use crate::error::{Error, Result, within};
 use crate::named::named;
@@ -236,7 +236,7 @@ impl NoiseExperiment {
         Ok(Some(LevelReport {
             level_px,
             bound: self.bound(level_px)?,
-            methods: [two_vp.report(MethodName::TwoVp), ml.report(MethodName::Ml)],
+            methods: [two_vp.report(Method::TwoVp), ml.report(Method::Ml)],
         }))
     }
 

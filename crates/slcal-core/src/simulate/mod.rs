@@ -27,15 +27,14 @@ pub use draws::Draws;
 pub use experiment::{LevelReport, NoiseConfig, NoiseExperiment, NoiseReport, PrincipalPoints, TrueValues};
 pub use photograph::{
     PatternKind, Photographer, PixelTruth, Placement, PreparedScene, ProjectedImage, RenderConfig,
-    SceneObject, SceneReport, SceneSetup, Shape, SimulatedScene, Surface, SurfaceKind, TriangleMesh, Truth,
-    WallKind,
+    SceneObject, SceneReport, SceneSetup, Shape, SimulatedScene, Surface, TriangleMesh, Truth, WallKind,
 };
 pub use poses::PoseConfig;
 pub use rig_config::RigConfig;
 pub use scene::{NoiseModel, Scene};
 pub use spread::{SpreadConfig, spread_poses};
 pub use statistics::{Coverage, ErrorStatistics, Statistics};
-pub use trial::{MethodName, MethodReport};
+pub use trial::MethodReport;
 
 #[cfg(test)]
 mod tests;

@@ -184,13 +184,11 @@ impl Scene {
     /// shows the former through the sides that meet there, and the latter not at all.
     #[must_use]
     pub fn outside_picture(&self) -> usize {
-        let [w, h] = [self.camera.width, self.camera.height].map(f64::from);
-        let inside = |p: &Point2<f64>| (-0.5..=w - 0.5).contains(&p.x) && (-0.5..=h - 0.5).contains(&p.y);
         let of_view = |view: &Pose| {
             let sheet = self.size.corners().map(|c| self.sheet_pixel(view, c));
             let pattern =
                 self.pattern.iter().map(|q| self.lit(view, *q).and_then(|p| self.camera.project(&p)));
-            sheet.into_iter().chain(pattern).filter(|p| !p.as_ref().is_some_and(inside)).count()
+            sheet.into_iter().chain(pattern).filter(|p| !p.is_some_and(|p| self.camera.holds(p))).count()
         };
         self.views.iter().map(of_view).sum()
     }
@@ -227,11 +225,7 @@ impl Scene {
                 pairs,
             });
         }
-        Ok(Observations {
-            camera: [self.camera.width, self.camera.height],
-            projector: Some([self.projector.width, self.projector.height]),
-            views,
-        })
+        Ok(Observations { camera: self.camera.size(), projector: Some(self.projector.size()), views })
     }
 
     fn observe_sheet(&self, view: &Pose, noise: &NoiseModel, draws: &mut Draws) -> Option<SheetObservation> {

@@ -157,11 +157,8 @@ pub(crate) fn verify(
         return Err(Error::invalid("outline", "four finite corners and a positive aspect", aspect));
     }
     let camera = rig.camera.model;
-    let observations = Observations {
-        camera: [camera.width, camera.height],
-        projector: Some([projector.width, projector.height]),
-        views: vec![seen.clone()],
-    };
+    let observations =
+        Observations { camera: camera.size(), projector: Some(projector.size()), views: vec![seen.clone()] };
     validate(&observations)?;
     let inconsistent = || {
         Error::Degenerate {

@@ -104,7 +104,7 @@ fn expected_views(rig: &Rig, model: &Model) -> Option<BundleAdjustment> {
     }
     let whole = Model::of_rig(rig);
     let projector = model.projector?;
-    let board = CheckerPattern::new([projector.width, projector.height], &CheckerConfig::default()).ok()?;
+    let board = CheckerPattern::new(projector.size(), &CheckerConfig::default()).ok()?;
     let pattern = board.inner_corners().into_iter().map(|q| (q, 1.0)).collect();
     let mut view = ExpectedView { size, sheet: ExpectedSheet::Sides([1.0; 4]), pattern };
     view.shrink_pattern(|view| whole.views.iter().all(|pose| view.holds_pattern(&whole, pose)));

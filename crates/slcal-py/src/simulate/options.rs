@@ -8,7 +8,7 @@ use slcal_core::format::{read_obj, read_ply};
 use slcal_core::pattern::Pattern;
 use slcal_core::photo::Encoding;
 use slcal_core::simulate::{
-    PatternKind, PoseConfig, RenderConfig, RigConfig, SurfaceKind, TriangleMesh, WallKind,
+    PatternKind, PoseConfig, RenderConfig, RigConfig, SceneObject, TriangleMesh, WallKind,
 };
 
 use crate::cloud::PointCloud;
@@ -145,16 +145,16 @@ fn crosstalk(value: &Bound<'_, PyAny>) -> PyResult<[[f64; 3]; 3]> {
 }
 
 /// What the rig looks at.
-pub(super) fn surface(options: &Options<'_, '_>) -> PyResult<SurfaceKind> {
-    let Some(value) = options.get("surface")? else { return Ok(SurfaceKind::default()) };
+pub(super) fn surface(options: &Options<'_, '_>) -> PyResult<SceneObject> {
+    let Some(value) = options.get("surface")? else { return Ok(SceneObject::default()) };
     match value.extract::<String>().ok().as_deref() {
-        Some("plane") => return Ok(SurfaceKind::Plane),
+        Some("plane") => return Ok(SceneObject::Plane),
         Some("sphere") => {
             let radius_mm = options.get("radius")?.map(|r| number(&r, "radius")).transpose()?;
-            return Ok(SurfaceKind::Sphere { radius_mm });
+            return Ok(SceneObject::Sphere { radius_mm });
         }
-        Some("step") => return Ok(SurfaceKind::Step),
-        Some("sheet") => return Ok(SurfaceKind::Sheet),
+        Some("step") => return Ok(SceneObject::Step),
+        Some("sheet") => return Ok(SceneObject::Sheet),
         _ => {}
     }
     let mut scale = 1.0;
@@ -166,7 +166,7 @@ pub(super) fn surface(options: &Options<'_, '_>) -> PyResult<SurfaceKind> {
     let mesh = mesh(&value, scale)?;
     let frames = [("object", false), ("camera", true)];
     let in_camera = options.get("mesh_frame")?.map_or(Ok(false), |f| one_of(&f, "mesh_frame", &frames))?;
-    Ok(if in_camera { SurfaceKind::MeshInCamera(mesh) } else { SurfaceKind::Mesh(mesh) })
+    Ok(if in_camera { SceneObject::MeshInCamera(mesh) } else { SceneObject::Mesh(mesh) })
 }
 
 /// A cloud with triangles, or a file of one.

@@ -9,17 +9,17 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use image::DynamicImage;
-use slcal_core::evaluate::{FitConfig, fit_plane, fit_sphere};
+use slcal_core::evaluate::FitConfig;
 use slcal_core::format::CloudFormat;
 use slcal_core::pattern::StripePattern;
 use slcal_core::reconstruct::{CullRule, TriangulateConfig};
-use slcal_core::{PointCloud, ReconstructConfig, Reconstruction, Reconstructor, Rig};
+use slcal_core::{ReconstructConfig, Reconstruction, Reconstructor, Rig};
 
 use self::frames::{Frame, OutputFolder, Place};
 use self::report::{CloudReport, FrameResult};
 use self::reporter::{Done, Reporter};
 use super::decode::References;
-use crate::args::{CloudArgs, ReconstructArgs, ShapeArg};
+use crate::args::{CloudArgs, ReconstructArgs};
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
     Destination, RawFormat, bytes_of, check_distinct, check_json, check_one_stdin, check_panel, check_spares,
@@ -28,7 +28,8 @@ use crate::io::{
 };
 use crate::output::{Printer, Remarks};
 use crate::picture::{for_display, stripes};
-use crate::report::{CloudPage, CommandLine, FittedSurface, Photo, cloud_html};
+use crate::report::{CloudPage, CommandLine, Photo, cloud_html};
+use crate::surface::FittedSurface;
 
 pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer) -> Outcome {
     check_usage(args)?;
@@ -94,21 +95,13 @@ fn check_usage(args: &ReconstructArgs) -> Outcome {
 
 /// A stream of another size would fail frame by frame.
 fn check_raw_size(raw: RawFormat, rig: &Rig, path: &Path) -> Outcome {
-    let camera = [rig.camera.model.width, rig.camera.model.height];
-    if raw.size == camera {
+    let ([found_w, found_h], [w, h]) = (raw.size, rig.camera.model.size());
+    if [found_w, found_h] == [w, h] {
         return Ok(());
     }
-    Err(Failure::new(
-        Exit::Input,
-        format!(
-            "--raw {}x{}: expected frames of the camera of {}, {}x{} px; record at that size",
-            raw.size[0],
-            raw.size[1],
-            input_name(path),
-            camera[0],
-            camera[1]
-        ),
-    ))
+    let expected = format!("expected frames of the camera of {}, {w}x{h} px", input_name(path));
+    let message = format!("--raw {found_w}x{found_h}: {expected}; record at that size");
+    Err(Failure::new(Exit::Input, message))
 }
 
 /// One destination per photograph; none for a stream, whose length is unknown.
@@ -226,21 +219,13 @@ impl Job<'_> {
             cloud_name: typed.unwrap_or_else(|| cloud.to_owned()),
             photo: photo.map(|p| Photo::new(p, 1)).transpose()?,
             result,
-            surface: self.args.fit.map(|shape| fit(shape, &result.cloud)),
+            surface: self.args.fit.map(|shape| {
+                FittedSurface::new(shape, &result.cloud, &FitConfig::default()).map_err(|e| e.to_string())
+            }),
             made_by: vec![self.typed.typed()],
         };
         Ok(cloud_html(&page))
     }
-}
-
-/// The fitted surface, or why the fit failed.
-fn fit(shape: ShapeArg, cloud: &PointCloud) -> Result<FittedSurface, String> {
-    let config = FitConfig::default();
-    let fitted = match shape {
-        ShapeArg::Plane => fit_plane(cloud, &config).map(FittedSurface::Plane),
-        ShapeArg::Sphere => fit_sphere(cloud, &config).map(FittedSurface::Sphere),
-    };
-    fitted.map_err(|e| e.to_string())
 }
 
 /// The configuration of the reconstruction; the frame of the sheet needs a rig with a view.
@@ -251,13 +236,8 @@ pub(super) fn cloud_config(
     path: &Path,
 ) -> Outcome<ReconstructConfig> {
     if args.frame == slcal_core::Frame::Plane && rig.views.is_empty() {
-        return Err(Failure::new(
-            Exit::Input,
-            format!(
-                "{}: expected a rig with a view of the sheet for --frame plane, found none",
-                input_name(path)
-            ),
-        ));
+        let message = "expected a rig with a view of the sheet for --frame plane, found none";
+        return Err(Failure::input(path, message));
     }
     let triangulate =
         TriangulateConfig { near_mm: args.near, far_mm: args.far, ..TriangulateConfig::default() };

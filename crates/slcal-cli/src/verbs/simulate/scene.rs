@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use slcal_core::Rig;
-use slcal_core::pattern::Pattern;
-use slcal_core::simulate::{PatternKind, RenderConfig, RigConfig, SceneSetup, SurfaceKind, WallKind};
+use slcal_core::simulate::{PatternKind, RenderConfig, RigConfig, SceneObject, SceneSetup, WallKind};
 
 use super::outputs::{NAMES, SceneOutputs, contents};
 use crate::args::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs, WallArg};
@@ -19,7 +18,7 @@ pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
     let busy = printer.busy("preparing the scene");
     let stage = setup(args)?.set_up()?;
     let places = places(args)?;
-    let [w, h] = [stage.rig.camera.model.width, stage.rig.camera.model.height];
+    let [w, h] = stage.rig.camera.model.size();
     printer.detail(format!("{w} x {h} pixels ..."));
     busy.say(format!("rendering photographs of {w}x{h} pixels"));
     let scene = stage.photograph()?;
@@ -83,7 +82,7 @@ fn setup(args: &SceneArgs) -> Outcome<SceneSetup> {
     render.validate()?;
     let place = &args.place;
     let surface = surface(args)?;
-    if place.wall.is_some() && matches!(surface, SurfaceKind::Plane | SurfaceKind::Step) {
+    if place.wall.is_some() && matches!(surface, SceneObject::Plane | SceneObject::Step) {
         return Err(Failure::usage(
             "--wall: expected a sphere, a sheet or a mesh as surface; a plane hides the wall, and a step has one",
         ));
@@ -107,17 +106,17 @@ fn setup(args: &SceneArgs) -> Outcome<SceneSetup> {
     })
 }
 
-fn surface(args: &SceneArgs) -> Outcome<SurfaceKind> {
+fn surface(args: &SceneArgs) -> Outcome<SceneObject> {
     let PlaceArgs { mesh_scale, mesh_frame, radius, .. } = args.place;
     let is_mesh = args
         .surface
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("ply") || e.eq_ignore_ascii_case("obj"));
     match args.surface.to_str() {
-        Some("plane") => Ok(SurfaceKind::Plane),
-        Some("sphere") => Ok(SurfaceKind::Sphere { radius_mm: radius }),
-        Some("step") => Ok(SurfaceKind::Step),
-        Some("sheet") => Ok(SurfaceKind::Sheet),
+        Some("plane") => Ok(SceneObject::Plane),
+        Some("sphere") => Ok(SceneObject::Sphere { radius_mm: radius }),
+        Some("step") => Ok(SceneObject::Step),
+        Some("sheet") => Ok(SceneObject::Sheet),
         _ if is_mesh => {
             if !(mesh_scale.is_finite() && mesh_scale > 0.0) {
                 return Err(Failure::usage(format!(
@@ -126,9 +125,9 @@ fn surface(args: &SceneArgs) -> Outcome<SurfaceKind> {
             }
             let mesh = load_mesh(&args.surface, mesh_scale)?;
             Ok(if mesh_frame == MeshFrameArg::Camera {
-                SurfaceKind::MeshInCamera(mesh)
+                SceneObject::MeshInCamera(mesh)
             } else {
-                SurfaceKind::Mesh(mesh)
+                SceneObject::Mesh(mesh)
             })
         }
         _ => Err(Failure::usage(format!(
@@ -154,10 +153,7 @@ fn pattern(args: &SceneArgs, known_rig: Option<&Rig>) -> Outcome<PatternKind> {
         (Some(path), _) => path,
     };
     let pattern = load_pattern(path)?;
-    let panel = match &pattern {
-        Pattern::Checker(p) => p.projector,
-        Pattern::Stripes(p) => p.projector,
-    };
+    let panel = pattern.projector();
     let projector = args.of_rig.projector;
     match (known_rig, &args.rig) {
         (Some(rig), Some(file)) => check_panel(path, panel, file, rig)?,

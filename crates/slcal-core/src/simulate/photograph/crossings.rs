@@ -68,11 +68,7 @@ impl Photographer {
         let beam = Ray { origin: tracer.lamp, direction: out };
         let (surface, distance, _) = tracer.nearest(&beam)?;
         let point = beam.origin + beam.direction * distance;
-        let p = tracer.camera.project(&point)?;
-        let inside = |v: f64, n: u32| v >= -0.5 && v <= f64::from(n) - 0.5;
-        if !(inside(p.x, tracer.camera.width) && inside(p.y, tracer.camera.height)) {
-            return None;
-        }
+        let p = tracer.camera.project(&point).filter(|p| tracer.camera.holds(*p))?;
         let hit = tracer.trace(p)?;
         let nearer = (hit.point - Point3::origin()).norm() < (1.0 - HIDDEN) * point.coords.norm();
         (hit.surface == surface && hit.panel.is_some() && !nearer).then_some(p)

@@ -41,7 +41,7 @@ pub use mesh::TriangleMesh;
 pub use photographer::{Photographer, ProjectedImage};
 pub use report_json::SceneReport;
 pub use scene_object::{Placement, SceneObject};
-pub use setup::{PatternKind, PreparedScene, SceneSetup, SurfaceKind, WallKind};
+pub use setup::{PatternKind, PreparedScene, SceneSetup, WallKind};
 pub use simulated::SimulatedScene;
 pub use surface::{Shape, Surface};
 pub use truth::{PixelTruth, Truth};

@@ -3,9 +3,8 @@
 use image::RgbImage;
 
 use super::config::RenderConfig;
-use super::mesh::TriangleMesh;
 use super::photographer::{Photographer, ProjectedImage};
-use super::scene_object::{Placement, SceneObject};
+use super::scene_object::{Placement, SceneObject, sphere_radius_mm};
 use super::simulated::SimulatedScene;
 use super::surface::Surface;
 use crate::error::{Error, ErrorSubject, Result};
@@ -15,33 +14,11 @@ use crate::simulate::poses::PoseConfig;
 use crate::simulate::rig_config::RigConfig;
 use crate::simulate::scene::Scene;
 
-/// Radius of the sphere, in distances; distance of the wall behind its middle, or a mesh's, in radii.
-const RADIUS: f64 = 0.18;
+/// Distance of the wall behind the middle of a sphere or a mesh, in radii.
 const WALL_RADII: f64 = 1.5;
 /// Tilts at which the surface is visible and completely lit, degrees.
 const PLANE_TILT_DEG: [f64; 3] = [10.0, 20.0, 0.0];
 const SHEET_TILT_DEG: [f64; 3] = [25.0, 28.0, 0.0];
-
-/// The surface in front of the rig.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub enum SurfaceKind {
-    /// An endless plane.
-    #[default]
-    Plane,
-    /// A sphere.
-    Sphere {
-        /// Its radius, mm; default 0.18 of the distance.
-        radius_mm: Option<f64>,
-    },
-    /// A wall with two blocks before it.
-    Step,
-    /// A sheet of [`RigConfig::size`].
-    Sheet,
-    /// A mesh as in [`SceneObject::Mesh`].
-    Mesh(TriangleMesh),
-    /// A mesh as in [`SceneObject::MeshInCamera`].
-    MeshInCamera(TriangleMesh),
-}
 
 /// The wall behind the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -78,7 +55,7 @@ pub struct SceneSetup {
     /// A given rig instead. Of `rig` only distance and size are used.
     pub known_rig: Option<Rig>,
     /// The surface.
-    pub surface: SurfaceKind,
+    pub surface: SceneObject,
     /// Rotations of the surface about the camera's x, y and z axis, R = Rx·Ry·Rz, rad; default 10° and 20° for a plane,
     /// 25° and 28° for a sheet, else none.
     pub turn_rad: Option<[f64; 3]>,
@@ -101,7 +78,7 @@ impl Default for SceneSetup {
         Self {
             rig: RigConfig::default(),
             known_rig: None,
-            surface: SurfaceKind::default(),
+            surface: SceneObject::default(),
             turn_rad: None,
             aside_mm: [0.0; 2],
             albedo: [0.9; 3],
@@ -121,14 +98,10 @@ impl SceneSetup {
     /// without a projector, and a known pattern for another panel than the rig's.
     pub fn set_up(&self) -> Result<PreparedScene> {
         self.render.validate()?;
-        let object = self.object();
-        let placement = self.placement(&object)?;
-        let (rig, pattern) = self.rig_and_pattern(&object, &placement)?;
-        let picture = match &pattern {
-            Pattern::Checker(p) => p.image(),
-            Pattern::Stripes(p) => p.image(),
-        }?;
-        let surfaces = object.surfaces(&placement)?;
+        let placement = self.placement()?;
+        let (rig, pattern) = self.rig_and_pattern(&placement)?;
+        let picture = pattern.image()?;
+        let surfaces = self.surface.surfaces(&placement, self.rig.size)?;
         Ok(PreparedScene { rig, pattern, picture, surfaces, render: self.render.clone() })
     }
 
@@ -140,32 +113,21 @@ impl SceneSetup {
         self.set_up()?.photograph()
     }
 
-    fn object(&self) -> SceneObject {
-        match &self.surface {
-            SurfaceKind::Plane => SceneObject::Plane,
-            SurfaceKind::Sphere { radius_mm } => {
-                SceneObject::Sphere { radius_mm: radius_mm.unwrap_or(RADIUS * self.rig.distance_mm) }
-            }
-            SurfaceKind::Step => SceneObject::Step,
-            SurfaceKind::Sheet => SceneObject::Sheet(self.rig.size),
-            SurfaceKind::Mesh(mesh) => SceneObject::Mesh(mesh.clone()),
-            SurfaceKind::MeshInCamera(mesh) => SceneObject::MeshInCamera(mesh.clone()),
-        }
-    }
-
-    fn placement(&self, object: &SceneObject) -> Result<Placement> {
-        let usual_deg = match object {
+    fn placement(&self) -> Result<Placement> {
+        let usual_deg = match self.surface {
             SceneObject::Plane => PLANE_TILT_DEG,
-            SceneObject::Sheet(_) => SHEET_TILT_DEG,
+            SceneObject::Sheet => SHEET_TILT_DEG,
             _ => [0.0; 3],
         };
-        let wall_mm = match (object, self.wall) {
+        let wall_mm = match (&self.surface, self.wall) {
             (SceneObject::Plane | SceneObject::Step, WallKind::Behind(mm)) => {
                 let expected = "one with a sphere, a sheet or a mesh; a plane hides it, a step has its own";
                 return Err(Error::invalid("wall", expected, format!("{mm} mm")));
             }
             (_, WallKind::Behind(mm)) => Some(mm),
-            (SceneObject::Sphere { radius_mm }, WallKind::Usual) => Some(WALL_RADII * radius_mm),
+            (SceneObject::Sphere { radius_mm }, WallKind::Usual) => {
+                Some(WALL_RADII * sphere_radius_mm(*radius_mm, self.rig.distance_mm))
+            }
             (SceneObject::Mesh(mesh), WallKind::Usual) => {
                 let [least, most] = mesh.bounds();
                 Some(WALL_RADII * (most - least).norm() / 2.0)
@@ -181,28 +143,23 @@ impl SceneSetup {
         })
     }
 
-    fn rig_and_pattern(&self, object: &SceneObject, placement: &Placement) -> Result<(Rig, Pattern)> {
+    fn rig_and_pattern(&self, placement: &Placement) -> Result<(Rig, Pattern)> {
         let checker = match self.pattern {
             PatternKind::Checker => true,
-            PatternKind::Usual => matches!(object, SceneObject::Sheet(_)),
+            PatternKind::Usual => self.surface == SceneObject::Sheet,
             PatternKind::Stripes | PatternKind::Known(_) => false,
         };
         let (rig, square_px) = if let Some(rig) = &self.known_rig {
             (rig.clone(), None)
         } else {
-            let (rig, square) = simulated_rig(&self.rig, object, placement, checker)?;
+            let (rig, square) = self.simulated_rig(placement, checker)?;
             (rig, Some(square))
         };
         if let PatternKind::Known(pattern) = &self.pattern {
-            let panel = match pattern {
-                Pattern::Checker(p) => p.projector,
-                Pattern::Stripes(p) => p.projector,
-            };
-            rig.projector_for(ErrorSubject::Pattern, panel)?;
+            rig.projector_for(ErrorSubject::Pattern, pattern.projector())?;
             return Ok((rig, pattern.clone()));
         }
-        let projector = rig.require_projector()?.device.model;
-        let panel = [projector.width, projector.height];
+        let panel = rig.require_projector()?.device.model.size();
         let pattern = if checker {
             let config = CheckerConfig { square_px, ..CheckerConfig::default() };
             Pattern::Checker(CheckerPattern::new(panel, &config)?)
@@ -211,27 +168,25 @@ impl SceneSetup {
         };
         Ok((rig, pattern))
     }
-}
 
-/// The rig, with the sheet as its view where there is one, and the side of the squares; those fall on it when `fits`.
-fn simulated_rig(
-    config: &RigConfig,
-    object: &SceneObject,
-    placement: &Placement,
-    fits: bool,
-) -> Result<(Rig, f64)> {
-    let empty = Scene::new(config, &[])?;
-    let SceneObject::Sheet(size) = object else { return Ok((empty.rig(), empty.square_px)) };
-    let [x, y, z] = placement.middle_mm;
-    let [tilt_x_rad, tilt_y_rad, roll_rad] = placement.turn_rad;
-    let pose =
-        PoseConfig { tilt_x_rad, tilt_y_rad, roll_rad, aside_mm: [x, y], farther_mm: z - config.distance_mm };
-    if fits {
-        let scene = Scene::new(&RigConfig { size: *size, ..config.clone() }, &[pose])?;
-        return Ok((scene.rig(), scene.square_px));
+    /// The rig, with the sheet as its view where there is one, and the side of the squares; those fall on it when `fits`.
+    fn simulated_rig(&self, placement: &Placement, fits: bool) -> Result<(Rig, f64)> {
+        let config = &self.rig;
+        let empty = Scene::new(config, &[])?;
+        if self.surface != SceneObject::Sheet {
+            return Ok((empty.rig(), empty.square_px));
+        }
+        let [x, y, z] = placement.middle_mm;
+        let [tilt_x_rad, tilt_y_rad, roll_rad] = placement.turn_rad;
+        let (aside_mm, farther_mm) = ([x, y], z - config.distance_mm);
+        let pose = PoseConfig { tilt_x_rad, tilt_y_rad, roll_rad, aside_mm, farther_mm };
+        let scene = if fits {
+            Scene::new(config, &[pose])?
+        } else {
+            Scene { views: vec![placement.camera_from_sheet(config.size)], ..empty }
+        };
+        Ok((scene.rig(), scene.square_px))
     }
-    let scene = Scene { size: *size, views: vec![placement.camera_from_sheet(*size)], ..empty };
-    Ok((scene.rig(), scene.square_px))
 }
 
 /// A scene that is ready to be photographed.

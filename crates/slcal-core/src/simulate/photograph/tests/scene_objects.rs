@@ -16,6 +16,8 @@ fn placement() -> Placement {
     }
 }
 
+const SHEET: RectangleSize = RectangleSize { width_mm: 400.0, height_mm: 300.0 };
+
 #[test]
 fn a_sheet_has_the_pose_of_the_observations() {
     let [tilt_x_rad, tilt_y_rad, roll_rad] = placement().turn_rad;
@@ -39,15 +41,14 @@ fn every_object_is_visible_in_the_middle() {
         vec![[0, 1, 3], [0, 3, 2], [0, 2, 1]],
     )
     .unwrap();
-    let sheet = RectangleSize { width_mm: 400.0, height_mm: 300.0 };
     for object in [
         SceneObject::Plane,
-        SceneObject::Sphere { radius_mm: 150.0 },
-        SceneObject::Sheet(sheet),
+        SceneObject::Sphere { radius_mm: Some(150.0) },
+        SceneObject::Sheet,
         SceneObject::Mesh(pyramid),
     ] {
         let flat = Placement { turn_rad: [0.1, 0.0, 0.0], wall_mm: Some(400.0), ..placement() };
-        let surfaces = object.surfaces(&flat).unwrap();
+        let surfaces = object.surfaces(&flat, SHEET).unwrap();
         assert!(surfaces[0].is_object && !surfaces[surfaces.len() - 1].is_object);
         let seen = Photographer::new(&rig, &surfaces, &exact()).unwrap();
         let middle = seen.truth().at(47, 35).unwrap();
@@ -65,7 +66,7 @@ fn a_mesh_stands_upright_and_shows_its_front() {
     )
     .unwrap();
     let straight = Placement { turn_rad: [0.0; 3], ..placement() };
-    let surfaces = SceneObject::Mesh(mesh).surfaces(&straight).unwrap();
+    let surfaces = SceneObject::Mesh(mesh).surfaces(&straight, SHEET).unwrap();
     let Shape::Mesh(stood) = &surfaces[0].shape else { panic!("another shape") };
     let [least, most] = stood.bounds();
     assert!((least - Point3::new(-50.0, -50.0, 980.0)).norm() < 1e-9 && (most.y - 50.0).abs() < 1e-9);
@@ -75,7 +76,7 @@ fn a_mesh_stands_upright_and_shows_its_front() {
 
 #[test]
 fn steps_stand_on_their_wall() {
-    let surfaces = SceneObject::Step.surfaces(&placement()).unwrap();
+    let surfaces = SceneObject::Step.surfaces(&placement(), SHEET).unwrap();
     assert_eq!(surfaces.iter().filter(|s| s.is_object).count(), 2);
     let Shape::Plane(wall) = surfaces[2].shape else { panic!("no wall") };
     for block in &surfaces[..2] {
@@ -83,8 +84,12 @@ fn steps_stand_on_their_wall() {
         let back = camera_from_block.transform(&Point3::from(Vector3::new(0.0, 0.0, size_mm[2] / 2.0)));
         assert!(wall.signed_distance_mm(&back).abs() < 1e-9);
     }
-    assert!(SceneObject::Plane.surfaces(&Placement { turn_rad: [2.0, 0.0, 0.0], ..placement() }).is_err());
     assert!(
-        SceneObject::Step.surfaces(&Placement { middle_mm: [0.0, 0.0, f64::NAN], ..placement() }).is_err()
+        SceneObject::Plane.surfaces(&Placement { turn_rad: [2.0, 0.0, 0.0], ..placement() }, SHEET).is_err()
+    );
+    assert!(
+        SceneObject::Step
+            .surfaces(&Placement { middle_mm: [0.0, 0.0, f64::NAN], ..placement() }, SHEET)
+            .is_err()
     );
 }
