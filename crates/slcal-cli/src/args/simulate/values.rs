@@ -1,31 +1,25 @@
 //! Parsers of poses and lenses.
 
-/// Tilts and roll, degrees.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PoseArg(pub(crate) [f64; 3]);
-
-/// k1, k2, p1, p2, k3.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Distortion(pub(crate) [f64; 5]);
-
 pub(super) fn numbers(text: &str) -> Option<Vec<f64>> {
     text.split(',').map(|t| t.trim().parse::<f64>().ok().filter(|x| x.is_finite())).collect()
 }
 
-pub(super) fn parse_pose(text: &str) -> Result<PoseArg, String> {
+/// Tilts and roll, degrees.
+pub(super) fn parse_pose(text: &str) -> Result<[f64; 3], String> {
     match numbers(text).as_deref() {
-        Some(&[x, y]) => Ok(PoseArg([x, y, 0.0])),
-        Some(&[x, y, roll]) => Ok(PoseArg([x, y, roll])),
+        Some(&[x, y]) => Ok([x, y, 0.0]),
+        Some(&[x, y, roll]) => Ok([x, y, roll]),
         _ => Err("expected two or three finite angles in degrees, such as 25,28 or 25,-28,5".to_owned()),
     }
 }
 
-pub(super) fn parse_distortion(text: &str) -> Result<Distortion, String> {
+/// k1, k2, p1, p2, k3.
+pub(super) fn parse_distortion(text: &str) -> Result<[f64; 5], String> {
     let wrong = || "expected one to five finite coefficients k1,k2,p1,p2,k3, such as -0.12,0.02".to_owned();
     let given = numbers(text).filter(|k| k.len() <= 5).ok_or_else(wrong)?;
     let mut all = [0.0; 5];
     all.iter_mut().zip(given).for_each(|(k, g)| *k = g);
-    Ok(Distortion(all))
+    Ok(all)
 }
 
 #[cfg(test)]
@@ -34,9 +28,9 @@ mod tests {
 
     #[test]
     fn poses_and_coefficients() {
-        assert_eq!(parse_pose("25,-28"), Ok(PoseArg([25.0, -28.0, 0.0])));
+        assert_eq!(parse_pose("25,-28"), Ok([25.0, -28.0, 0.0]));
         assert!(parse_pose("25").is_err() && parse_pose("1,2,3,4").is_err() && parse_pose("1,nan").is_err());
-        assert_eq!(parse_distortion("-0.1,0.02"), Ok(Distortion([-0.1, 0.02, 0.0, 0.0, 0.0])));
+        assert_eq!(parse_distortion("-0.1,0.02"), Ok([-0.1, 0.02, 0.0, 0.0, 0.0]));
         assert!(parse_distortion("1,2,3,4,5,6").is_err());
     }
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use nalgebra::Point2;
 
 use super::rig::RigArgs;
-use super::values::{Distortion, PoseArg, parse_distortion, parse_pose};
+use super::values::{parse_distortion, parse_pose};
 use crate::args::headings::{OUTPUT, SETTINGS};
 use crate::args::value::parse_point;
 
@@ -20,7 +20,7 @@ pub(crate) struct ViewsArgs {
     /// repeatable.
     #[arg(long, value_name = "X,Y[,ROLL]", value_parser = parse_pose, allow_hyphen_values = true,
           help_heading = SETTINGS)]
-    pub(crate) pose: Vec<PoseArg>,
+    pub(crate) pose: Vec<[f64; 3]>,
     /// σ of the noise on each image coordinate, px.
     #[arg(long, value_name = "PX", default_value_t = 0.1, allow_hyphen_values = true, help_heading = SETTINGS)]
     pub(crate) noise: f64,
@@ -42,7 +42,7 @@ pub(crate) struct ViewsArgs {
     /// Distortion coefficients of the camera; missing ones are zero.
     #[arg(long, value_name = "k1,k2,p1,p2,k3", value_parser = parse_distortion, default_value = "0",
           help_heading = "Rig", allow_hyphen_values = true)]
-    pub(crate) distortion: Distortion,
+    pub(crate) distortion: [f64; 5],
     /// File for the observations; `-` for stdout.
     #[arg(short, long, value_name = "FILE.json", help_heading = OUTPUT)]
     pub(crate) output: PathBuf,

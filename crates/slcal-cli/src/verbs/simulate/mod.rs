@@ -67,7 +67,7 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
     let rig = RigConfig {
         camera_offset_px: [args.camera_offset.x, args.camera_offset.y],
         projector_offset_px: args.projector_offset,
-        distortion: args.distortion.0,
+        distortion: args.distortion,
         ..args.rig.config()
     };
     let poses = if args.pose.is_empty() {
@@ -75,7 +75,7 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
     } else {
         let pose =
             |[x, y, roll]: [f64; 3]| PoseConfig { roll_rad: roll.to_radians(), ..PoseConfig::tilted(x, y) };
-        args.pose.iter().map(|p| pose(p.0)).collect()
+        args.pose.iter().map(|&p| pose(p)).collect()
     };
     let scene = Scene::new(&rig, &poses)?;
     tell_outside(&scene, printer);

@@ -6,7 +6,7 @@ use slcal_core::Rig;
 use slcal_core::simulate::{PatternKind, RenderConfig, RigConfig, SceneObject, SceneSetup, WallKind};
 
 use super::outputs::{NAMES, SceneOutputs, contents};
-use crate::args::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs, WallArg};
+use crate::args::{LightArgs, MeshFrameArg, PlaceArgs, SceneArgs};
 use crate::exit::{Failure, Outcome};
 use crate::io::{
     Destination, check_panel, check_projector, check_spares, load_mesh, load_pattern, load_rig, make_folder,
@@ -61,13 +61,10 @@ fn render_config(light: &LightArgs) -> RenderConfig {
     };
     RenderConfig {
         exposure: light.exposure,
-        ambient: light.ambient.0,
+        ambient: light.ambient,
         projector_black: light.projector_black,
         projector_blur_px: light.projector_blur,
-        crosstalk: match light.crosstalk {
-            Crosstalk::Neighbours(share) => RenderConfig::neighbour_crosstalk(share),
-            Crosstalk::Matrix(m) => m,
-        },
+        crosstalk: light.crosstalk,
         blur_px,
         noise_levels,
         seed: light.seed,
@@ -89,16 +86,12 @@ fn setup(args: &SceneArgs) -> Outcome<SceneSetup> {
     }
     let known_rig = args.rig.as_deref().map(known_rig).transpose()?;
     Ok(SceneSetup {
-        rig: RigConfig { distortion: args.distortion.0, ..args.of_rig.config() },
+        rig: RigConfig { distortion: args.distortion, ..args.of_rig.config() },
         surface,
-        turn_rad: place.tilt.map(|t| t.0.map(f64::to_radians)),
+        turn_rad: place.tilt.map(|t| t.map(f64::to_radians)),
         aside_mm: [place.aside.x, place.aside.y],
-        albedo: place.albedo.0,
-        wall: match place.wall {
-            None => WallKind::Usual,
-            Some(WallArg(None)) => WallKind::None,
-            Some(WallArg(Some(mm))) => WallKind::Behind(mm),
-        },
+        albedo: place.albedo,
+        wall: place.wall.unwrap_or(WallKind::Usual),
         wall_albedo: place.wall_albedo,
         pattern: pattern(args, known_rig.as_ref())?,
         known_rig,
