@@ -8,9 +8,10 @@ use super::config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Rejected,
 use super::consistency::{check_neighbors, check_runs};
 use super::crossing_features::NONE;
 use super::crosstalk::{check_hues, crosstalk};
-use super::labeling::{AlignedLines, Code, Labeling};
+use super::labeling::{AlignedLines, Labeling};
 use super::noise::Noise;
 use super::scanlines::{self, Scanline, ScanlineReader, Tables};
+use super::sequence_alignment::Code;
 use super::slit_layout::SlitLayout;
 use super::stripe_centers::{self, StripeCenter};
 use super::stripe_edges::{self, Scratch, StripeColor, StripeEdges};

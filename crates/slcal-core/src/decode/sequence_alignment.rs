@@ -7,7 +7,7 @@
 //! crosses the same slit on the object and again on the wall. Further passes use the votes of the neighbouring
 //! scanlines (`labeling`).
 
-use super::crossing_features::{Continuity, CrossingFeatures, NONE, step};
+use super::crossing_features::{Continuity, CrossingFeatures, NONE, StepCost, step};
 
 /// Log-odds that a crossing is a slit at all: the gain of matching it with an uninformative colour.
 const MATCH_GAIN: f32 = 1.0;
@@ -33,6 +33,40 @@ const VOTE_GAIN: f32 = 4.0;
 /// Every row of scores begins with as many entries of −∞ as steps reach back.
 const PAD: usize = 2;
 
+/// The pattern in the order of a scanline.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Code<'a> {
+    /// Colour class of each slit.
+    pub(super) slits: &'a [u8],
+    /// Period over width of the slits.
+    pub(super) period_per_width: f32,
+}
+
+/// What is aligned with what.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scanline<'a> {
+    pub(super) code: Code<'a>,
+    pub(super) features: &'a [CrossingFeatures],
+    /// Log-odds of the classes, crossing by crossing.
+    pub(super) odds: &'a [f32],
+}
+
+impl Scanline<'_> {
+    /// Number of classes.
+    fn hues(&self) -> usize {
+        self.odds.len() / self.features.len().max(1)
+    }
+
+    /// Log-odds of crossing `i` having the class of slit `j`.
+    fn odds_of(&self, i: usize, j: usize) -> f32 {
+        self.odds[i * self.hues() + usize::from(self.code.slits[j])]
+    }
+
+    fn step(&self, i: usize, back: usize) -> StepCost {
+        step(self.features, i, back, self.code.period_per_width)
+    }
+}
+
 /// Aligns scanlines with the pattern; keeps its tables.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Aligner {
@@ -51,35 +85,21 @@ pub(super) struct Aligner {
 }
 
 impl Aligner {
-    /// Assigns each crossing of a scanline the position of its slit in `slits` (classes in the order of the scanline),
-    /// or [`NONE`], and returns the score in nats. `odds` holds the log-odds of the classes, crossing by crossing.
-    pub(super) fn align(
-        &mut self,
-        slits: &[u8],
-        period_per_width: f32,
-        features: &[CrossingFeatures],
-        odds: &[f32],
-        lenient: bool,
-        labels: &mut [u16],
-    ) -> f32 {
-        let top = self.fill(slits, period_per_width, features, odds);
+    /// Assigns each crossing of a scanline the position of its slit in the code, or [`NONE`], and returns the score in
+    /// nats.
+    pub(super) fn align(&mut self, scanline: Scanline<'_>, lenient: bool, labels: &mut [u16]) -> f32 {
+        let top = self.fill(scanline);
         labels.fill(NONE);
         if top > 0.0 {
-            self.trace(top, slits, features, odds);
-            self.keep_runs(slits, period_per_width, features, odds, lenient, labels);
+            self.trace(top, scanline);
+            self.keep_runs(scanline, lenient, labels);
         }
         top
     }
 
-    fn fill(
-        &mut self,
-        slits: &[u8],
-        period_per_width: f32,
-        features: &[CrossingFeatures],
-        odds: &[f32],
-    ) -> f32 {
-        let (n, k) = (features.len(), slits.len());
-        let hues = odds.len() / n.max(1);
+    fn fill(&mut self, scanline: Scanline<'_>) -> f32 {
+        let Scanline { code: Code { slits, .. }, features, odds } = scanline;
+        let (n, k, hues) = (features.len(), slits.len(), scanline.hues());
         let row = k + PAD;
         // Values of an earlier scanline are overwritten row by row.
         let size = (n + 2) * row;
@@ -92,8 +112,8 @@ impl Aligner {
         self.tops.clear();
         let mut top = 0.0_f32;
         for i in 0..n {
-            let one = step(features, i, 1, period_per_width);
-            let extra = EXTRA_CROSSING + step(features, i, 2, period_per_width).next;
+            let one = scanline.step(i, 1);
+            let extra = EXTRA_CROSSING + scanline.step(i, 2).next;
             for (own, o) in self.odds.0.iter_mut().zip(&odds[i * hues..(i + 1) * hues]) {
                 *own = MATCH_GAIN + o;
             }
@@ -126,16 +146,16 @@ impl Aligner {
 
     /// Follows the best path back from the end, whose score is `top`. The step that led to a cell is not stored but
     /// recomputed for the few cells on the path.
-    fn trace(&mut self, top: f32, slits: &[u8], features: &[CrossingFeatures], odds: &[f32]) {
-        let k = slits.len();
-        let (row, hues) = (k + PAD, odds.len() / features.len().max(1));
+    fn trace(&mut self, top: f32, scanline: Scanline<'_>) {
+        let (features, k) = (scanline.features, scanline.code.slits.len());
+        let row = k + PAD;
         self.path.clear();
         let mut at = self.best_cell(features.len(), k).filter(|c| c.0 >= top);
         while let Some((_, i, j)) = at {
             self.path.push((i as u32, j as u16));
             let (hinted, weight) = features[i].prior;
             let vote = if usize::from(hinted) == j { VOTE_GAIN * weight } else { 0.0 };
-            let gain = MATCH_GAIN + odds[i * hues + usize::from(slits[j])] + vote;
+            let gain = MATCH_GAIN + scanline.odds_of(i, j) + vote;
             let RowCosts { back, next, missed, extra } = self.steps[i];
             let (last, second) = (&self.score[(i + 1) * row + j..], &self.score[i * row + j..]);
             let ways = [(last[1] - next, 1, 1), (last[0] - missed, 1, 2), (second[1] - extra, 2, 1)];
@@ -173,30 +193,17 @@ impl Aligner {
     /// Labels the runs of neighbouring crossings on neighbouring slits that are long enough and whose colours fit, and
     /// the labels on which earlier passes have agreed. A run continues across a moderate change of light (a shadow or a
     /// fold), but the part behind it must fit by itself, since the next colours occur in other places, too.
-    fn keep_runs(
-        &self,
-        slits: &[u8],
-        period_per_width: f32,
-        features: &[CrossingFeatures],
-        odds: &[f32],
-        lenient: bool,
-        labels: &mut [u16],
-    ) {
-        let hues = odds.len() / features.len().max(1);
-        let perfect = (hues as f32).ln();
+    fn keep_runs(&self, scanline: Scanline<'_>, lenient: bool, labels: &mut [u16]) {
+        let perfect = (scanline.hues() as f32).ln();
         let fits = |part: &[(u32, u16)], share: f32| {
-            let odds = |&(i, j): &(u32, u16)| odds[i as usize * hues + usize::from(slits[usize::from(j)])];
+            let odds = |&(i, j): &(u32, u16)| scanline.odds_of(i as usize, usize::from(j));
             part.iter().map(odds).sum::<f32>() >= share * perfect * part.len() as f32
         };
         // The path runs backwards.
         let link = |pair: &[(u32, u16)]| {
             let [(i_next, j_next), (i, j)] = [pair[0], pair[1]];
             let follows = i + 1 == i_next && j + 1 == j_next;
-            if follows {
-                step(features, i_next as usize, 1, period_per_width).continuity
-            } else {
-                Continuity::Broken
-            }
+            if follows { scanline.step(i_next as usize, 1).continuity } else { Continuity::Broken }
         };
         for run in split(&self.path, |pair| link(pair) != Continuity::Broken) {
             let long = run.len() >= MIN_RUN && fits(run, MIN_RUN_ODDS);
@@ -205,7 +212,7 @@ impl Aligner {
                 let accepted =
                     long && (lenient || !rest) && fits(part, if rest { MIN_REST_ODDS } else { MIN_RUN_ODDS });
                 for &(i, j) in part {
-                    let prior = features[i as usize].prior;
+                    let prior = scanline.features[i as usize].prior;
                     if accepted || (lenient && prior.0 == j && prior.1 > 0.5) {
                         labels[i as usize] = j;
                     }
@@ -309,7 +316,8 @@ mod tests {
         let odds: Vec<f32> =
             seen.iter().flat_map(|s| (0..3).map(move |h| if h == s.1 { 1.0 } else { -3.0 })).collect();
         let mut labels = vec![NONE; features.len()];
-        Aligner::default().align(&HUES, 2.0, &features, &odds, false, &mut labels);
+        let code = Code { slits: &HUES, period_per_width: 2.0 };
+        Aligner::default().align(Scanline { code, features: &features, odds: &odds }, false, &mut labels);
         labels.into_iter().map(|l| if l == NONE { -1 } else { i32::from(l) }).collect()
     }
 
@@ -405,7 +413,9 @@ mod tests {
                 .collect();
             let odds: Vec<f32> = (0..3 * n).map(|_| rng.random_range(-3.0..6.0)).collect();
             let mut labels = vec![NONE; n];
-            let found = Aligner::default().align(&slits, 2.0, &features, &odds, false, &mut labels);
+            let code = Code { slits: &slits, period_per_width: 2.0 };
+            let scanline = Scanline { code, features: &features, odds: &odds };
+            let found = Aligner::default().align(scanline, false, &mut labels);
             let best = brute_force(&slits, &features, &odds);
             assert!((found - best).abs() < 1e-4, "{found} for {best}");
         }

@@ -11,7 +11,7 @@ use self::votes::{UNDECIDED, VoteCounter};
 use super::color_classes::{ColorClasses, ColorSample, NO_CLASS};
 use super::crossing_features::{CrossingFeatures, NONE};
 use super::rgb::Rgb;
-use super::sequence_alignment::Aligner;
+use super::sequence_alignment::{Aligner, Code, Scanline};
 use super::tracks::Tracks;
 
 pub(super) use self::votes::VotedLabel;
@@ -43,15 +43,6 @@ impl AlignedLines {
     pub(super) fn contain(self, line: usize) -> bool {
         line % self.step == self.step / 2
     }
-}
-
-/// The pattern in the order of a scanline.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Code<'a> {
-    /// Colour class of each slit.
-    pub(super) slits: &'a [u8],
-    /// Period over width of the slits.
-    pub(super) period_per_width: f32,
 }
 
 /// The crossings on aligned scanlines and their labels; keeps its buffers.
@@ -227,8 +218,8 @@ impl Labeling {
     }
 
     fn align(&mut self, code: Code<'_>, range: Range<usize>, lenient: bool) -> f32 {
-        let labels = &mut self.labels[range];
-        self.aligner.align(code.slits, code.period_per_width, &self.features, &self.odds, lenient, labels)
+        let scanline = Scanline { code, features: &self.features, odds: &self.odds };
+        self.aligner.align(scanline, lenient, &mut self.labels[range])
     }
 
     /// Counts the votes of the aligned scanlines whose index is a multiple of `stride`.
