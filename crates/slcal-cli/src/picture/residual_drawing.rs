@@ -86,7 +86,7 @@ pub(crate) fn draw(drawing: &mut Drawing, fit: MeasuredView<'_>, factor: f64) {
     draw_vanishing_points(drawing, fit.view);
     sheet::draw_sheet(drawing, fit.observed);
     let kept = fit.residuals.points().filter(|p| p.kept);
-    let arrows: Vec<_> = kept.map(|p| (p.seen, vector_scale::end(p.seen, p.vector_px(), factor))).collect();
+    let arrows: Vec<_> = kept.map(|p| (p.seen, p.seen + p.vector_px() * factor)).collect();
     drawing.arrows(arrows, arrow_pen());
     sheet::draw_marks(drawing, fit.observed);
     let arm = CROSS * drawing.unit();

@@ -1,7 +1,5 @@
 //! The enlargement of small vectors, and its scale bar.
 
-use nalgebra::{Point2, Vector2};
-
 use super::drawing::legend::{Legend, Swatch};
 use super::drawing::{Drawing, Pen};
 use crate::quantile::Sorted;
@@ -41,25 +39,13 @@ pub(crate) fn round_up(x: f64) -> f64 {
     [1.0, 2.0, 5.0].into_iter().map(|n| n * power).find(|n| *n >= x * (1.0 - 1e-12)).unwrap_or(10.0 * power)
 }
 
-/// The end of an enlarged vector.
-pub(crate) fn end(from: Point2<f64>, vector: Vector2<f64>, factor: f64) -> Point2<f64> {
-    from + vector * factor
-}
-
 /// A legend with an arrow that means `what`, its enlargement, and the scale bar.
 pub(crate) fn explained(legend: Legend, drawing: &Drawing, factor: f64, pen: Pen, what: &str) -> Legend {
     let enlarged = if factor > 1.0 { format!(", enlarged ×{}", plain(factor)) } else { String::new() };
-    let (bar, length) = scale(drawing, factor, pen);
+    let length = round_down(BAR * drawing.unit() / factor * 1.3);
     legend
         .entry(Swatch::Arrow(pen), format!("{what}{enlarged}"))
-        .entry(bar, format!("{length} in the photograph"))
-}
-
-/// The scale bar, and the length that it stands for in words.
-fn scale(drawing: &Drawing, factor: f64, pen: Pen) -> (Swatch, String) {
-    let length = round_down(BAR * drawing.unit() / factor * 1.3);
-    let words = format!("{} px", plain(length));
-    (Swatch::Bar(pen, length * factor), words)
+        .entry(Swatch::Bar(pen, length * factor), format!("{} px in the photograph", plain(length)))
 }
 
 /// A length with two significant digits.
@@ -105,9 +91,10 @@ mod tests {
     fn the_bar_is_as_long_as_its_words_say() {
         let drawing = Drawing::new([1800, 1200], "");
         for factor in [1.0, 2.0, 50.0, 500.0, 1e5] {
-            let (bar, words) = scale(&drawing, factor, Pen::new([255; 3]));
+            let legend = explained(Legend::default(), &drawing, factor, Pen::new([255; 3]), "");
+            let (bar, words) = (&legend.entries[1].swatch, &legend.entries[1].text);
             let Swatch::Bar(_, length) = bar else { panic!("{bar:?}") };
-            let said: f64 = words.trim_end_matches(" px").parse().unwrap();
+            let said: f64 = words.trim_end_matches(" px in the photograph").parse().unwrap();
             assert!((said * factor - length).abs() < 1e-9 * length, "{words} {length}");
             assert!((20.0..=60.0).contains(&(length / drawing.unit())), "{words} {length}");
         }

@@ -31,10 +31,7 @@ pub(crate) fn drawing(
     let shown = vector_scale::SHOWN * drawing.unit();
     let factor = vector_scale::factor(pairs.iter().map(|(seen, there)| (there - seen).norm()), shown);
     let pen = Pen::new(GREEN).width(1.3);
-    drawing.arrows(
-        pairs.iter().map(|(seen, there)| (*seen, vector_scale::end(*seen, there - seen, factor))),
-        pen,
-    );
+    drawing.arrows(pairs.iter().map(|(seen, there)| (*seen, seen + (there - seen) * factor)), pen);
     sheet::draw_marks(&mut drawing, view);
     let mut legend = sheet::legend(format!("{name}: {verdict}"), [view]);
     if !pairs.is_empty() {

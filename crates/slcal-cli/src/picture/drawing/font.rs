@@ -4,6 +4,7 @@ use nalgebra::Point2;
 use skrifa::instance::{LocationRef, Size};
 use skrifa::outline::{DrawSettings, OutlinePen};
 use skrifa::{FontRef, GlyphId, MetadataProvider as _};
+use tiny_skia::{Path, PathBuilder};
 
 /// `font/README.md` says what is in it.
 const FILE: &[u8] = include_bytes!("font/DejaVuSans-subset.ttf");
@@ -43,20 +44,21 @@ impl Font {
         width.map_or(UNKNOWN_WIDTH, f64::from)
     }
 
-    /// Draws the outline of a text whose baseline begins at `start`, y down.
-    pub(crate) fn draw(&self, text: &str, start: Point2<f64>, size: f64, pen: &mut impl OutlinePen) {
-        let Some(font) = &self.0 else { return };
-        let outlines = font.outline_glyphs();
+    /// The outline of a text whose baseline begins at `start`, y down; `None` where it leaves no mark.
+    pub(crate) fn outline(&self, text: &str, start: Point2<f64>, size: f64) -> Option<Path> {
+        let outlines = self.0.as_ref()?.outline_glyphs();
+        let mut pen = Outline { path: PathBuilder::new(), x: 0.0, y: start.y as f32 };
         let mut x = start.x;
         for letter in text.chars() {
             if let Some(glyph) = outlines.get(self.glyph(letter).unwrap_or(GlyphId::NOTDEF)) {
                 let settings = DrawSettings::unhinted(Size::new(size as f32), LocationRef::default());
-                let mut pen = Shifted { pen, x: x as f32, y: start.y as f32 };
+                pen.x = x as f32;
                 // A glyph that the file holds wrongly stays out; see `embedded`.
                 let _ = glyph.draw(settings, &mut pen);
             }
             x += self.advance(letter) * size;
         }
+        pen.path.finish()
     }
 
     /// The text in lines no wider than `width`, broken between words, and within words that are wider.
@@ -83,28 +85,28 @@ impl Font {
     }
 }
 
-/// Puts a glyph, whose y points up from its origin, where it belongs.
-struct Shifted<'a, P> {
-    pen: &'a mut P,
+/// Puts glyphs, whose y points up from their origin, where they belong.
+struct Outline {
+    path: PathBuilder,
     x: f32,
     y: f32,
 }
 
-impl<P: OutlinePen> OutlinePen for Shifted<'_, P> {
+impl OutlinePen for Outline {
     fn move_to(&mut self, x: f32, y: f32) {
-        self.pen.move_to(self.x + x, self.y - y);
+        self.path.move_to(self.x + x, self.y - y);
     }
     fn line_to(&mut self, x: f32, y: f32) {
-        self.pen.line_to(self.x + x, self.y - y);
+        self.path.line_to(self.x + x, self.y - y);
     }
     fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
-        self.pen.quad_to(self.x + cx, self.y - cy, self.x + x, self.y - y);
+        self.path.quad_to(self.x + cx, self.y - cy, self.x + x, self.y - y);
     }
     fn curve_to(&mut self, ax: f32, ay: f32, bx: f32, by: f32, x: f32, y: f32) {
-        self.pen.curve_to(self.x + ax, self.y - ay, self.x + bx, self.y - by, self.x + x, self.y - y);
+        self.path.cubic_to(self.x + ax, self.y - ay, self.x + bx, self.y - by, self.x + x, self.y - y);
     }
     fn close(&mut self) {
-        self.pen.close();
+        self.path.close();
     }
 }
 

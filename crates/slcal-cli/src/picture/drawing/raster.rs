@@ -2,7 +2,6 @@
 
 use image::{DynamicImage, RgbImage};
 use nalgebra::Point2;
-use skrifa::outline::OutlinePen;
 use tiny_skia::{
     FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, PixmapMut, Stroke, StrokeDash, Transform,
 };
@@ -124,9 +123,7 @@ impl Painter<'_, '_> {
             Anchor::End => self.font.width(text, size),
         };
         let start = Point2::new(at.x - back, at.y + 0.5 * CAPITALS * size);
-        let mut outline = Outline(PathBuilder::new());
-        self.font.draw(text, start, size, &mut outline);
-        let Some(path) = outline.0.finish() else { return };
+        let Some(path) = self.font.outline(text, start, size) else { return };
         if pen.halo {
             self.stroke(&path, BLACK, appearance::TEXT_HALO * size, appearance::TEXT_HALO_OPACITY, false);
         }
@@ -178,27 +175,6 @@ fn path(primitive: &Primitive) -> Option<Path> {
         Primitive::Text { .. } => {}
     }
     builder.finish()
-}
-
-/// The outline of letters.
-struct Outline(PathBuilder);
-
-impl OutlinePen for Outline {
-    fn move_to(&mut self, x: f32, y: f32) {
-        self.0.move_to(x, y);
-    }
-    fn line_to(&mut self, x: f32, y: f32) {
-        self.0.line_to(x, y);
-    }
-    fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
-        self.0.quad_to(cx, cy, x, y);
-    }
-    fn curve_to(&mut self, ax: f32, ay: f32, bx: f32, by: f32, x: f32, y: f32) {
-        self.0.cubic_to(ax, ay, bx, by, x, y);
-    }
-    fn close(&mut self) {
-        self.0.close();
-    }
 }
 
 #[cfg(test)]

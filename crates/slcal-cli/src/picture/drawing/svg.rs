@@ -21,6 +21,7 @@ impl Drawing {
     }
 }
 
+/// Writing into a string cannot fail: what `write!` returns means nothing here.
 fn write(drawing: &Drawing, background: Option<&str>) -> String {
     let [w, h] = drawing.size;
     let title = escaped(&drawing.title);
@@ -29,21 +30,12 @@ fn write(drawing: &Drawing, background: Option<&str>) -> String {
          style=\"display:block;width:100%;height:auto\"><title>{title}</title>"
     );
     if let Some(address) = background {
-        let dim = if drawing.dimmed {
-            format!(
-                " style=\"filter:saturate({}) brightness({})\"",
-                appearance::COLOR_KEPT,
-                appearance::LIGHT_KEPT
-            )
-        } else {
-            String::new()
-        };
-        put(
-            &mut text,
-            format_args!(
-                "<image preserveAspectRatio=\"none\" width=\"{w}\" height=\"{h}\" href=\"{}\"{dim}/>",
-                escaped(address)
-            ),
+        let (color, light, href) = (appearance::COLOR_KEPT, appearance::LIGHT_KEPT, escaped(address));
+        let dim = format!(" style=\"filter:saturate({color}) brightness({light})\"");
+        let dim = if drawing.dimmed { &*dim } else { "" };
+        let _ = write!(
+            text,
+            "<image preserveAspectRatio=\"none\" width=\"{w}\" height=\"{h}\" href=\"{href}\"{dim}/>"
         );
     }
     // Pixel centres are integers in the drawing, and halves in SVG.
@@ -54,11 +46,6 @@ fn write(drawing: &Drawing, background: Option<&str>) -> String {
     }
     text.push_str("</g></svg>");
     text
-}
-
-/// Writing into a string cannot fail.
-fn put(text: &mut String, what: std::fmt::Arguments<'_>) {
-    let _ = text.write_fmt(what);
 }
 
 fn write_item(text: &mut String, item: &Item, unit: f64, font: &Font) {
@@ -75,13 +62,10 @@ fn write_item(text: &mut String, item: &Item, unit: f64, font: &Font) {
             let path = path(&item.primitive);
             let dash = if pen.dashed { dashes(unit) } else { String::new() };
             let mut stroke = |color: &str, width: f64, share: f64| {
-                put(
+                let (width, opacity) = (Number(width), opacity(share));
+                let _ = write!(
                     text,
-                    format_args!(
-                        "<path fill=\"none\" stroke=\"{color}\" stroke-width=\"{}\"{}{dash} d=\"{path}\"/>",
-                        Number(width),
-                        opacity(share)
-                    ),
+                    "<path fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"{opacity}{dash} d=\"{path}\"/>"
                 );
             };
             if pen.halo {
@@ -92,16 +76,12 @@ fn write_item(text: &mut String, item: &Item, unit: f64, font: &Font) {
         Primitive::Areas(_) | Primitive::Dots(..) => {
             let path = path(&item.primitive);
             if pen.halo {
-                put(
-                    text,
-                    format_args!(
-                        "<path stroke=\"#000\" stroke-width=\"{}\"{} d=\"{path}\"/>",
-                        Number(appearance::HALO * unit),
-                        opacity(appearance::HALO_OPACITY * pen.opacity)
-                    ),
-                );
+                let (width, opacity) =
+                    (Number(appearance::HALO * unit), opacity(appearance::HALO_OPACITY * pen.opacity));
+                let _ =
+                    write!(text, "<path stroke=\"#000\" stroke-width=\"{width}\"{opacity} d=\"{path}\"/>");
             }
-            put(text, format_args!("<path fill=\"{color}\"{} d=\"{path}\"/>", opacity(pen.opacity)));
+            let _ = write!(text, "<path fill=\"{color}\"{} d=\"{path}\"/>", opacity(pen.opacity));
         }
     }
 }
@@ -132,16 +112,14 @@ fn write_text(
     } else {
         String::new()
     };
-    put(
+    let _ = write!(
         text,
-        format_args!(
-            "<text x=\"{}\" y=\"{}\" font-family=\"{FAMILY}\" font-size=\"{}\" text-anchor=\"{anchor}\" fill=\"{}\"{halo}{length}>{}</text>",
-            Number(at.x),
-            Number(at.y + 0.5 * CAPITALS * size),
-            Number(size),
-            hex(pen.color),
-            escaped(words)
-        ),
+        "<text x=\"{}\" y=\"{}\" font-family=\"{FAMILY}\" font-size=\"{}\" text-anchor=\"{anchor}\" fill=\"{}\"{halo}{length}>{}</text>",
+        Number(at.x),
+        Number(at.y + 0.5 * CAPITALS * size),
+        Number(size),
+        hex(pen.color),
+        escaped(words)
     );
 }
 
@@ -151,7 +129,7 @@ fn path(primitive: &Primitive) -> String {
         for part in parts {
             for (i, p) in part.iter().enumerate() {
                 let letter = if i == 0 { "M" } else { "L" };
-                put(&mut d, format_args!("{letter}{} {}", Number(p.x), Number(p.y)));
+                let _ = write!(d, "{letter}{} {}", Number(p.x), Number(p.y));
             }
             d.push_str(end);
         }
@@ -162,11 +140,8 @@ fn path(primitive: &Primitive) -> String {
         Primitive::Dots(centres, radius) | Primitive::Rings(centres, radius) => {
             let r = Number(*radius);
             for c in centres {
-                let (left, wide) = (Number(c.x - radius), Number(2.0 * radius));
-                put(
-                    &mut d,
-                    format_args!("M{left} {}a{r} {r} 0 1 0 {wide} 0a{r} {r} 0 1 0-{wide} 0", Number(c.y)),
-                );
+                let (x, y, wide) = (Number(c.x - radius), Number(c.y), Number(2.0 * radius));
+                let _ = write!(d, "M{x} {y}a{r} {r} 0 1 0 {wide} 0a{r} {r} 0 1 0-{wide} 0");
             }
         }
         Primitive::Text { .. } => {}
