@@ -38,6 +38,22 @@ pub struct CloudPoint {
     pub confidence: f64,
 }
 
+impl CloudPoint {
+    /// A point of which only the position is known.
+    #[must_use]
+    pub fn at(position: Point3<f64>) -> Self {
+        Self {
+            position,
+            pixel: Point2::new(f64::NAN, f64::NAN),
+            color: [0; 3],
+            sigma_mm: 0.0,
+            noise_mm: 0.0,
+            slit: None,
+            confidence: 1.0,
+        }
+    }
+}
+
 /// Points, and the triangles between them if a mesh was requested.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PointCloud {

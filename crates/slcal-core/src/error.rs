@@ -273,6 +273,11 @@ impl Error {
         Self::Malformed { what, detail: detail.into(), source: None }
     }
 
+    /// An [`Error::Degenerate`] without a measure of how far the geometry is from determining `what`.
+    pub(crate) fn undetermined(what: ErrorSubject, advice: impl Into<String>) -> Self {
+        Self::Degenerate { what, measure: 0.0, limit: 0.0, advice: advice.into() }
+    }
+
     /// An [`Error::Malformed`] of a text that a parser refuses.
     pub(crate) fn unparsable(
         what: ErrorSubject,

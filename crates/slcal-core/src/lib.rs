@@ -113,12 +113,12 @@ pub mod verify;
 
 mod cloud;
 mod error;
+#[cfg(test)]
+mod for_tests;
 mod matches;
 mod named;
 mod observations;
 mod parameter;
-#[cfg(test)]
-mod rendered_scenes;
 mod rig;
 
 pub use calibrate::{

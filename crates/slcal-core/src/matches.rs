@@ -25,6 +25,20 @@ pub struct Match {
 impl Match {
     /// 1σ of the camera position, px, where it is not stated.
     pub const DEFAULT_SIGMA_PX: f64 = 0.1;
+
+    /// The match of a pixel with a projector column, a row, or both, from no decoder.
+    #[must_use]
+    pub fn at(camera: Point2<f64>, projector_column: Option<f64>, projector_row: Option<f64>) -> Self {
+        Self {
+            camera,
+            projector_column,
+            projector_row,
+            slit: None,
+            confidence: 1.0,
+            sigma_px: Self::DEFAULT_SIGMA_PX,
+            color: [255; 3],
+        }
+    }
 }
 
 /// A set of correspondences, ordered by image row (column for row patterns), then by position.

@@ -1,6 +1,6 @@
 //! Rendered photograph → rig, against the truth of the scene; skipped where the scenes are not at hand.
 
-#[path = "../src/rendered_scenes.rs"]
+#[path = "../src/for_tests/rendered_scenes.rs"]
 mod rendered_scenes;
 
 use std::path::Path;

@@ -192,7 +192,7 @@ fn every_layout_of_a_photograph_gives_the_same_matches() {
     let stripes = pattern(Axis::Columns);
     let rgb = photograph(&stripes, [1000, 60], &slanted());
     let mut first: Option<Decoding> = None;
-    for (bytes, layout, stride) in crate::photo::layouts(&rgb, 1000) {
+    for (bytes, layout, stride) in crate::for_tests::layouts(&rgb, 1000) {
         let wide: Vec<u16> = bytes.iter().map(|&c| u16::from(c) * 257).collect();
         for samples in [Samples::U8(&bytes), Samples::U16(&wide)] {
             let view = PhotoView::new(samples, 1000, 60, stride, layout).unwrap();

@@ -181,23 +181,23 @@ impl Cells {
     }
 
     /// Predicted and measured difference of the pairs of neighbouring squares of which one lies in the pattern, in units
-    /// of the contrast.
+    /// of the contrast, behind the two squares.
     fn pairs<'a>(
         &'a self,
         pattern: &'a CheckerPattern,
         placement: &'a Placement,
-    ) -> impl Iterator<Item = ([i32; 2], usize, f64, f64)> + 'a {
+    ) -> impl Iterator<Item = ([[i32; 2]; 2], f64, f64)> + 'a {
         let [columns, rows] = pattern.squares.map(|n| n as i32);
         let cells = (-1..=columns).flat_map(move |i| (-1..=rows).map(move |j| [i, j]));
         cells.flat_map(move |[i, j]| {
-            [[1, 0], [0, 1]].into_iter().enumerate().filter_map(move |(k, [di, dj])| {
+            [[1, 0], [0, 1]].into_iter().filter_map(move |[di, dj]| {
                 let (a, b) = ([i, j], [i + di, j + dj]);
                 if !(inside(pattern, a) || inside(pattern, b)) {
                     return None;
                 }
                 let measured = self.cell(placement, b)? - self.cell(placement, a)?;
                 let predicted = color(pattern, b) - color(pattern, a);
-                Some(([i, j], k, predicted, (measured / self.contrast).clamp(-1.5, 1.5)))
+                Some(([a, b], predicted, (measured / self.contrast).clamp(-1.5, 1.5)))
             })
         })
     }
@@ -211,10 +211,9 @@ impl Cells {
 
     /// Mean of |predicted − measured| over the pairs.
     fn disagreement(&self, pattern: &CheckerPattern, placement: &Placement) -> f64 {
-        let (sum, n) =
-            self.pairs(pattern, placement).fold((0.0, 0), |(sum, n), (_, _, predicted, measured)| {
-                (sum + (predicted - measured).abs(), n + 1)
-            });
+        let (sum, n) = self
+            .pairs(pattern, placement)
+            .fold((0.0, 0), |(sum, n), (_, predicted, measured)| (sum + (predicted - measured).abs(), n + 1));
         sum / f64::from(n)
     }
 
@@ -222,7 +221,13 @@ impl Cells {
     fn prefer(&self, pattern: &CheckerPattern, first: &Placement, second: &Placement) -> bool {
         let mut votes = (0, 0);
         let mut count = |of: &Placement, against: &Placement, for_first: bool| {
-            for (_, _, predicted, measured, other) in self.compare(pattern, of, against) {
+            // What the other placement predicts for the same square of the picture.
+            let there = |[i, j]: [i32; 2]| {
+                let [p, q] = [of.label(i - 1, j - 1), of.label(i, j)].map(|label| against.index(label));
+                color(pattern, [p[0].max(q[0]), p[1].max(q[1])])
+            };
+            for ([a, b], predicted, measured) in self.pairs(pattern, of) {
+                let other = there(b) - there(a);
                 if (predicted - other).abs() > 0.5 {
                     let closer = (predicted - measured).abs() < (other - measured).abs();
                     votes.0 += usize::from(closer == for_first);
@@ -233,24 +238,6 @@ impl Cells {
         count(first, second, true);
         count(second, first, false);
         votes.1 >= MIN_DECIDING_PAIRS && votes.0 as f64 >= MIN_VOTE * votes.1 as f64
-    }
-
-    /// The pairs of one placement with what another placement predicts for the same two squares.
-    fn compare<'a>(
-        &'a self,
-        pattern: &'a CheckerPattern,
-        of: &'a Placement,
-        against: &'a Placement,
-    ) -> impl Iterator<Item = ([i32; 2], usize, f64, f64, f64)> + 'a {
-        self.pairs(pattern, of).map(move |(a, k, predicted, measured)| {
-            let b = if k == 0 { [a[0] + 1, a[1]] } else { [a[0], a[1] + 1] };
-            let there = |cell: [i32; 2]| {
-                let (p, q) = (of.label(cell[0] - 1, cell[1] - 1), of.label(cell[0], cell[1]));
-                let (p, q) = (against.index(p), against.index(q));
-                [p[0].max(q[0]), p[1].max(q[1])]
-            };
-            (a, k, predicted, measured, color(pattern, there(b)) - color(pattern, there(a)))
-        })
     }
 }
 

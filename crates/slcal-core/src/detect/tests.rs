@@ -5,11 +5,11 @@ use nalgebra::{Matrix3, Point2};
 
 use super::*;
 use crate::error::{Error, ErrorSubject, Result};
+use crate::for_tests::rendered_scenes;
 use crate::geometry::{Homography, Line, RectangleSize};
 use crate::observations::{SheetObservation, ViewObservation};
 use crate::pattern::{CheckerPattern, SquareColor};
 use crate::photo::{Encoding, PhotoView, Samples};
-use crate::rendered_scenes::rendered_scenes;
 use crate::solve::homography_from_points;
 
 fn pattern() -> CheckerPattern {
@@ -203,7 +203,7 @@ fn every_layout_of_a_photograph_gives_the_same_detection() {
         view.pairs.iter().map(|p| p.camera).chain(view.sheet.corners().unwrap()).collect()
     };
     let mut first: Option<Vec<Point2<f64>>> = None;
-    for (bytes, layout, stride) in crate::photo::layouts(&rgb, width) {
+    for (bytes, layout, stride) in crate::for_tests::layouts(&rgb, width) {
         let wide: Vec<u16> = bytes.iter().map(|&c| u16::from(c) * 257).collect();
         for samples in [Samples::U8(&bytes), Samples::U16(&wide)] {
             let found = points(&observed(samples, stride, layout));

@@ -66,7 +66,7 @@ mod tests {
 
     /// Points of a plane 1 m away and of a sphere before it.
     fn cloud_of(points: impl Iterator<Item = Point3<f64>>) -> PointCloud {
-        let like = crate::format::test_cloud().points[0];
+        let like = crate::for_tests::test_cloud().points[0];
         let points = points.map(|position| crate::cloud::CloudPoint { position, ..like }).collect();
         PointCloud { points, ..PointCloud::default() }
     }

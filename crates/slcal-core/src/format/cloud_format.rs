@@ -57,7 +57,7 @@ mod tests {
         for format in CloudFormat::ALL {
             assert_eq!(format.name().to_uppercase().parse(), Ok(format));
             let mut bytes = Vec::new();
-            format.write(&crate::format::test_cloud(), &mut bytes).unwrap();
+            format.write(&crate::for_tests::test_cloud(), &mut bytes).unwrap();
             assert_eq!(std::str::from_utf8(&bytes).is_ok(), format.is_text(), "{format:?}");
         }
         assert!("stl".parse::<CloudFormat>().is_err());

@@ -173,7 +173,7 @@ fn document(cloud: &PointCloud, buffer: &Buffer) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::test_cloud;
+    use crate::for_tests::test_cloud;
 
     /// Takes the container apart by the format's description: 12 bytes of header, then chunks on multiples of four.
     fn parse(bytes: &[u8]) -> (Value, Vec<u8>) {

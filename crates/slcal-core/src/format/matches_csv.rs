@@ -122,15 +122,9 @@ pub fn read_matches(input: impl Read) -> Result<Matches> {
                 "line {line}: expected a confidence from 0 to 1, found {confidence}"
             )));
         }
-        items.push(Match {
-            camera: Point2::new(given(u)?, given(v)?),
-            projector_column,
-            projector_row,
-            slit,
-            confidence,
-            sigma_px,
-            color: [255; 3],
-        });
+        let camera = Point2::new(given(u)?, given(v)?);
+        let found = Match::at(camera, projector_column, projector_row);
+        items.push(Match { slit, confidence, sigma_px, ..found });
     }
     Ok(Matches { items })
 }

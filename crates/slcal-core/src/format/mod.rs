@@ -1,5 +1,6 @@
 //! Rigs, observations, patterns, matches and clouds as text and binary files, on any `Read` and `Write`.
 
+mod buffered;
 #[cfg(feature = "exchange")]
 mod camera;
 mod cloud_format;
@@ -40,22 +41,3 @@ pub use ply::{read_ply, write_ply};
 pub use recognise::recognise;
 pub use rig_json::{read_rig, write_rig};
 pub use xyz::write_xyz;
-
-/// Four points and two triangles for the tests of the cloud formats.
-#[cfg(test)]
-pub(crate) fn test_cloud() -> crate::cloud::PointCloud {
-    let point = |i: u16| crate::cloud::CloudPoint {
-        position: nalgebra::Point3::new(f64::from(i), -0.5, 1000.25),
-        pixel: nalgebra::Point2::new(f64::NAN, f64::NAN),
-        color: [i as u8, 2, 255],
-        sigma_mm: 0.125,
-        noise_mm: 0.0625,
-        slit: Some(60_000 + i),
-        confidence: 0.75,
-    };
-    crate::cloud::PointCloud {
-        points: (0..4).map(point).collect(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..crate::cloud::PointCloud::default()
-    }
-}

@@ -2,37 +2,34 @@
 
 use std::io::Write;
 
-use crate::cloud::{Frame, PointCloud};
-use crate::error::{Error, ErrorSubject, Result};
+use super::buffered::buffered;
+use crate::cloud::PointCloud;
+use crate::error::{ErrorSubject, Result};
 
 /// Writes `v x y z r g b` per point (mm to a tenth of a micrometre; colours 0–1 behind the coordinates, as most viewers
 /// read them) and `f a b c` per triangle, with indices from one.
 ///
 /// # Errors
-/// [`Error::Io`] when the stream fails.
+/// [`Error::Io`](crate::Error::Io) when the stream fails.
 pub fn write_obj(cloud: &PointCloud, output: impl Write) -> Result<()> {
-    write(cloud, output).map_err(|e| Error::writing(ErrorSubject::Obj, e))
-}
-
-fn write(cloud: &PointCloud, output: impl Write) -> std::io::Result<()> {
-    let mut out = std::io::BufWriter::new(output);
-    let frame = if cloud.frame == Frame::Plane { "plane" } else { "camera" };
-    writeln!(out, "# units mm\n# frame {frame}")?;
-    for p in &cloud.points {
-        let ([r, g, b], x) = (p.color.map(|c| f64::from(c) / 255.0), p.position);
-        writeln!(out, "v {:.4} {:.4} {:.4} {r:.4} {g:.4} {b:.4}", x.x, x.y, x.z)?;
-    }
-    for t in &cloud.triangles {
-        let [a, b, c] = t.map(|i| u64::from(i) + 1);
-        writeln!(out, "f {a} {b} {c}")?;
-    }
-    out.flush()
+    buffered(ErrorSubject::Obj, output, |out| {
+        writeln!(out, "# units mm\n# frame {}", cloud.frame)?;
+        for p in &cloud.points {
+            let ([r, g, b], x) = (p.color.map(|c| f64::from(c) / 255.0), p.position);
+            writeln!(out, "v {:.4} {:.4} {:.4} {r:.4} {g:.4} {b:.4}", x.x, x.y, x.z)?;
+        }
+        for t in &cloud.triangles {
+            let [a, b, c] = t.map(|i| u64::from(i) + 1);
+            writeln!(out, "f {a} {b} {c}")?;
+        }
+        Ok(())
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::test_cloud;
+    use crate::for_tests::test_cloud;
 
     #[test]
     fn vertices_carry_colours_and_faces_count_from_one() {

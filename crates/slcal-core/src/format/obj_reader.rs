@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, Read};
 
-use nalgebra::{Point2, Point3};
+use nalgebra::Point3;
 
 use super::recognise::refuse_others;
 use crate::cloud::{CloudPoint, PointCloud};
@@ -60,15 +60,7 @@ fn vertex<'a>(words: impl Iterator<Item = &'a str>, line: usize) -> Result<Cloud
         return Err(malformed(line, format!("a vertex of {} coordinates", numbers.len())));
     };
     let color = if let [r, g, b] = rest { [r, g, b].map(|c| (c * 255.0).round() as u8) } else { [255; 3] };
-    Ok(CloudPoint {
-        position: Point3::new(*x, *y, *z),
-        pixel: Point2::new(f64::NAN, f64::NAN),
-        color,
-        sigma_mm: 0.0,
-        noise_mm: 0.0,
-        slit: None,
-        confidence: 1.0,
-    })
+    Ok(CloudPoint { color, ..CloudPoint::at(Point3::new(*x, *y, *z)) })
 }
 
 /// A polygon of vertex indices from one, or relative to the last vertex when negative; texture and normal follow a slash.
@@ -93,7 +85,8 @@ fn face<'a>(words: impl Iterator<Item = &'a str>, line: usize, cloud: &mut Point
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::{test_cloud, write_obj};
+    use crate::for_tests::test_cloud;
+    use crate::format::write_obj;
 
     #[test]
     fn what_was_written_is_read() {

@@ -127,8 +127,8 @@ pub fn write_pattern(pattern: &Pattern, mut output: impl Write) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::for_tests::rendered_scenes;
     use crate::pattern::{CheckerConfig, StripeConfig};
-    use crate::rendered_scenes::rendered_scenes;
     use serde_json::json;
 
     fn text(pattern: &Pattern) -> Value {

@@ -2,48 +2,49 @@
 
 use std::io::Write;
 
-use crate::cloud::{Frame, PointCloud};
-use crate::error::{Error, ErrorSubject, Result};
+use super::buffered::buffered;
+use crate::cloud::PointCloud;
+use crate::error::{ErrorSubject, Result};
 
 /// Writes a cloud as PCD version 0.7 with binary data: `x y z` (mm), `rgb` (packed as the Point Cloud Library does: the
 /// bits of 0x00RRGGBB in a float), `sigma` (mm), `slit`, `confidence` and `noise` (mm). `VIEWPOINT` is the camera's centre; the
 /// format has no triangles.
 ///
 /// # Errors
-/// [`Error::Io`] when the stream fails.
+/// [`Error::Io`](crate::Error::Io) when the stream fails.
 pub fn write_pcd(cloud: &PointCloud, output: impl Write) -> Result<()> {
-    write(cloud, output).map_err(|e| Error::writing(ErrorSubject::Pcd, e))
-}
-
-fn write(cloud: &PointCloud, output: impl Write) -> std::io::Result<()> {
-    let mut out = std::io::BufWriter::new(output);
-    let frame = if cloud.frame == Frame::Plane { "plane" } else { "camera" };
-    let (n, c) = (cloud.points.len(), cloud.camera_centre);
-    writeln!(out, "# .PCD v0.7 - Point Cloud Data file format\n# units mm\n# frame {frame}\nVERSION 0.7")?;
-    writeln!(
-        out,
-        "FIELDS x y z rgb sigma slit confidence noise\nSIZE 4 4 4 4 4 2 4 4\nTYPE F F F F F U F F"
-    )?;
-    writeln!(out, "COUNT 1 1 1 1 1 1 1 1\nWIDTH {n}\nHEIGHT 1")?;
-    writeln!(out, "VIEWPOINT {} {} {} 1 0 0 0\nPOINTS {n}\nDATA binary", c.x, c.y, c.z)?;
-    for p in &cloud.points {
-        for x in p.position.iter() {
-            out.write_all(&(*x as f32).to_le_bytes())?;
+    buffered(ErrorSubject::Pcd, output, |out| {
+        let (n, c) = (cloud.points.len(), cloud.camera_centre);
+        writeln!(
+            out,
+            "# .PCD v0.7 - Point Cloud Data file format\n# units mm\n# frame {}\nVERSION 0.7",
+            cloud.frame
+        )?;
+        writeln!(
+            out,
+            "FIELDS x y z rgb sigma slit confidence noise\nSIZE 4 4 4 4 4 2 4 4\nTYPE F F F F F U F F"
+        )?;
+        writeln!(out, "COUNT 1 1 1 1 1 1 1 1\nWIDTH {n}\nHEIGHT 1")?;
+        writeln!(out, "VIEWPOINT {} {} {} 1 0 0 0\nPOINTS {n}\nDATA binary", c.x, c.y, c.z)?;
+        for p in &cloud.points {
+            for x in p.position.iter() {
+                out.write_all(&(*x as f32).to_le_bytes())?;
+            }
+            let [r, g, b] = p.color;
+            out.write_all(&[b, g, r, 0])?;
+            out.write_all(&(p.sigma_mm as f32).to_le_bytes())?;
+            out.write_all(&p.slit.unwrap_or(0).to_le_bytes())?;
+            out.write_all(&(p.confidence as f32).to_le_bytes())?;
+            out.write_all(&(p.noise_mm as f32).to_le_bytes())?;
         }
-        let [r, g, b] = p.color;
-        out.write_all(&[b, g, r, 0])?;
-        out.write_all(&(p.sigma_mm as f32).to_le_bytes())?;
-        out.write_all(&p.slit.unwrap_or(0).to_le_bytes())?;
-        out.write_all(&(p.confidence as f32).to_le_bytes())?;
-        out.write_all(&(p.noise_mm as f32).to_le_bytes())?;
-    }
-    out.flush()
+        Ok(())
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::test_cloud;
+    use crate::for_tests::test_cloud;
 
     /// Reads the file according to the format's specification: fields by name, sizes and types from the header.
     fn parse(bytes: &[u8]) -> (Vec<String>, Vec<Vec<[u8; 4]>>) {
@@ -100,7 +101,7 @@ mod tests {
     #[test]
     fn a_cloud_in_the_sheets_frame_says_where_the_camera_stood() {
         let mut cloud = test_cloud();
-        cloud.frame = Frame::Plane;
+        cloud.frame = crate::cloud::Frame::Plane;
         cloud.camera_centre = nalgebra::Point3::new(1.5, -2.0, -900.25);
         let mut bytes = Vec::new();
         write_pcd(&cloud, &mut bytes).unwrap();

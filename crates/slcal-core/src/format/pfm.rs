@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use super::buffered::buffered;
 use crate::error::{Error, ErrorSubject, Result};
 
 /// Writes one 32-bit number per pixel, given row by row from the top; NaN where there is none. The format stores the last
@@ -14,19 +15,16 @@ pub fn write_pfm(width: usize, values: &[f32], output: impl Write) -> Result<()>
         let found = format!("{} values", values.len());
         return Err(Error::invalid("map", format!("whole rows of {width} values"), found));
     }
-    write(width, values, output).map_err(|e| Error::writing(ErrorSubject::Pfm, e))
-}
-
-fn write(width: usize, values: &[f32], output: impl Write) -> std::io::Result<()> {
-    let mut out = std::io::BufWriter::new(output);
-    // A negative scale means little-endian numbers.
-    writeln!(out, "Pf\n{width} {}\n-1.0", values.len() / width)?;
-    for row in values.chunks_exact(width).rev() {
-        for v in row {
-            out.write_all(&v.to_le_bytes())?;
+    buffered(ErrorSubject::Pfm, output, |out| {
+        // A negative scale means little-endian numbers.
+        writeln!(out, "Pf\n{width} {}\n-1.0", values.len() / width)?;
+        for row in values.chunks_exact(width).rev() {
+            for v in row {
+                out.write_all(&v.to_le_bytes())?;
+            }
         }
-    }
-    out.flush()
+        Ok(())
+    })
 }
 
 #[cfg(test)]

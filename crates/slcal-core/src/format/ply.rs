@@ -2,8 +2,9 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 
-use nalgebra::{Point2, Point3};
+use nalgebra::Point3;
 
+use super::buffered::buffered;
 use super::recognise::refuse_others;
 use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::error::{Error, ErrorSubject, Result};
@@ -21,45 +22,42 @@ fn malformed(detail: impl Into<String>) -> Error {
 /// # Errors
 /// [`Error::Io`] when the stream fails.
 pub fn write_ply(cloud: &PointCloud, output: impl Write) -> Result<()> {
-    write(cloud, output).map_err(|e| Error::writing(ErrorSubject::Ply, e))
-}
-
-fn write(cloud: &PointCloud, output: impl Write) -> std::io::Result<()> {
-    let mut out = std::io::BufWriter::new(output);
-    writeln!(out, "ply\nformat binary_little_endian 1.0\ncomment units mm")?;
-    match cloud.frame {
-        Frame::Camera => writeln!(out, "comment frame camera")?,
-        Frame::Plane => {
-            let c = cloud.camera_centre;
-            writeln!(out, "comment frame plane\ncomment camera {} {} {}", c.x, c.y, c.z)?;
+    buffered(ErrorSubject::Ply, output, |out| {
+        writeln!(out, "ply\nformat binary_little_endian 1.0\ncomment units mm")?;
+        match cloud.frame {
+            Frame::Camera => writeln!(out, "comment frame camera")?,
+            Frame::Plane => {
+                let c = cloud.camera_centre;
+                writeln!(out, "comment frame plane\ncomment camera {} {} {}", c.x, c.y, c.z)?;
+            }
         }
-    }
-    writeln!(out, "element vertex {}", cloud.points.len())?;
-    writeln!(out, "property float x\nproperty float y\nproperty float z")?;
-    writeln!(out, "property uchar red\nproperty uchar green\nproperty uchar blue")?;
-    writeln!(out, "property float sigma\nproperty ushort slit\nproperty float confidence")?;
-    writeln!(out, "property float noise")?;
-    if !cloud.triangles.is_empty() {
-        writeln!(out, "element face {}\nproperty list uchar int vertex_indices", cloud.triangles.len())?;
-    }
-    writeln!(out, "end_header")?;
-    for p in &cloud.points {
-        for x in p.position.iter() {
-            out.write_all(&(*x as f32).to_le_bytes())?;
+        writeln!(out, "element vertex {}", cloud.points.len())?;
+        writeln!(out, "property float x\nproperty float y\nproperty float z")?;
+        writeln!(out, "property uchar red\nproperty uchar green\nproperty uchar blue")?;
+        writeln!(out, "property float sigma\nproperty ushort slit\nproperty float confidence")?;
+        writeln!(out, "property float noise")?;
+        if !cloud.triangles.is_empty() {
+            writeln!(out, "element face {}\nproperty list uchar int vertex_indices", cloud.triangles.len())?;
         }
-        out.write_all(&p.color)?;
-        out.write_all(&(p.sigma_mm as f32).to_le_bytes())?;
-        out.write_all(&p.slit.unwrap_or(0).to_le_bytes())?;
-        out.write_all(&(p.confidence as f32).to_le_bytes())?;
-        out.write_all(&(p.noise_mm as f32).to_le_bytes())?;
-    }
-    for t in &cloud.triangles {
-        out.write_all(&[3])?;
-        for i in t {
-            out.write_all(&i.to_le_bytes())?;
+        writeln!(out, "end_header")?;
+        for p in &cloud.points {
+            for x in p.position.iter() {
+                out.write_all(&(*x as f32).to_le_bytes())?;
+            }
+            out.write_all(&p.color)?;
+            out.write_all(&(p.sigma_mm as f32).to_le_bytes())?;
+            out.write_all(&p.slit.unwrap_or(0).to_le_bytes())?;
+            out.write_all(&(p.confidence as f32).to_le_bytes())?;
+            out.write_all(&(p.noise_mm as f32).to_le_bytes())?;
         }
-    }
-    out.flush()
+        for t in &cloud.triangles {
+            out.write_all(&[3])?;
+            for i in t {
+                out.write_all(&i.to_le_bytes())?;
+            }
+        }
+        Ok(())
+    })
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -319,15 +317,7 @@ fn read_vertices<R: BufRead>(
     let color_scale = if float_color { 255.0 } else { 1.0 };
     let [sigma, slit, confidence, noise] = ["sigma", "slit", "confidence", "noise"].map(|n| find(&[n]));
     for _ in 0..element.count {
-        let mut p = CloudPoint {
-            position: Point3::origin(),
-            pixel: Point2::new(f64::NAN, f64::NAN),
-            color: [0; 3],
-            sigma_mm: 0.0,
-            noise_mm: 0.0,
-            slit: None,
-            confidence: 1.0,
-        };
+        let mut p = CloudPoint::at(Point3::origin());
         values.record(element, |i, _, v| {
             if let Some(k) = xyz.iter().position(|&x| x == i) {
                 p.position[k] = v;
@@ -379,7 +369,7 @@ mod tests {
     fn cloud(frame: Frame) -> PointCloud {
         let camera_centre =
             if frame == Frame::Plane { Point3::new(1.0, 2.0, -3.5) } else { Point3::origin() };
-        PointCloud { frame, camera_centre, ..crate::format::test_cloud() }
+        PointCloud { frame, camera_centre, ..crate::for_tests::test_cloud() }
     }
 
     fn same(a: &PointCloud, b: &PointCloud) -> bool {

@@ -2,30 +2,29 @@
 
 use std::io::Write;
 
+use super::buffered::buffered;
 use crate::cloud::PointCloud;
-use crate::error::{Error, ErrorSubject, Result};
+use crate::error::{ErrorSubject, Result};
 
 /// Writes `x y z red green blue` per point (mm to a tenth of a micrometre, colours 0–255), separated by spaces, without
 /// a header. The format has no triangles.
 ///
 /// # Errors
-/// [`Error::Io`] when the stream fails.
+/// [`Error::Io`](crate::Error::Io) when the stream fails.
 pub fn write_xyz(cloud: &PointCloud, output: impl Write) -> Result<()> {
-    let mut out = std::io::BufWriter::new(output);
-    let mut write = || {
+    buffered(ErrorSubject::Xyz, output, |out| {
         for p in &cloud.points {
             let ([r, g, b], x) = (p.color, p.position);
             writeln!(out, "{:.4} {:.4} {:.4} {r} {g} {b}", x.x, x.y, x.z)?;
         }
-        out.flush()
-    };
-    write().map_err(|e| Error::writing(ErrorSubject::Xyz, e))
+        Ok(())
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::test_cloud;
+    use crate::for_tests::test_cloud;
 
     #[test]
     fn a_line_holds_position_and_colour() {

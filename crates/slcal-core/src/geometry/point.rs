@@ -1,6 +1,6 @@
 //! Points of the projective plane: pixels and vanishing points in one type.
 
-use nalgebra::{Point2, Vector2, Vector3};
+use nalgebra::{Point2, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// A homogeneous point (x, y, w) of an image; w = 0 is a direction, that is, a point at infinity.
@@ -24,13 +24,6 @@ impl ProjectivePoint {
             .then_some(p)
     }
 
-    /// The direction in which this point is seen from pixel `p`, of unit length and arbitrary sign when the
-    /// point is at infinity; `None` when it coincides with `p`.
-    #[must_use]
-    pub fn direction_from(&self, p: Point2<f64>) -> Option<Vector2<f64>> {
-        (self.0.xy() - p.coords * self.0.z).try_normalize(f64::MIN_POSITIVE)
-    }
-
     /// The same point in coordinates whose origin is the pixel `origin`.
     #[must_use]
     pub fn relative_to(&self, origin: Point2<f64>) -> Self {
@@ -52,12 +45,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_point_at_infinity_has_no_pixel_and_the_same_direction_everywhere() {
+    fn a_point_at_infinity_has_no_pixel() {
         let v = ProjectivePoint(Vector3::new(3.0, 4.0, 0.0));
         assert!(v.pixel().is_none());
-        for p in [Point2::new(0.0, 0.0), Point2::new(-1e6, 1e6)] {
-            assert!((v.direction_from(p).unwrap() - Vector2::new(0.6, 0.8)).norm() < 1e-15);
-        }
     }
 
     #[test]

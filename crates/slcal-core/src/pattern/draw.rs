@@ -154,12 +154,9 @@ struct Pixel {
 
 impl<'a> Inverse<'a> {
     fn new(warp: &'a Warp, centre: Point2<f64>) -> Result<Self> {
-        let inverse = warp.homography.inverse().ok_or(Error::Degenerate {
-            what: ErrorSubject::Homography,
-            measure: 0.0,
-            limit: 0.0,
-            advice: "it flattens the pattern to a line or a point".into(),
-        })?;
+        let flattens = "it flattens the pattern to a line or a point";
+        let flat = || Error::undetermined(ErrorSubject::Homography, flattens);
+        let inverse = warp.homography.inverse().ok_or_else(flat)?;
         // The near side of the horizon is the side of the source's centre.
         let side = (warp.homography.0 * Vector3::new(centre.x, centre.y, 1.0)).z;
         Ok(Self { source_from_ideal: if side < 0.0 { -inverse.0 } else { inverse.0 }, warp })
@@ -285,8 +282,8 @@ fn cubic_weights(t: f64) -> [f64; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::for_tests::rendered_scenes;
     use crate::pattern::{CheckerConfig, StripeConfig};
-    use crate::rendered_scenes::rendered_scenes;
 
     fn shared(name: &str) -> Option<RgbImage> {
         let path = rendered_scenes(&format!("paper_tilted/patterns/{name}"))?;

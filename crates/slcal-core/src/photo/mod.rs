@@ -9,6 +9,4 @@ pub use encoding::Encoding;
 pub(crate) use encoding::LinearTable;
 pub(crate) use grey::GreyImage;
 pub(crate) use linear::LinearPhoto;
-#[cfg(test)]
-pub(crate) use view::layouts;
 pub use view::{Layout, PhotoView, Samples};

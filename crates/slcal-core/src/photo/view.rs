@@ -170,52 +170,38 @@ impl<'a> PhotoView<'a> {
 
     /// Writes the linear light (red, green, blue) of one row into `out`, which must hold `width` entries.
     pub(crate) fn linear_rgb_row(&self, y: usize, table: &LinearTable, out: &mut [[f32; 3]]) {
+        self.each_light(y, table, out, |r, g, b| [r, g, b]);
+    }
+
+    /// Writes the sum of the channels' linear light of one row into `out`, which must hold `width` entries.
+    pub(crate) fn linear_total_row(&self, y: usize, table: &LinearTable, out: &mut [f32]) {
+        self.each_light(y, table, out, |r, g, b| r + g + b);
+    }
+
+    /// Writes what becomes of the linear light (red, green, blue) of each pixel of a row.
+    #[inline]
+    fn each_light<T>(&self, y: usize, table: &LinearTable, out: &mut [T], of: impl Fn(f32, f32, f32) -> T) {
         let [r, g, b] = self.layout.rgb_offsets();
         let channels = self.layout.channels();
         let range = y * self.row_stride..y * self.row_stride + self.width * channels;
         match (self.samples, table.of_bytes()) {
             // No index can lie outside this table, and pixels are arrays of three: there are no bounds checks per sample.
             (Samples::U8(s), Some(t)) if channels == 3 => {
-                for (o, p) in out.iter_mut().zip(s[range].as_chunks::<3>().0) {
-                    let light = p.map(|c| t[usize::from(c)]);
-                    *o = [light[r], light[g], light[b]];
-                }
-            }
-            (Samples::U8(s), _) => {
-                for (o, p) in out.iter_mut().zip(s[range].chunks_exact(channels)) {
-                    *o = [p[r], p[g], p[b]].map(|c| table.light(usize::from(c)));
-                }
-            }
-            (Samples::U16(s), _) => {
-                for (o, p) in out.iter_mut().zip(s[range].chunks_exact(channels)) {
-                    *o = [p[r], p[g], p[b]].map(|c| table.light(usize::from(c)));
-                }
-            }
-        }
-    }
-
-    /// Writes the sum of the channels' linear light of one row into `out`, which must hold `width` entries.
-    pub(crate) fn linear_total_row(&self, y: usize, table: &LinearTable, out: &mut [f32]) {
-        let [r, g, b] = self.layout.rgb_offsets();
-        let channels = self.layout.channels();
-        let range = y * self.row_stride..y * self.row_stride + self.width * channels;
-        match (self.samples, table.of_bytes()) {
-            (Samples::U8(s), Some(t)) if channels == 3 => {
                 let light = |c: u8| t[usize::from(c)];
                 for (o, p) in out.iter_mut().zip(s[range].as_chunks::<3>().0) {
-                    *o = light(p[r]) + light(p[g]) + light(p[b]);
+                    *o = of(light(p[r]), light(p[g]), light(p[b]));
                 }
             }
             (Samples::U8(s), _) => {
                 let light = |c: u8| table.light(usize::from(c));
                 for (o, p) in out.iter_mut().zip(s[range].chunks_exact(channels)) {
-                    *o = light(p[r]) + light(p[g]) + light(p[b]);
+                    *o = of(light(p[r]), light(p[g]), light(p[b]));
                 }
             }
             (Samples::U16(s), _) => {
                 let light = |c: u16| table.light(usize::from(c));
                 for (o, p) in out.iter_mut().zip(s[range].chunks_exact(channels)) {
-                    *o = light(p[r]) + light(p[g]) + light(p[b]);
+                    *o = of(light(p[r]), light(p[g]), light(p[b]));
                 }
             }
         }
@@ -346,24 +332,10 @@ impl<'a> TryFrom<&'a DynamicImage> for PhotoView<'a> {
     }
 }
 
-/// One picture in every layout of colour: samples, layout, samples per row.
-#[cfg(test)]
-pub(crate) fn layouts(rgb: &[u8], width: usize) -> Vec<(Vec<u8>, Layout, usize)> {
-    let pixels = || rgb.as_chunks::<3>().0.iter();
-    // A BGR frame with padding behind each row; the other layouts have none.
-    let padded = pixels().map(|[r, g, b]| [*b, *g, *r]).collect::<Vec<_>>();
-    let padded = padded.chunks(width).flat_map(|row| [row.as_flattened(), &[99, 99]].concat()).collect();
-    vec![
-        (rgb.to_vec(), Layout::Rgb, 3 * width),
-        (padded, Layout::Bgr, 3 * width + 2),
-        (pixels().flat_map(|[r, g, b]| [*r, *g, *b, 7]).collect(), Layout::Rgba, 4 * width),
-        (pixels().flat_map(|[r, g, b]| [*b, *g, *r, 7]).collect(), Layout::Bgra, 4 * width),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::for_tests::layouts;
 
     #[test]
     fn layouts_depths_and_strides_give_the_same_light() {

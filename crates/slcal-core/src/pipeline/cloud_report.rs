@@ -43,7 +43,7 @@ mod tests {
 
     #[test]
     fn a_cloud_is_counted() {
-        let cloud = crate::format::test_cloud();
+        let cloud = crate::for_tests::test_cloud();
         let printed =
             serde_json::to_string(&Reconstruction { cloud, ..Reconstruction::default() }.report()).unwrap();
         assert!(

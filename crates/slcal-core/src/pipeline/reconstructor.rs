@@ -276,9 +276,9 @@ fn check_possible(report: &TriangulateReport, matches: usize) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::for_tests::test_rig;
     use crate::pattern::StripeConfig;
     use crate::photo::PhotoView;
-    use crate::reconstruct::test_rig;
 
     #[test]
     fn inputs_that_do_not_belong_together_are_refused() {

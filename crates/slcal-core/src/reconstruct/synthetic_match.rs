@@ -62,14 +62,7 @@ impl SyntheticMatches {
             Axis::Columns => (Some(lit.x), None),
             Axis::Rows => (None, Some(lit.y)),
         };
-        Some(Match {
-            camera: self.camera.project(point)?,
-            projector_column,
-            projector_row,
-            slit: None,
-            confidence: 1.0,
-            sigma_px: self.sigma_px,
-            color: [0; 3],
-        })
+        let found = Match::at(self.camera.project(point)?, projector_column, projector_row);
+        Some(Match { sigma_px: self.sigma_px, ..found })
     }
 }

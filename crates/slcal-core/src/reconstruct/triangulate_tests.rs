@@ -8,10 +8,10 @@ use rand_distr::{Distribution, Normal, StandardNormal};
 use super::triangulate::{Triangulator, triangulate};
 use super::triangulate_config::TriangulateConfig;
 use crate::cloud::PointCloud;
+use crate::for_tests::test_rig;
 use crate::geometry::{Camera, Distortion, Intrinsics, Plane, Ray};
 use crate::matches::{Match, Matches};
 use crate::parameter::{LensParameter, Parameter, PoseParameter};
-use crate::reconstruct::test_rig;
 use crate::rig::{Covariance, Rig};
 
 fn distorted() -> Rig {

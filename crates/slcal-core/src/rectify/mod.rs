@@ -134,11 +134,9 @@ pub fn rectify(
     .filter_map(half_plane)
     .collect();
     let aspect = source.x / source.y;
-    let (origin_mm, height) = largest(&limits, aspect, size).ok_or_else(|| Error::Degenerate {
-        what: ErrorSubject::RectifiedPicture,
-        measure: 0.0,
-        limit: 0.0,
-        advice: "the projector does not light the sheet: aim it there".into(),
+    let (origin_mm, height) = largest(&limits, aspect, size).ok_or_else(|| {
+        let advice = "the projector does not light the sheet: aim it there";
+        Error::undetermined(ErrorSubject::RectifiedPicture, advice)
     })?;
     let size_mm = RectangleSize::new(height * aspect, height)?;
     let on_sheet = size_mm.corners().map(|c| origin_mm + c.coords);
@@ -167,14 +165,9 @@ fn straight_panel(projector: &Camera) -> Result<[f64; 4]> {
     if projector.distortion.is_none() {
         return Ok(limits);
     }
-    let folded = || Error::Degenerate {
-        what: ErrorSubject::RectifiedPicture,
-        measure: 0.0,
-        limit: 0.0,
-        advice:
-            "the projector's distortion has no inverse at the panel's border: calibrate from more photographs"
-                .into(),
-    };
+    let advice =
+        "the projector's distortion has no inverse at the panel's border: calibrate from more photographs";
+    let folded = || Error::undetermined(ErrorSubject::RectifiedPicture, advice);
     let unbend = Warp::onto(projector, Homography::identity());
     limits = [f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY];
     for k in 0..=POINTS_PER_BORDER {

@@ -103,13 +103,8 @@ impl Cube {
     /// [`Error::Invalid`] for a rig without a projector.
     pub fn error(&self, rig: &Rig, sigma_px: f64, draws: &mut Draws) -> Result<Option<CubeError>> {
         let items = self.corners.iter().map(|(_, camera, projector)| Match {
-            camera: camera + draws.jitter(sigma_px),
-            projector_column: Some(projector.x),
-            projector_row: Some(projector.y),
-            slit: None,
-            confidence: 1.0,
             sigma_px: sigma_px.max(f64::MIN_POSITIVE),
-            color: [0; 3],
+            ..Match::at(camera + draws.jitter(sigma_px), Some(projector.x), Some(projector.y))
         });
         let matches = Matches { items: items.collect() };
         let (cloud, _) = triangulate(rig, &matches, &TriangulateConfig::default())?;

@@ -24,12 +24,8 @@ pub(crate) fn homography_from_points(pairs: &[(Point2<f64>, Point2<f64>)]) -> Re
     if pairs.len() < 4 {
         return Err(Error::invalid(ErrorSubject::Homography, "at least 4 pairs of points", pairs.len()));
     }
-    let degenerate = || Error::Degenerate {
-        what: ErrorSubject::Homography,
-        measure: 0.0,
-        limit: 0.0,
-        advice: "the points coincide or lie on one line".into(),
-    };
+    let coincide = "the points coincide or lie on one line";
+    let degenerate = || Error::undetermined(ErrorSubject::Homography, coincide);
     let t_a = conditioning(pairs.iter().map(|p| p.0)).ok_or_else(degenerate)?;
     let t_b = conditioning(pairs.iter().map(|p| p.1)).ok_or_else(degenerate)?;
     let mut a = DMatrix::zeros(2 * pairs.len(), 9);

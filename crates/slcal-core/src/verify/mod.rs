@@ -161,14 +161,9 @@ pub(crate) fn verify(
         Observations { camera: camera.size(), projector: Some(projector.size()), views: vec![seen.clone()] };
     validate(&observations)?;
     let inconsistent = || {
-        Error::Degenerate {
-        what: ErrorSubject::RigComparison,
-        measure: 0.0,
-        limit: 0.0,
-        advice: "the photograph and the rig do not go together at all: is it the rig of this camera and projector, and \
-                 the right pattern?"
-            .into(),
-    }
+        let advice = "the photograph and the rig do not go together at all: is it the rig of this camera and projector, and the \
+                      right pattern?";
+        Error::undetermined(ErrorSubject::RigComparison, advice)
     };
     let posterior = Posterior::new(rig, &observations).ok_or_else(inconsistent)?;
     let robust = posterior.fit_robustly(&FREE).ok_or_else(inconsistent)?;

@@ -3,9 +3,9 @@ use nalgebra::Point2;
 use super::scene::{observe, pose, rig, rng, with_edges};
 use crate::calibrate::*;
 use crate::error::{Error, ErrorClass};
+use crate::for_tests::rendered_scenes;
 use crate::geometry::RectangleSize;
 use crate::observations::{CornerPair, Observations, SheetObservation, ViewObservation};
-use crate::rendered_scenes::rendered_scenes;
 use crate::rig::{Device, Rig, Verdict};
 
 /// Exact corners and pairs of a rendered scene; `None` where the scenes are absent.

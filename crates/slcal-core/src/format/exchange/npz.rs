@@ -24,7 +24,6 @@
 
 use std::io::{Cursor, Read as _, Write as _};
 
-use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
@@ -34,9 +33,9 @@ use super::npy::{Array, FILE};
 use super::text::rows;
 use super::{extras, opencv};
 use crate::error::{Error, ErrorSubject, Result};
+use crate::format::rig_json::rig_value;
 use crate::format::tree::Node;
-use crate::geometry::Pose;
-use crate::rig::{DeviceSigma, Rig, StereoPose, View};
+use crate::rig::{DeviceSigma, Rig, StereoPose};
 
 /// Entries and bytes of an entry that are read; a covariance of a hundred views has 3 MB.
 const MOST_ENTRIES: usize = 1000;
@@ -75,7 +74,7 @@ pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
     }
     arrays.push(("method", Array::Words(vec![], vec![rig.method.clone()])));
     if !rig.views.is_empty() {
-        arrays.extend(views(&rig.views));
+        arrays.extend(views(rig)?);
     }
     if let Some(q) = &rig.quality {
         let optional = |x: Option<f64>| x.unwrap_or(f64::NAN);
@@ -97,43 +96,41 @@ pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
     Ok(vec![ExportedFile { name: "rig.npz", bytes: zipped(&arrays)? }])
 }
 
-fn views(views: &[View]) -> Named {
-    let n = views.len();
-    let numbers = |shape: &[usize], each: &dyn Fn(&View) -> Vec<f64>| {
-        Array::Numbers([&[n], shape].concat(), views.iter().flat_map(each).collect())
+/// The arrays with an entry for each view, their shapes, and the places of their numbers in a view of rig.json.
+const OF_VIEWS: [(&str, &[usize], &[&str]); 9] = [
+    ("view_size_mm", &[2], &["/size_mm"]),
+    ("camera_from_sheet_R", &[3, 3], &["/camera_from_sheet/R"]),
+    ("camera_from_sheet_t", &[3], &["/camera_from_sheet/t"]),
+    ("projector_from_sheet_R", &[3, 3], &["/projector_from_sheet/R"]),
+    ("projector_from_sheet_t", &[3], &["/projector_from_sheet/t"]),
+    ("camera_vanishing_points", &[2, 3], &["/vanishing_points/camera"]),
+    ("projector_vanishing_points", &[2, 3], &["/vanishing_points/projector"]),
+    ("corners_px", &[4, 2], &["/corners_px"]),
+    ("rms_px", &[3], &["/rms_px/edges", "/rms_px/corners", "/rms_px/projector"]),
+];
+
+fn views(rig: &Rig) -> Result<Named> {
+    let value = rig_value(rig)?;
+    let of_view = |view: usize, shape: &[usize], places: &[&str]| -> Vec<f64> {
+        let each = shape.iter().product::<usize>() / places.len();
+        let part = |place: &&str| value["views"][view].pointer(place).filter(|part| !part.is_null());
+        places.iter().flat_map(|p| part(p).map_or_else(|| vec![f64::NAN; each], flat)).collect()
     };
-    let unknown = |count: usize| vec![f64::NAN; count];
-    let turn = |p: &Pose| rows(p.rotation.matrix()).to_vec();
-    let place = |p: &Pose| p.translation.as_slice().to_vec();
-    let pair = |v: &[Vector3<f64>; 2]| v.iter().flatten().copied().collect::<Vec<f64>>();
-    let photos = views.iter().map(|v| v.photo.clone().unwrap_or_default()).collect();
-    vec![
-        ("view_photo", Array::Words(vec![n], photos)),
-        ("view_size_mm", numbers(&[2], &|v| vec![v.size.width_mm, v.size.height_mm])),
-        ("camera_from_sheet_R", numbers(&[3, 3], &|v| turn(&v.camera_from_sheet))),
-        ("camera_from_sheet_t", numbers(&[3], &|v| place(&v.camera_from_sheet))),
-        (
-            "projector_from_sheet_R",
-            numbers(&[3, 3], &|v| v.projector_from_sheet.as_ref().map_or_else(|| unknown(9), turn)),
-        ),
-        (
-            "projector_from_sheet_t",
-            numbers(&[3], &|v| v.projector_from_sheet.as_ref().map_or_else(|| unknown(3), place)),
-        ),
-        ("camera_vanishing_points", numbers(&[2, 3], &|v| pair(&v.camera_vanishing_points))),
-        (
-            "projector_vanishing_points",
-            numbers(&[2, 3], &|v| v.projector_vanishing_points.as_ref().map_or_else(|| unknown(6), pair)),
-        ),
-        ("corners_px", numbers(&[4, 2], &|v| v.corners_px.iter().flat_map(|c| [c.x, c.y]).collect())),
-        (
-            "rms_px",
-            numbers(&[3], &|v| match v.rms_px {
-                Some(r) => vec![r.edges, r.corners.unwrap_or(f64::NAN), r.projector.unwrap_or(f64::NAN)],
-                None => unknown(3),
-            }),
-        ),
-    ]
+    let n = rig.views.len();
+    let photos = rig.views.iter().map(|v| v.photo.clone().unwrap_or_default()).collect();
+    let numbers = OF_VIEWS.map(|(name, shape, places)| {
+        let values = (0..n).flat_map(|i| of_view(i, shape, places)).collect();
+        (name, Array::Numbers([&[n], shape].concat(), values))
+    });
+    Ok([("view_photo", Array::Words(vec![n], photos))].into_iter().chain(numbers).collect())
+}
+
+/// The numbers of lists of lists.
+fn flat(value: &Value) -> Vec<f64> {
+    match value {
+        Value::Array(items) => items.iter().flat_map(flat).collect(),
+        number => vec![number.as_f64().unwrap_or(f64::NAN)],
+    }
 }
 
 fn zipped(arrays: &Named) -> Result<Vec<u8>> {
@@ -283,39 +280,27 @@ fn read_extras(arrays: &Arrays<'_>) -> Result<Map<String, Value>> {
 }
 
 fn read_views(arrays: &Arrays<'_>, photos: &[String]) -> Result<Value> {
-    let n = photos.len();
-    let part = |name: &str, shape: &[usize]| -> Result<Vec<Value>> {
-        let each: usize = shape.iter().product();
-        Ok(match arrays.numbers(name, &[&[n], shape].concat())? {
-            Some(values) => values.chunks_exact(each).map(|c| nested(c, shape)).collect(),
-            None => vec![Value::Null; n],
-        })
-    };
-    let size = part("view_size_mm", &[2])?;
-    let pose = |name: &str| -> Result<Vec<Value>> {
-        let turns = part(&format!("{name}_R"), &[3, 3])?;
-        let places = part(&format!("{name}_t"), &[3])?;
-        let both = |(r, t): (Value, Value)| if r.is_null() { Value::Null } else { json!({"R": r, "t": t}) };
-        Ok(turns.into_iter().zip(places).map(both).collect())
-    };
-    let (camera, projector) = (pose("camera_from_sheet")?, pose("projector_from_sheet")?);
-    let vanishing = [part("camera_vanishing_points", &[2, 3])?, part("projector_vanishing_points", &[2, 3])?];
-    let (corners, rms) = (part("corners_px", &[4, 2])?, part("rms_px", &[3])?);
-    let view = |i: usize| {
-        json!({
-            "photo": if photos[i].is_empty() { Value::Null } else { Value::from(photos[i].clone()) },
-            "size_mm": size[i],
-            "camera_from_sheet": camera[i],
-            "projector_from_sheet": projector[i],
-            "vanishing_points": {"camera": vanishing[0][i], "projector": vanishing[1][i]},
-            "corners_px": corners[i],
-            "rms_px": match &rms[i] {
-                Value::Array(r) => json!({"edges": r[0], "corners": r[1], "projector": r[2]}),
-                _ => Value::Null,
-            },
-        })
-    };
-    Ok((0..n).map(view).collect())
+    let mut views: Vec<Value> =
+        photos.iter().map(|p| json!({"photo": Some(p).filter(|p| !p.is_empty())})).collect();
+    for (name, shape, places) in OF_VIEWS {
+        let Some(values) = arrays.numbers(name, &[&[photos.len()], shape].concat())? else { continue };
+        let count = shape.iter().product::<usize>();
+        let shape = if places.len() > 1 { &[] } else { shape };
+        for (view, values) in views.iter_mut().zip(values.chunks_exact(count)) {
+            for (place, part) in places.iter().zip(values.chunks_exact(count / places.len())) {
+                let field = place.split('/').skip(1).fold(&mut *view, |at, name| &mut at[name]);
+                *field = nested(part, shape);
+            }
+        }
+    }
+    for view in &mut views {
+        for pose in ["camera_from_sheet", "projector_from_sheet"] {
+            if view[pose]["R"].is_null() {
+                view[pose] = Value::Null;
+            }
+        }
+    }
+    Ok(Value::Array(views))
 }
 
 #[cfg(test)]

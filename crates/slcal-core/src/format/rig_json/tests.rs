@@ -2,8 +2,8 @@ use nalgebra::{DMatrix, Rotation3, Vector3};
 
 use super::read::project_corners;
 use super::*;
+use crate::for_tests::rendered_scenes;
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
-use crate::rendered_scenes::rendered_scenes;
 use crate::rig::{Covariance, Device, DeviceSigma, Projector, Quality, StereoPose, View, ViewRms};
 use crate::rig::{Verdict, Warning};
 

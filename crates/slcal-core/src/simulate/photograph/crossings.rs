@@ -47,7 +47,8 @@ impl Photographer {
                     let at = |t: f64| place(line, i as f64 - 1.0 + t);
                     let Some(t) = crossing(&self.tracer, (a, b), k, centre, at) else { continue };
                     let (column, row) = if k == 0 { (Some(centre), None) } else { (None, Some(centre)) };
-                    items.push(exact(at(t), column, row, u16::try_from(slit).ok()));
+                    let slit = u16::try_from(slit).ok();
+                    items.push(Match { slit, sigma_px: SIGMA_PX, ..Match::at(at(t), column, row) });
                 }
             }
         }
@@ -57,7 +58,8 @@ impl Photographer {
     /// The visible inner corners of a checkerboard, in the pattern's order, with projector column and row.
     #[must_use]
     pub fn corner_matches(&self, pattern: &CheckerPattern) -> Matches {
-        let seen = |q: Point2<f64>| Some(exact(self.corner(q)?, Some(q.x), Some(q.y), None));
+        let exact = |m: Match| Match { sigma_px: SIGMA_PX, ..m };
+        let seen = |q: Point2<f64>| Some(exact(Match::at(self.corner(q)?, Some(q.x), Some(q.y))));
         Matches { items: pattern.inner_corners().into_iter().filter_map(seen).collect() }
     }
 
@@ -132,21 +134,4 @@ fn crossing(
         }
     }
     (best.1.abs() <= JUMP_PX).then_some(best.0)
-}
-
-fn exact(
-    camera: Point2<f64>,
-    projector_column: Option<f64>,
-    projector_row: Option<f64>,
-    slit: Option<u16>,
-) -> Match {
-    Match {
-        camera,
-        projector_column,
-        projector_row,
-        slit,
-        confidence: 1.0,
-        sigma_px: SIGMA_PX,
-        color: [255; 3],
-    }
 }

@@ -38,15 +38,8 @@ impl SimulatedScene {
             let seen = self.photographer.trace(m.camera)?;
             let [x, y] = [(m.camera.x, white.width()), (m.camera.y, white.height())]
                 .map(|(v, n)| v.round().clamp(0.0, f64::from(n - 1)) as u32);
-            Some(CloudPoint {
-                position: seen.point,
-                pixel: m.camera,
-                color: white.get_pixel(x, y).0,
-                sigma_mm: 0.0,
-                noise_mm: 0.0,
-                slit: m.slit,
-                confidence: 1.0,
-            })
+            let color = white.get_pixel(x, y).0;
+            Some(CloudPoint { pixel: m.camera, color, slit: m.slit, ..CloudPoint::at(seen.point) })
         });
         PointCloud { points: points.collect(), ..PointCloud::default() }
     }

@@ -1,0 +1,11 @@
+//! What the tests of several modules start from.
+
+mod cloud;
+mod layouts;
+mod rendered_scenes;
+mod rig;
+
+pub(crate) use cloud::test_cloud;
+pub(crate) use layouts::layouts;
+pub(crate) use rendered_scenes::rendered_scenes;
+pub(crate) use rig::test_rig;
