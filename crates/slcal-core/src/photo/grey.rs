@@ -1,5 +1,9 @@
 //! One channel of linear light.
 
+use nalgebra::Point2;
+
+use super::bilinear::bilinear;
+
 /// A grey image in linear light, 0–1, row-major.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct GreyImage {
@@ -55,18 +59,7 @@ impl GreyImage {
     #[inline]
     #[must_use]
     pub(crate) fn bilinear(&self, x: f64, y: f64) -> Option<f64> {
-        let inside = x >= 0.0 && y >= 0.0 && x <= self.width as f64 - 1.0 && y <= self.height as f64 - 1.0;
-        if !inside {
-            return None;
-        }
-        let (x0, y0) =
-            ((x as usize).min(self.width.saturating_sub(2)), (y as usize).min(self.height.saturating_sub(2)));
-        let (fx, fy) = (x - x0 as f64, y - y0 as f64);
-        let (x1, y1) = ((x0 + 1).min(self.width - 1), (y0 + 1).min(self.height - 1));
-        let at = |x, y| f64::from(self.at(x, y));
-        let top = at(x0, y0) + fx * (at(x1, y0) - at(x0, y0));
-        let bottom = at(x0, y1) + fx * (at(x1, y1) - at(x0, y1));
-        Some(top + fy * (bottom - top))
+        bilinear([self.width, self.height], Point2::new(x, y), |x, y| self.at(x, y))
     }
 
     /// All pixels, row-major.

@@ -2,6 +2,7 @@
 
 use nalgebra::Point2;
 
+use super::bilinear::bilinear;
 use super::{Encoding, GreyImage, LinearTable, PhotoView};
 
 /// A borrowed photograph in linear light, 0–1, averaged over the three channels with equal weights. The sheet and the
@@ -42,20 +43,7 @@ impl<'a> LinearPhoto<'a> {
     #[inline]
     #[must_use]
     pub(crate) fn bilinear(&self, p: Point2<f64>) -> Option<f64> {
-        let (w, h) = (self.width(), self.height());
-        let inside = p.x >= 0.0 && p.y >= 0.0 && p.x <= w as f64 - 1.0 && p.y <= h as f64 - 1.0;
-        if !inside {
-            return None;
-        }
-        let (x, y) = (p.x as usize, p.y as usize);
-        let (fx, fy) = (p.x - x as f64, p.y - y as f64);
-        let (x1, y1) = ((x + 1).min(w - 1), (y + 1).min(h - 1));
-        let along = |y: usize| {
-            let (a, b) = (f64::from(self.at(x, y)), f64::from(self.at(x1, y)));
-            a + fx * (b - a)
-        };
-        let (top, bottom) = (along(y), along(y1));
-        Some(top + fy * (bottom - top))
+        bilinear([self.width(), self.height()], p, |x, y| self.at(x, y))
     }
 
     /// The mean over blocks of `factor`×`factor` pixels; large blocks use every second row. Incomplete blocks at the end

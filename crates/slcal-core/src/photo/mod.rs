@@ -1,5 +1,6 @@
 //! Photographs: borrowed pixels of any layout, and linear light.
 
+mod bilinear;
 mod encoding;
 mod grey;
 mod linear;

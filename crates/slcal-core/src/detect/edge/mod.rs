@@ -60,12 +60,13 @@ pub(super) fn measure_side(
     projected: &ProjectedEdges<'_>,
 ) -> Option<Vec<EdgePoint>> {
     let scan = Scan::new(inward);
-    let lines = scan_lines(photo, scan, path, uncertainty_px)?;
+    let search = Search { photo, scan, uncertainty_px, projected };
+    let lines = search.scan_lines(path)?;
     // In a large photograph a subset of the lines gives the position and the width of the side.
     let some: Vec<(usize, f64)> = lines.iter().copied().step_by(lines.len().div_ceil(COARSE_LINES)).collect();
-    let (coarse, mut supported) = localise(photo, scan, &some, uncertainty_px, projected)?;
-    let transition = half_transition(photo, scan, &some, &coarse, uncertainty_px, projected);
-    let plateau = plateau(photo, scan, &some, &coarse, transition);
+    let (coarse, mut supported) = search.localise(&some)?;
+    let transition = search.half_transition(&some, &coarse);
+    let plateau = search.plateau(&some, &coarse, transition);
     let clearance = transition + plateau + 1.0;
     let toward_sheet = inward.normalize();
     let erf = ErfTable::new();
@@ -109,81 +110,107 @@ fn averaged(lines: &[(usize, f64)], blur: f64) -> usize {
     if spread >= 1.0 { most } else { ((spread / slope.max(1e-9)) as usize).clamp(1, most) }
 }
 
-/// Width of the plateaus, px: the wider one unless the frame ends within it along much of the side.
-fn plateau(
-    photo: &LinearPhoto<'_>,
+/// Where a side is searched for.
+struct Search<'a> {
+    photo: &'a LinearPhoto<'a>,
     scan: Scan,
-    lines: &[(usize, f64)],
-    curve: &Polynomial,
-    transition: f64,
-) -> f64 {
-    let with = |extra: f64| (0.5 * transition).ceil() + extra;
-    let size = if scan.along_x { photo.width() } else { photo.height() } as f64;
-    let reach = transition + with(PLATEAU_PX) + 1.0;
-    let fitting = lines.iter().map(|l| curve.value(l.0 as f64)).filter(|p| (reach..size - reach).contains(p));
-    let enough = 2 * fitting.count() >= lines.len();
-    with(if enough { PLATEAU_PX } else { NARROW_PLATEAU_PX })
+    /// How far the side may be from where it is expected.
+    uncertainty_px: f64,
+    projected: &'a ProjectedEdges<'a>,
 }
 
-/// The rows or columns that the side crosses, away from its corners, with the position expected there.
-fn scan_lines(
-    photo: &LinearPhoto<'_>,
-    scan: Scan,
-    path: &[Point2<f64>],
-    uncertainty_px: f64,
-) -> Option<Vec<(usize, f64)>> {
-    let samples: Vec<(f64, f64, f64)> =
-        path.iter().map(|&p| scan.split(p)).map(|(l, p)| (l, p, 1.0)).collect();
-    let curve = Polynomial::fit(&samples, CURVE_DEGREE.min(path.len() - 1))?;
-    let (a, b) = (samples.first()?.0, samples.last()?.0);
-    let (from, to) = (a.min(b), a.max(b));
-    let margin = CORNER_MARGIN * (to - from) + uncertainty_px.min(0.1 * (to - from)) + 2.0;
-    let first = (from + margin).ceil().max(0.0);
-    let last = (to - margin).floor().min(scan.lines(photo) as f64 - 1.0);
-    if !(first.is_finite() && last.is_finite() && last > first) {
-        return None;
+impl Search<'_> {
+    /// The rows or columns that the side crosses, away from its corners, with the position expected there.
+    fn scan_lines(&self, path: &[Point2<f64>]) -> Option<Vec<(usize, f64)>> {
+        let Self { photo, scan, uncertainty_px, .. } = *self;
+        let samples: Vec<(f64, f64, f64)> =
+            path.iter().map(|&p| scan.split(p)).map(|(l, p)| (l, p, 1.0)).collect();
+        let curve = Polynomial::fit(&samples, CURVE_DEGREE.min(path.len() - 1))?;
+        let (a, b) = (samples.first()?.0, samples.last()?.0);
+        let (from, to) = (a.min(b), a.max(b));
+        let margin = CORNER_MARGIN * (to - from) + uncertainty_px.min(0.1 * (to - from)) + 2.0;
+        let first = (from + margin).ceil().max(0.0);
+        let last = (to - margin).floor().min(scan.lines(photo) as f64 - 1.0);
+        if !(first.is_finite() && last.is_finite() && last > first) {
+            return None;
+        }
+        Some((first as usize..=last as usize).map(|line| (line, curve.value(line as f64))).collect())
     }
-    Some((first as usize..=last as usize).map(|line| (line, curve.value(line as f64))).collect())
-}
 
-/// The curve along the strongest steps from dark to bright near the expected positions, and the lines that it holds for.
-fn localise(
-    photo: &LinearPhoto<'_>,
-    scan: Scan,
-    lines: &[(usize, f64)],
-    uncertainty_px: f64,
-    projected: &ProjectedEdges<'_>,
-) -> Option<(Polynomial, RangeInclusive<f64>)> {
-    let reach = (uncertainty_px.ceil() as isize).max(2);
-    // The step is measured between means over some pixels, so that noise does not exceed it at full resolution.
-    let arm = (reach / 3).clamp(1, 8);
-    let mut found: Vec<(f64, f64)> = Vec::with_capacity(lines.len());
-    let mut steps = Vec::with_capacity(2 * reach as usize + 1);
-    for &(line, expected) in lines {
-        let first = expected.round() as isize - reach;
-        let step = |s: isize| {
-            let arm_sum = |from: isize, to: isize| -> Option<f64> {
-                (from..=to).map(|p| scan.pixel(photo, line, p)).sum()
+    /// The curve along the strongest steps from dark to bright near the expected positions, and the lines that it holds for.
+    fn localise(&self, lines: &[(usize, f64)]) -> Option<(Polynomial, RangeInclusive<f64>)> {
+        let Self { photo, scan, uncertainty_px, projected } = *self;
+        let reach = (uncertainty_px.ceil() as isize).max(2);
+        // The step is measured between means over some pixels, so that noise does not exceed it at full resolution.
+        let arm = (reach / 3).clamp(1, 8);
+        let mut found: Vec<(f64, f64)> = Vec::with_capacity(lines.len());
+        let mut steps = Vec::with_capacity(2 * reach as usize + 1);
+        for &(line, expected) in lines {
+            let first = expected.round() as isize - reach;
+            let step = |s: isize| {
+                let arm_sum = |from: isize, to: isize| -> Option<f64> {
+                    (from..=to).map(|p| scan.pixel(photo, line, p)).sum()
+                };
+                Some((arm_sum(s + 1, s + arm)? - arm_sum(s - arm + 1, s)?) * scan.toward)
             };
-            Some((arm_sum(s + 1, s + arm)? - arm_sum(s - arm + 1, s)?) * scan.toward)
-        };
-        steps.clear();
-        steps.extend((first..=first + 2 * reach).map(|s| step(s).unwrap_or(f64::NEG_INFINITY)));
-        // The footprint's border is a stronger step than an unlit side of the sheet, and is ignored.
-        let side = |k: usize| {
-            let around = &steps[k.saturating_sub(1)..(k + 2).min(steps.len())];
-            let position = (first + k as isize) as f64 + 0.5;
-            let at_border = || projected.distance_px(scan.join(line as f64, position)) <= arm as f64 + 1.5;
-            (steps[k] > 0.0 && around.iter().all(|s| *s <= steps[k]) && !at_border())
-                .then_some((steps[k], position))
-        };
-        let best = (0..steps.len()).filter_map(side).reduce(|a, b| if b.0 > a.0 { b } else { a });
-        found.extend(best.map(|(_, position)| (line as f64, position)));
+            steps.clear();
+            steps.extend((first..=first + 2 * reach).map(|s| step(s).unwrap_or(f64::NEG_INFINITY)));
+            // The footprint's border is a stronger step than an unlit side of the sheet, and is ignored.
+            let side = |k: usize| {
+                let around = &steps[k.saturating_sub(1)..(k + 2).min(steps.len())];
+                let position = (first + k as isize) as f64 + 0.5;
+                let at_border =
+                    || projected.distance_px(scan.join(line as f64, position)) <= arm as f64 + 1.5;
+                (steps[k] > 0.0 && around.iter().all(|s| *s <= steps[k]) && !at_border())
+                    .then_some((steps[k], position))
+            };
+            let best = (0..steps.len()).filter_map(side).reduce(|a, b| if b.0 > a.0 { b } else { a });
+            found.extend(best.map(|(_, position)| (line as f64, position)));
+        }
+        let mut crossings: Vec<Crossing> =
+            found.into_iter().map(|(line, position)| Crossing { line, position, sigma: 1.0 }).collect();
+        let curve = robust_curve(&mut crossings)?;
+        Some((curve, support(&crossings)?))
     }
-    let mut crossings: Vec<Crossing> =
-        found.into_iter().map(|(line, position)| Crossing { line, position, sigma: 1.0 }).collect();
-    let curve = robust_curve(&mut crossings)?;
-    Some((curve, support(&crossings)?))
+
+    /// Half the width of the transition, px: where the mean profile across the side becomes flat.
+    fn half_transition(&self, lines: &[(usize, f64)], curve: &Polynomial) -> f64 {
+        let Self { photo, scan, uncertainty_px, projected } = *self;
+        let reach = (2.0 * uncertainty_px).ceil().clamp(6.0, 40.0) as isize;
+        let bins = (2 * reach) as usize;
+        let mut gradient = vec![0.0; bins];
+        // The footprint's border is another step, which would count as blur.
+        let clear = |line: f64| projected.distance_px(scan.join(line, curve.value(line))) > reach as f64;
+        let any = lines.iter().any(|l| clear(l.0 as f64));
+        for line in lines.iter().map(|l| l.0).filter(|&line| !any || clear(line as f64)) {
+            let position = curve.value(line as f64);
+            let base = position.floor() as isize;
+            for (bin, sum) in gradient.iter_mut().enumerate() {
+                let s = base - reach + bin as isize;
+                if let (Some(p), Some(q)) = (scan.pixel(photo, line, s), scan.pixel(photo, line, s + 1)) {
+                    *sum += (q - p) * scan.toward;
+                }
+            }
+        }
+        let middle = bins / 2;
+        let peak =
+            gradient[middle.saturating_sub(3)..(middle + 3).min(bins)].iter().copied().fold(0.0, f64::max);
+        let quiet = |i: usize| gradient[i] < 0.06 * peak;
+        let right = (middle..bins - 1).find(|&i| quiet(i) && quiet(i + 1)).unwrap_or(bins - 1) - middle;
+        let left = middle - (1..=middle).rev().find(|&i| quiet(i) && quiet(i - 1)).unwrap_or(0);
+        (right.max(left) as f64).max(MIN_HALF_TRANSITION_PX) + 1.0
+    }
+    /// Width of the plateaus, px: the wider one unless the frame ends within it along much of the side.
+    fn plateau(&self, lines: &[(usize, f64)], curve: &Polynomial, transition: f64) -> f64 {
+        let Self { photo, scan, .. } = *self;
+        let with = |extra: f64| (0.5 * transition).ceil() + extra;
+        let size = if scan.along_x { photo.width() } else { photo.height() } as f64;
+        let reach = transition + with(PLATEAU_PX) + 1.0;
+        let fitting =
+            lines.iter().map(|l| curve.value(l.0 as f64)).filter(|p| (reach..size - reach).contains(p));
+        let enough = 2 * fitting.count() >= lines.len();
+        with(if enough { PLATEAU_PX } else { NARROW_PLATEAU_PX })
+    }
 }
 
 /// The lines for which a curve through these crossings is valid. A cubic is unreliable beyond them, and along the
@@ -192,37 +219,4 @@ fn support(crossings: &[Crossing]) -> Option<RangeInclusive<f64>> {
     let (from, to) = (crossings.first()?.line, crossings.last()?.line);
     let beyond = MOST_BEYOND * (to - from);
     Some(from - beyond..=to + beyond)
-}
-
-/// Half the width of the transition, px: where the mean profile across the side becomes flat.
-fn half_transition(
-    photo: &LinearPhoto<'_>,
-    scan: Scan,
-    lines: &[(usize, f64)],
-    curve: &Polynomial,
-    uncertainty_px: f64,
-    projected: &ProjectedEdges<'_>,
-) -> f64 {
-    let reach = (2.0 * uncertainty_px).ceil().clamp(6.0, 40.0) as isize;
-    let bins = (2 * reach) as usize;
-    let mut gradient = vec![0.0; bins];
-    // The footprint's border is another step, which would count as blur.
-    let clear = |line: f64| projected.distance_px(scan.join(line, curve.value(line))) > reach as f64;
-    let any = lines.iter().any(|l| clear(l.0 as f64));
-    for line in lines.iter().map(|l| l.0).filter(|&line| !any || clear(line as f64)) {
-        let position = curve.value(line as f64);
-        let base = position.floor() as isize;
-        for (bin, sum) in gradient.iter_mut().enumerate() {
-            let s = base - reach + bin as isize;
-            if let (Some(p), Some(q)) = (scan.pixel(photo, line, s), scan.pixel(photo, line, s + 1)) {
-                *sum += (q - p) * scan.toward;
-            }
-        }
-    }
-    let middle = bins / 2;
-    let peak = gradient[middle.saturating_sub(3)..(middle + 3).min(bins)].iter().copied().fold(0.0, f64::max);
-    let quiet = |i: usize| gradient[i] < 0.06 * peak;
-    let right = (middle..bins - 1).find(|&i| quiet(i) && quiet(i + 1)).unwrap_or(bins - 1) - middle;
-    let left = middle - (1..=middle).rev().find(|&i| quiet(i) && quiet(i - 1)).unwrap_or(0);
-    (right.max(left) as f64).max(MIN_HALF_TRANSITION_PX) + 1.0
 }
