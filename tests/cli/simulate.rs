@@ -128,6 +128,24 @@ fn nonsense_is_told_what_is_expected() {
     bench().run("simulate views --noise -1 -o a.json").fails(2, &["noise"]);
     bench().run("simulate views --edges 1 -o a.json").fails(2, &["edge points"]);
     bench().run("simulate views --size 15x10mm -o a.json").fails(2, &["projected pattern"]);
+    for (options, words) in [
+        ("--bend 200%", &["sag of the bent sheet", "42 mm"][..]),
+        ("--bend nan%", &["--bend", "0.5%,20,wave"]),
+        ("--bend 3", &["--bend"]),
+        ("--bend 3mm,0,fold", &["--bend", "twist"]),
+        ("--bend 3mm,45,twist", &["axis of the bend"]),
+        ("--bend 3mm,1e9", &["axis of the bend"]),
+        ("--pixel-aspect 0", &["pixel aspect of the camera"]),
+        ("--projector-pixel-aspect nan", &["pixel aspect of the projector"]),
+        ("--projector-offset 1,2,3", &["--projector-offset"]),
+        ("--projector-offset 1e9", &["principal point"]),
+        ("--projector-distortion 9", &["distortion of the projector"]),
+        ("--projector-distortion 0,inf", &["--projector-distortion"]),
+    ] {
+        bench().run(&format!("simulate views {options} -o a.json")).fails(2, words);
+        bench().run(&format!("simulate noise {options}")).fails(2, words);
+        bench().run(&format!("simulate scene --surface sheet {options} --out a")).fails(2, words);
+    }
 }
 
 #[test]
@@ -163,6 +181,54 @@ fn poses_of_ones_own_and_edges() {
     assert!(bench.names().is_empty());
     bench.run("simulate views --pose 95,0 -o a.json").fails(2, &["tilt"]);
     bench.run("simulate views --pose 1,2 --poses 3 -o a.json").fails(2, &["--pose"]);
+}
+
+/// The residuals of a straight line through the points of a side of the sheet, px: the largest.
+fn curvature(points: &Value) -> f64 {
+    let points: Vec<[f64; 2]> =
+        points.as_array().unwrap().iter().map(|p| [p[0].as_f64().unwrap(), p[1].as_f64().unwrap()]).collect();
+    let (a, b) = (points[0], points[points.len() - 1]);
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let off = |p: &[f64; 2]| along[0] * (p[1] - a[1]) - along[1] * (p[0] - a[0]);
+    points.iter().map(|p| off(p).abs() / along[0].hypot(along[1])).fold(0.0, f64::max)
+}
+
+#[test]
+fn bent_sheets_have_curved_edges_and_the_rig_keeps_its_format() {
+    let bench = bench();
+    let line = "simulate views --pose 25,28 --noise 0 --edges 21 --force -o seen.json --truth rig.json";
+    let shape = |options: &str| {
+        let run = bench.run(&format!("{line} {options}")).ok();
+        let seen: Value = serde_json::from_str(&bench.text("seen.json")).unwrap();
+        let rig: Value = serde_json::from_str(&bench.text("rig.json")).unwrap();
+        let edges = &seen["views"][0]["sheet_edges_px"];
+        (run.words(), ["top", "right"].map(|side| curvature(&edges[side])), rig)
+    };
+    let (words, flat, flat_rig) = shape("");
+    assert!(!words.contains("bent") && flat.iter().all(|c| *c < 1e-6), "{words} {flat:?}");
+    let (words, curled, rig) = shape("--bend 0.5%");
+    assert!(words.contains("bent: curl with a sag of 2.970 mm, axis at 0°"), "{words}");
+    // The bend runs along the width: top and bottom are curved, left and right are lines of the cylinder.
+    assert!(curled[0] > 1.0 && curled[1] < 1e-6, "{curled:?}");
+    let (_, turned, _) = shape("--bend 0.5%,90");
+    assert!(turned[0] < 1e-6 && turned[1] > 0.5, "{turned:?}");
+    // The edges of a twist are straight but for the shortening across them, of second order.
+    let (_, twisted, _) = shape("--bend 0.5%,0,twist");
+    assert!(twisted.iter().all(|c| *c < 0.05), "{twisted:?}");
+    let keys = |rig: &Value| rig["views"][0].as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+    assert_eq!(keys(&rig), keys(&flat_rig));
+    assert_eq!(rig["camera"], flat_rig["camera"]);
+    let (_, _, rig) = shape(
+        "--pixel-aspect 1.01 --projector 912x1140 --projector-focal 850 --projector-pixel-aspect 2 --projector-offset=30,-57 \
+         --projector-distortion=-0.02,0.01,3e-4,2e-4",
+    );
+    assert_eq!((&rig["camera"]["K"][0][0], &rig["camera"]["K"][1][1]), (&1500.0.into(), &1515.0.into()));
+    let k = &rig["projector"]["K"];
+    assert_eq!((&k[0][0], &k[1][1]), (&850.0.into(), &1700.0.into()));
+    assert!(
+        (k[0][2].as_f64().unwrap() - 485.5).abs() < 1e-9 && (k[1][2].as_f64().unwrap() - 512.5).abs() < 1e-9
+    );
+    assert_eq!(rig["projector"]["distortion"], serde_json::json!([-0.02, 0.01, 3e-4, 2e-4, 0.0]));
 }
 
 /// A small camera: rendering takes a moment even unoptimised.
@@ -262,6 +328,13 @@ fn nothing_of_a_scene_is_replaced_or_guessed() {
         ("--crosstalk -0.5", 2, vec!["crosstalk", "zero or more"]),
         ("--surface sphere --radius 1e9", 2, vec!["radius", "1000.0 mm"]),
         ("--surface vast.obj", 3, vec!["vast.obj", "1e9 mm"]),
+        ("--bend 3mm", 2, vec!["--bend", "--surface sheet"]),
+        ("--surface sphere --thickness 3mm", 2, vec!["--thickness", "--surface sheet"]),
+        ("--surface sheet --thickness -3mm", 2, vec!["--thickness", "above zero"]),
+        ("--surface sheet --thickness 3", 2, vec!["--thickness", "unit"]),
+        ("--surface sheet --thickness 1m", 2, vec!["thickness of the sheet", "420 mm"]),
+        ("--surface sheet --rig here/rig.json --pixel-aspect 1.1", 2, vec!["--pixel-aspect"]),
+        ("--surface sheet --rig here/rig.json --projector-offset 5", 2, vec!["--projector-offset"]),
     ] {
         bench.run(&format!("simulate scene --out fresh {options}")).fails(code, &words);
     }
@@ -274,4 +347,28 @@ fn a_surface_out_of_the_light_is_said() {
         .run(&format!("simulate scene {SMALL} --surface sphere --wall none --aside 3000,0 --out off"))
         .ok();
     assert!(run.stderr.contains("none of the pattern"), "{}", run.stderr);
+}
+
+#[test]
+fn bent_boards_are_rendered_and_told() {
+    let bench = bench();
+    let line = format!("simulate scene {SMALL} --surface sheet --bend=-30mm,20 --thickness 10mm --out board");
+    let words = bench.run(&line).ok().words();
+    assert!(
+        words.contains("a board, 10 mm thick; bent: curl with a sag of -30.000 mm, axis at 20°"),
+        "{words}"
+    );
+    let json: Value =
+        serde_json::from_slice(&bench.run(&format!("{line} --json --force")).ok().stdout).unwrap();
+    assert_eq!(json["bend"], serde_json::json!({"kind": "curl", "axis_deg": 20.0, "sag_mm": -30.0}));
+    assert_eq!((&json["thickness_mm"], &json["surfaces"]), (&10.0.into(), &2.into()));
+    // The same sheet before a given rig.
+    let again = "simulate scene --surface sheet --rig board/rig.json --pattern board/pattern.json --bend=-30mm,20 \
+                 --thickness 10mm --out again";
+    let _ = bench.run(again).ok();
+    let photo = |folder: &str| std::fs::read(bench.path(&format!("{folder}/photo.png"))).unwrap();
+    assert_eq!(photo("again"), photo("board"));
+    let flat = bench.run(&format!("simulate scene {SMALL} --surface sheet --out flat --json")).ok();
+    let json: Value = serde_json::from_slice(&flat.stdout).unwrap();
+    assert!(json.get("bend").is_none() && json.get("thickness_mm").is_none());
 }

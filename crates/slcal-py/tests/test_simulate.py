@@ -92,6 +92,30 @@ def test_patterns_and_rigs_of_ones_own() -> None:
     assert repr(made) == f"Scene(640x480, {made.report.surfaces} surfaces, {len(made.matches)} matches)"
 
 
+def test_bent_sheets_and_real_lenses() -> None:
+    lens = {
+        "pixel_aspect": 1.01,
+        "projector_pixel_aspect": 0.99,
+        "projector_offset": (30, -12),
+        "projector_distortion": [-0.02, 0.01],
+    }
+    made = simulate.scene("sheet", bend="0.5%,20,wave", thickness=10, **lens, **SMALL)
+    assert made.report.bend == {"kind": "wave", "axis_deg": 20, "sag_mm": pytest.approx(2.97)}
+    assert made.report.thickness_mm == 10
+    assert (made.surface == 2).sum() > 100
+    assert made.rig.camera.K[1, 1] == pytest.approx(757.5)
+    assert made.rig.projector.K[0, 2] == pytest.approx(541.5)
+    assert made.rig.projector.K[1, 2] == pytest.approx(371.5)
+    flat = simulate.scene("sheet", rig=made.rig, thickness=10)
+    bent = simulate.scene("sheet", rig=made.rig, bend="3mm")
+    assert flat.report.bend is None
+    assert np.nanmax(np.abs(flat.depth - bent.depth)) > 1
+    seen, rig = simulate.views(poses=2, bend="3mm", edges=9, **lens)
+    assert len(seen) == 2
+    assert rig.projector.K[0, 2] == pytest.approx(541.5)
+    assert simulate.noise([0.1], draws=2, bend="3mm", **lens).config["rig"]["bend"] == "3mm,0,curl"
+
+
 def test_meshes(tmp_path: Path) -> None:
     square = slcal.PointCloud(
         [[-100, -80, 900], [100, -80, 900], [100, 80, 900], [-100, 80, 900]], triangles=[[0, 2, 1], [0, 3, 2]]
@@ -119,6 +143,13 @@ def test_meshes(tmp_path: Path) -> None:
         ({"pattern": "dots"}, slcal.Error, "checker"),
         ({"tilt": (1,)}, slcal.Error, "tilt"),
         ({"tilt": (95, 0)}, slcal.Error, "90"),
+        ({"surface": "sheet", "bend": "200%"}, slcal.Error, "sag"),
+        ({"surface": "sheet", "bend": 3}, slcal.Error, "AXIS_DEG"),
+        ({"bend": "3mm"}, slcal.Error, "bend"),
+        ({"surface": "sheet", "thickness": -1}, slcal.Error, "thickness"),
+        ({"surface": "sheet", "thickness": float("nan")}, slcal.Error, "thickness"),
+        ({"pixel_aspect": 0}, slcal.Error, "pixel aspect"),
+        ({"projector_offset": (1, 2, 3)}, slcal.Error, "projector_offset"),
         ({"tilt": (np.nan, 0)}, slcal.Error, "finite"),
         ({"camera": (0, 480)}, slcal.Error, "camera"),
         ({"camera": 640}, slcal.Error, "camera"),

@@ -39,7 +39,7 @@ pub(crate) use rectify::RectifyArgs;
 pub(crate) use report::ReportArgs;
 pub(crate) use shell::{CompletionsArgs, ManArgs};
 pub(crate) use simulate::{
-    LightArgs, MeshFrameArg, NoiseArgs, PlaceArgs, SceneArgs, SimulateVerb, ViewsArgs,
+    Crosstalk, LightArgs, MeshFrameArg, NoiseArgs, PlaceArgs, SceneArgs, SimulateVerb, ViewsArgs, WallArg,
 };
 pub(crate) use triangulate::TriangulateArgs;
 pub(crate) use verify::VerifyArgs;

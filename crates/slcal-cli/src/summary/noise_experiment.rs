@@ -1,7 +1,10 @@
 //! The synthetic noise experiment as tables.
 
+use std::fmt::Write as _;
+
 use slcal_core::simulate::{
-    Coverage, ErrorStatistics, LevelReport, NoiseConfig, NoiseReport, PrincipalPoints, Statistics,
+    Coverage, ErrorStatistics, LevelReport, MethodName, MethodReport, NoiseConfig, NoiseReport,
+    PrincipalPoints, Statistics,
 };
 
 use super::number::unsigned;
@@ -39,7 +42,11 @@ fn head(layout: &mut TextLayout, config: &NoiseConfig, report: &NoiseReport) {
         ),
         format!("tilted by {x:.1}°, {y:.1}°"),
     ];
-    layout.line("truth", parts.map(|p| unbroken(&p)).join(" "));
+    let mut truth = parts.map(|p| unbroken(&p)).join(" ");
+    if let Some(bend) = &config.rig.bend {
+        let _ = write!(truth, "; bent: {}", bend.report(config.rig.size));
+    }
+    layout.line("truth", truth);
     let principal_points = match config.principal_points {
         PrincipalPoints::Exact => "principal points are known exactly",
         PrincipalPoints::Prior => {
@@ -55,6 +62,13 @@ fn head(layout: &mut TextLayout, config: &NoiseConfig, report: &NoiseReport) {
     );
 }
 
+fn name(m: &MethodReport) -> &'static str {
+    match m.method {
+        MethodName::TwoVp => "two-vp",
+        MethodName::Ml => "ml",
+    }
+}
+
 /// The level, in its first row only.
 fn level_cell(level: &LevelReport, row: usize) -> String {
     if row == 0 { format!("{:.3}", level.level_px) } else { String::new() }
@@ -67,7 +81,7 @@ fn fits(report: &NoiseReport) -> Table {
         for (i, m) in level.methods.iter().enumerate() {
             table.row([
                 level_cell(level, i),
-                m.method.to_string(),
+                name(m).to_owned(),
                 mean(&m.camera_reprojection_px, 3),
                 mean(&m.projector_reprojection_px, 3),
                 mean(&m.cube_position_percent, 2),
@@ -86,7 +100,7 @@ fn errors(report: &NoiseReport) -> Table {
         for (i, m) in level.methods.iter().enumerate() {
             table.row([
                 level_cell(level, i),
-                m.method.to_string(),
+                name(m).to_owned(),
                 error(&m.camera_focal_px, t.camera_focal_px / 100.0, 3),
                 error(&m.projector_focal_px, t.projector_focal_px / 100.0, 3),
                 error(&m.translation_mm, 1.0, 2),
@@ -110,7 +124,7 @@ fn coverage(report: &NoiseReport) -> Table {
         Table::new(["noise, px", "", ">coverage: f camera, %", ">f projector, %", ">baseline, %"]);
     for level in &report.levels {
         for (i, m) in level.methods.iter().enumerate() {
-            let row = [level_cell(level, i), m.method.to_string()];
+            let row = [level_cell(level, i), name(m).to_owned()];
             table.row(row.into_iter().chain(shares(&m.coverage)));
         }
     }

@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, Point2, Rotation3, Vector3};
 use serde::Serialize;
 
-use super::scene::{NoiseModel, Scene, lit_point};
+use super::scene::{NoiseModel, Scene};
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, Pose};
 
@@ -62,19 +62,18 @@ fn whitened(scene: &Scene, noise: &NoiseModel) -> Option<Vec<f64>> {
     for view in &scene.views {
         let mut put = |p: Point2<f64>, sigma: f64| all.extend([p.x / sigma, p.y / sigma]);
         for c in scene.size.corners() {
-            let p = view.lift(c);
-            put(scene.camera.project(&p)?, noise.sheet_px);
+            put(scene.sheet_pixel(view, c)?, noise.sheet_px);
         }
         for &q in &scene.pattern {
-            let lit = lit_point(&scene.projector, &scene.projector_from_camera, view, q)?;
+            let lit = scene.lit(view, q)?;
             put(scene.camera.project(&lit)?, noise.pattern_px);
         }
     }
     Some(all)
 }
 
-/// The bound for observations of the sheet's corners and the projected ones with this noise. Distortion is known, and
-/// so is everything that `principal_points` has as zero.
+/// The bound for observations of the sheet's corners and the projected ones with this noise. Distortion and bend are
+/// known, and so is everything that `principal_points` has as zero.
 ///
 /// # Errors
 /// [`Error::Invalid`] for noise that is zero, edge points, or a scene of which part lies behind a device.

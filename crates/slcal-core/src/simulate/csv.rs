@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::experiment::{LevelReport, NoiseReport};
 use super::statistics::{ErrorStatistics, Statistics};
-use super::trial::MethodReport;
+use super::trial::{MethodName, MethodReport};
 
 const HEADER: &str = "level_px,method,draws,imaginary,refused,failed,cube_missed,\
     camera_reprojection_px_mean,camera_reprojection_px_std,projector_reprojection_px_mean,projector_reprojection_px_std,\
@@ -31,9 +31,13 @@ impl NoiseReport {
 }
 
 fn row(level: &LevelReport, m: &MethodReport) -> String {
+    let name = match m.method {
+        MethodName::TwoVp => "two-vp",
+        MethodName::Ml => "ml",
+    };
     let mut line = format!(
-        "{},{},{},{},{},{},{}",
-        level.level_px, m.method, m.draws, m.imaginary, m.refused, m.failed, m.cube_missed
+        "{},{name},{},{},{},{},{}",
+        level.level_px, m.draws, m.imaginary, m.refused, m.failed, m.cube_missed
     );
     let mut put = |value: Option<f64>| {
         // Writing into a string cannot fail.

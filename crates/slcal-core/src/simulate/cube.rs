@@ -103,8 +103,13 @@ impl Cube {
     /// [`Error::Invalid`] for a rig without a projector.
     pub fn error(&self, rig: &Rig, sigma_px: f64, draws: &mut Draws) -> Result<Option<CubeError>> {
         let items = self.corners.iter().map(|(_, camera, projector)| Match {
+            camera: camera + draws.jitter(sigma_px),
+            projector_column: Some(projector.x),
+            projector_row: Some(projector.y),
+            slit: None,
+            confidence: 1.0,
             sigma_px: sigma_px.max(f64::MIN_POSITIVE),
-            ..Match::at(camera + draws.jitter(sigma_px), Some(projector.x), Some(projector.y))
+            color: [0; 3],
         });
         let matches = Matches { items: items.collect() };
         let (cloud, _) = triangulate(rig, &matches, &TriangulateConfig::default())?;
@@ -132,5 +137,6 @@ fn seen_by_both(i: usize, view: &Pose, scene: &Scene, place: &dyn Fn(usize) -> P
 }
 
 fn inside(device: &Camera, p: &Point3<f64>) -> Option<Point2<f64>> {
-    device.project(p).filter(|q| device.holds(*q))
+    let [w, h] = [device.width, device.height].map(f64::from);
+    device.project(p).filter(|q| (-0.5..=w - 0.5).contains(&q.x) && (-0.5..=h - 0.5).contains(&q.y))
 }

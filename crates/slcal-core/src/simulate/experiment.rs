@@ -11,8 +11,8 @@ use super::draws::Draws;
 use super::poses::PoseConfig;
 use super::rig_config::RigConfig;
 use super::scene::{NoiseModel, Scene};
-use super::trial::{MethodReport, Tally};
-use crate::calibrate::{CalibrateConfig, DistortionModel, Method, PrincipalPointRule};
+use super::trial::{MethodName, MethodReport, Tally};
+use crate::calibrate::{CalibrateConfig, DistortionModel, Flatness, Method, PrincipalPointRule};
 use crate::error::{Error, Result, within};
 use crate::named::named;
 
@@ -236,7 +236,7 @@ impl NoiseExperiment {
         Ok(Some(LevelReport {
             level_px,
             bound: self.bound(level_px)?,
-            methods: [two_vp.report(Method::TwoVp), ml.report(Method::Ml)],
+            methods: [two_vp.report(MethodName::TwoVp), ml.report(MethodName::Ml)],
         }))
     }
 
@@ -268,11 +268,19 @@ impl NoiseExperiment {
             ),
             PrincipalPoints::Prior => (PrincipalPointRule::Prior, PrincipalPointRule::Shift),
         };
+        // What is ideal is taken for ideal, as the published method does and as the bound assumes.
+        let (distortion, flatness) = if scene.is_ideal() {
+            (DistortionModel::None, Flatness::Flat)
+        } else {
+            (DistortionModel::Auto, Flatness::Paper)
+        };
         CalibrateConfig {
             camera_pp,
             projector_pp,
             method,
-            distortion: DistortionModel::None,
+            distortion,
+            projector_distortion: distortion,
+            flatness,
             // Refused rigs are counted and stay in the statistics: without them, the errors would be biased low.
             allow_degenerate: true,
             ..CalibrateConfig::default()

@@ -7,6 +7,8 @@
 //! renders photographs of surfaces through a rig, with the ground truth of every pixel; [`SceneSetup`] sets all of that
 //! up with a few numbers. Compiled with the feature `simulate`.
 
+mod bend;
+mod bent_sheet;
 mod bound;
 mod csv;
 mod cube;
@@ -21,20 +23,23 @@ mod spread;
 mod statistics;
 mod trial;
 
+pub use bend::{BendConfig, BendKind, BendReport, Sag};
+pub use bent_sheet::{BentSheet, BentSheetHit};
 pub use bound::{Bound, PrincipalPointSigma, bound};
 pub use cube::{Cube, CubeError};
 pub use draws::Draws;
 pub use experiment::{LevelReport, NoiseConfig, NoiseExperiment, NoiseReport, PrincipalPoints, TrueValues};
 pub use photograph::{
     PatternKind, Photographer, PixelTruth, Placement, PreparedScene, ProjectedImage, RenderConfig,
-    SceneObject, SceneReport, SceneSetup, Shape, SimulatedScene, Surface, TriangleMesh, Truth, WallKind,
+    SceneObject, SceneReport, SceneSetup, Shape, SheetObject, SimulatedScene, Surface, SurfaceKind,
+    TriangleMesh, Truth, WallKind,
 };
 pub use poses::PoseConfig;
 pub use rig_config::RigConfig;
 pub use scene::{NoiseModel, Scene};
 pub use spread::{SpreadConfig, spread_poses};
 pub use statistics::{Coverage, ErrorStatistics, Statistics};
-pub use trial::MethodReport;
+pub use trial::{MethodName, MethodReport};
 
 #[cfg(test)]
 mod tests;

@@ -3,11 +3,12 @@
 use nalgebra::{Point2, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::bent_sheet::BentSheet;
 use super::draws::Draws;
 use super::poses::PoseConfig;
 use super::rig_config::RigConfig;
 use crate::error::{Error, ErrorSubject, Result, within};
-use crate::geometry::{Camera, Pose, RectangleSize};
+use crate::geometry::{Camera, Pose, Ray, RectangleSize};
 use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 use crate::rig::{Device, Projector, Rig, View};
 
@@ -74,6 +75,8 @@ pub struct Scene {
     pub projector_from_camera: Pose,
     /// The sheet.
     pub size: RectangleSize,
+    /// Its shape where it is bent.
+    pub bent: Option<BentSheet>,
     /// Side of the pattern's squares, projector px.
     pub square_px: f64,
     /// The projected points, projector px.
@@ -98,6 +101,13 @@ pub(super) fn lit_point(
 }
 
 impl Scene {
+    /// Whether the sheet is flat, the lenses do not distort and pixels are square.
+    pub(super) fn is_ideal(&self) -> bool {
+        let devices = [&self.camera, &self.projector];
+        self.bent.is_none()
+            && devices.iter().all(|d| d.distortion.is_none() && d.intrinsics.fx == d.intrinsics.fy)
+    }
+
     /// The rig with its sheet in these poses. Where the configuration leaves the size of the pattern's squares open,
     /// they are reduced until all corners fall on the sheet in all poses. The camera's picture may truncate the sheet,
     /// see [`outside_picture`](Self::outside_picture).
@@ -132,6 +142,7 @@ impl Scene {
             projector: rig.projector(),
             projector_from_camera: rig.projector_from_camera()?,
             size: rig.size,
+            bent: rig.bend.as_ref().map(|b| BentSheet::new(b, rig.size)).transpose()?,
             square_px: pattern.square_px,
             pattern: pattern.inner_corners(),
             views: poses.iter().map(|p| p.camera_from_sheet(rig)).collect(),
@@ -139,12 +150,25 @@ impl Scene {
     }
 
     /// The pixel of a point of the sheet in a pose.
-    fn sheet_pixel(&self, view: &Pose, p: Point2<f64>) -> Option<Point2<f64>> {
-        self.camera.project(&view.lift(p))
+    pub(super) fn sheet_pixel(&self, view: &Pose, p: Point2<f64>) -> Option<Point2<f64>> {
+        let point = match &self.bent {
+            None => view.lift(p),
+            Some(bent) => view.transform(&bent.point(p)),
+        };
+        self.camera.project(&point)
     }
 
-    fn lit(&self, view: &Pose, q: Point2<f64>) -> Option<Point3<f64>> {
-        lit_point(&self.projector, &self.projector_from_camera, view, q)
+    /// The point that projector pixel `q` illuminates, in the camera frame; `None` beside a bent sheet, and when its ray
+    /// misses the plane of a flat one.
+    pub(super) fn lit(&self, view: &Pose, q: Point2<f64>) -> Option<Point3<f64>> {
+        let Some(bent) = &self.bent else {
+            return lit_point(&self.projector, &self.projector_from_camera, view, q);
+        };
+        let projector_from_sheet = self.projector_from_camera.compose(view);
+        let direction = projector_from_sheet.rotation.inverse() * self.projector.bearing(q)?;
+        let ray = Ray { origin: projector_from_sheet.centre(), direction };
+        let hit = bent.meet(&ray, [0.0, f64::INFINITY])?;
+        Some(view.transform(&(ray.origin + ray.direction * hit.distance)))
     }
 
     /// Checks that every view has the sheet in front of the camera and the whole pattern on it.
@@ -158,6 +182,9 @@ impl Scene {
                 ));
             }
             let on_sheet = |q: &&Point2<f64>| {
+                if self.bent.is_some() {
+                    return self.lit(view, **q).is_some();
+                }
                 let place = self.lit(view, **q).map(|p| view.inverse().transform(&p));
                 place.is_some_and(|p| {
                     (0.0..=self.size.width_mm).contains(&p.x) && (0.0..=self.size.height_mm).contains(&p.y)
@@ -184,11 +211,13 @@ impl Scene {
     /// shows the former through the sides that meet there, and the latter not at all.
     #[must_use]
     pub fn outside_picture(&self) -> usize {
+        let [w, h] = [self.camera.width, self.camera.height].map(f64::from);
+        let inside = |p: &Point2<f64>| (-0.5..=w - 0.5).contains(&p.x) && (-0.5..=h - 0.5).contains(&p.y);
         let of_view = |view: &Pose| {
             let sheet = self.size.corners().map(|c| self.sheet_pixel(view, c));
             let pattern =
                 self.pattern.iter().map(|q| self.lit(view, *q).and_then(|p| self.camera.project(&p)));
-            sheet.into_iter().chain(pattern).filter(|p| !p.is_some_and(|p| self.camera.holds(p))).count()
+            sheet.into_iter().chain(pattern).filter(|p| !p.as_ref().is_some_and(inside)).count()
         };
         self.views.iter().map(of_view).sum()
     }
@@ -225,7 +254,11 @@ impl Scene {
                 pairs,
             });
         }
-        Ok(Observations { camera: self.camera.size(), projector: Some(self.projector.size()), views })
+        Ok(Observations {
+            camera: [self.camera.width, self.camera.height],
+            projector: Some([self.projector.width, self.projector.height]),
+            views,
+        })
     }
 
     fn observe_sheet(&self, view: &Pose, noise: &NoiseModel, draws: &mut Draws) -> Option<SheetObservation> {
@@ -261,6 +294,7 @@ impl Scene {
                 photo: None,
                 size: self.size,
                 camera_from_sheet: *view,
+                bend: None,
                 projector_from_sheet: Some(projector_from_sheet),
                 camera_vanishing_points: self.camera.vanishing_points(view),
                 projector_vanishing_points: Some(self.projector.vanishing_points(&projector_from_sheet)),

@@ -2,10 +2,14 @@
 
 use nalgebra::{Point2, Point3};
 
-use super::{Cube, Draws, NoiseModel, PoseConfig, RigConfig, Scene, SpreadConfig, bound, spread_poses};
+use super::{
+    BendConfig, BentSheet, Cube, Draws, NoiseModel, PoseConfig, RigConfig, Scene, SpreadConfig, bound,
+    spread_poses,
+};
 use crate::calibrate::{CalibrateConfig, PrincipalPointRule, calibrate_observations};
 use crate::error::Error;
 use crate::geometry::RectangleSize;
+use crate::observations::SheetObservation;
 
 fn shifted() -> RigConfig {
     RigConfig {
@@ -182,4 +186,135 @@ fn invisible_scenes_are_refused_with_the_reason() {
     }
     invalid(scene.observe(&NoiseModel::uniform(-1.0), &mut Draws::new(1, 0)), "noise");
     invalid(scene.observe(&NoiseModel::uniform(f64::NAN), &mut Draws::new(1, 0)), "noise");
+}
+
+fn bend(text: &str) -> BendConfig {
+    text.parse().unwrap()
+}
+
+/// The corners and sides of a bent sheet are images of its surface, and projected corners lie on the projector's rays
+/// and on the surface: checked without the intersection, by the camera's ray to where the pair was seen.
+#[test]
+fn observations_of_a_bent_sheet_lie_on_it() {
+    let rig = RigConfig {
+        bend: Some(bend("8mm,20")),
+        distortion: [-0.12, 0.03, 4e-4, -3e-4, 0.0],
+        projector_distortion: [-0.02, 0.01, 3e-4, 2e-4, 0.0],
+        camera_pixel_aspect: 1.002,
+        projector_pixel_aspect: 0.997,
+        ..shifted()
+    };
+    let scene =
+        Scene::new(&rig, &[PoseConfig::tilted(25.0, 28.0), PoseConfig::tilted(-20.0, -25.0)]).unwrap();
+    let quiet = NoiseModel { edge_points: Some(9), ..NoiseModel::uniform(0.0) };
+    let seen = scene.observe(&quiet, &mut Draws::new(1, 0)).unwrap();
+    let bent = BentSheet::new(&rig.bend.unwrap(), rig.size).unwrap();
+    for (view, pose) in seen.views.iter().zip(&scene.views) {
+        let SheetObservation::Edges(sides) = &view.sheet else { panic!("{:?}", view.sheet) };
+        for (i, side) in sides.iter().enumerate() {
+            let (a, b) = (rig.size.corners()[i], rig.size.corners()[(i + 1) % 4]);
+            for (k, point) in side.iter().enumerate() {
+                let place = a + (b - a) * ((k as f64 + 0.5) / 9.0);
+                let expected = scene.camera.project(&pose.transform(&bent.point(place))).unwrap();
+                assert!((point.position - expected).norm() < 1e-9);
+            }
+        }
+        // By Newton's method on the sheet: the place whose image is the pair's, and its position on the panel.
+        for pair in &view.pairs {
+            let image = |p: Point2<f64>| {
+                let at = pose.transform(&bent.point(p));
+                (
+                    scene.camera.project(&at).unwrap(),
+                    scene.projector.project(&scene.projector_from_camera.transform(&at)).unwrap(),
+                )
+            };
+            let mut p = Point2::new(297.0, 210.0);
+            for _ in 0..20 {
+                let off = image(p).0 - pair.camera;
+                let step = 1e-4;
+                let x = (image(Point2::new(p.x + step, p.y)).0 - image(p).0) / step;
+                let y = (image(Point2::new(p.x, p.y + step)).0 - image(p).0) / step;
+                p -= nalgebra::Matrix2::from_columns(&[x, y]).try_inverse().unwrap() * off;
+            }
+            assert!((image(p).0 - pair.camera).norm() < 1e-8);
+            assert!((image(p).1 - pair.projector).norm() < 1e-6, "{} {}", image(p).1, pair.projector);
+        }
+    }
+}
+
+#[test]
+fn a_bend_of_zero_is_a_flat_sheet_and_a_bend_moves_every_side() {
+    let poses = [PoseConfig::tilted(25.0, 28.0)];
+    let quiet = NoiseModel { edge_points: Some(5), ..NoiseModel::uniform(0.0) };
+    let observed = |bend| {
+        let scene = Scene::new(&RigConfig { bend, ..shifted() }, &poses).unwrap();
+        scene.observe(&quiet, &mut Draws::new(1, 0)).unwrap().views.remove(0)
+    };
+    let distances = |bend| {
+        let (flat, bent) = (observed(None), observed(bend));
+        let (SheetObservation::Edges(a), SheetObservation::Edges(b)) = (&flat.sheet, &bent.sheet) else {
+            panic!("{flat:?}")
+        };
+        let edges = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a.position - b.position).norm());
+        let pairs = flat.pairs.iter().zip(&bent.pairs).map(|(a, b)| (a.camera - b.camera).norm());
+        [edges.fold(0.0, f64::max), pairs.fold(0.0, f64::max)]
+    };
+    for zero in ["0mm", "0%,30,wave", "0mm,0,twist"] {
+        assert!(distances(Some(bend(zero))).iter().all(|d| *d < 1e-9), "{zero}");
+    }
+    for kind in ["curl", "wave", "twist"] {
+        let [edges, pairs] = distances(Some(bend(&format!("3mm,0,{kind}"))));
+        assert!(edges > 0.5 && edges < 5.0 && pairs > 0.2, "{kind}: {edges} {pairs}");
+    }
+}
+
+#[test]
+fn pixel_aspects_and_offsets_are_those_of_the_matrices() {
+    let rig = RigConfig {
+        camera_pixel_aspect: 1.01,
+        projector: [912, 1140],
+        projector_focal_px: 850.0,
+        projector_pixel_aspect: 2.0,
+        projector_distortion: [-0.02, 0.0, 0.0, 0.0, 0.01],
+        lens_shift: 0.1,
+        ..RigConfig::default()
+    }
+    .with_projector_offset([30.0, -57.0]);
+    let (camera, projector) = (rig.camera().intrinsics, rig.projector());
+    assert_eq!((camera.fx, camera.fy), (1500.0, 1515.0));
+    assert_eq!((projector.intrinsics.fx, projector.intrinsics.fy), (850.0, 1700.0));
+    assert!((projector.intrinsics.cx - 485.5).abs() < 1e-9 && (projector.intrinsics.cy - 626.5).abs() < 1e-9);
+    assert_eq!(projector.distortion.to_array(), [-0.02, 0.0, 0.0, 0.0, 0.01]);
+    // The middle of the pattern still falls on the middle of the sheet.
+    let outline = rig.pattern().unwrap().outline();
+    let middle = Point2::from((outline[0].coords + outline[2].coords) / 2.0);
+    let at = rig.projector_from_camera().unwrap().transform(&Point3::new(0.0, 0.0, rig.distance_mm));
+    assert!((projector.project(&at).unwrap() - middle).norm() < 1e-8);
+    let refused = |change: &dyn Fn(&mut RigConfig), words: &str| {
+        let mut rig = RigConfig::default();
+        change(&mut rig);
+        invalid(Scene::new(&rig, &[PoseConfig::tilted(25.0, 28.0)]), words);
+    };
+    refused(&|r| r.camera_pixel_aspect = 0.0, "pixel aspect of the camera");
+    refused(&|r| r.projector_pixel_aspect = f64::NAN, "pixel aspect of the projector");
+    refused(&|r| r.projector_distortion[1] = f64::INFINITY, "distortion of the projector");
+    refused(&|r| r.bend = Some(bend("200%")), "sag");
+    refused(&|r| *r = r.clone().with_projector_offset([1e9, 0.0]), "principal point");
+    // A lens that folds before the middle of the pattern.
+    refused(&|r| (r.projector_distortion[0], r.lens_shift) = (-2.0, 0.7), "distortion of the projector");
+}
+
+/// The old configurations print as before: the experiment's JSON holds them.
+#[test]
+fn unused_effects_are_not_in_the_configuration() {
+    let json = serde_json::to_value(RigConfig::default()).unwrap();
+    let keys: Vec<_> = json.as_object().unwrap().keys().map(String::as_str).collect();
+    for new in ["bend", "camera_pixel_aspect", "projector_pixel_aspect", "projector_distortion"] {
+        assert!(!keys.contains(&new), "{new}");
+    }
+    let bent =
+        RigConfig { bend: Some(bend("0.5%,20,wave")), projector_pixel_aspect: 2.0, ..RigConfig::default() };
+    let json = serde_json::to_value(&bent).unwrap();
+    assert_eq!((&json["bend"], &json["projector_pixel_aspect"]), (&"0.5%,20,wave".into(), &2.0.into()));
+    assert_eq!(serde_json::from_value::<RigConfig>(json).unwrap(), bent);
 }

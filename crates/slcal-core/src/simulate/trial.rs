@@ -1,24 +1,34 @@
 //! One draw: calibrate with one method and compare with the truth.
 
 use nalgebra::{Point2, Point3, Vector3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::cube::Cube;
 use super::draws::Draws;
 use super::scene::{Scene, lit_point};
 use super::statistics::{Coverage, ErrorStatistics, Statistics, coverage};
-use crate::calibrate::{CalibrateConfig, Method, calibrate_observations};
+use crate::calibrate::{CalibrateConfig, calibrate_observations};
 use crate::error::Error;
 use crate::geometry::{Camera, Plane, Pose, Ray};
 use crate::observations::{Observations, SheetObservation};
 use crate::rig::{Projector, Rig, Verdict};
 use crate::solve::rms;
 
+/// The estimator of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MethodName {
+    /// Two vanishing points alone.
+    TwoVp,
+    /// Maximum likelihood.
+    Ml,
+}
+
 /// One method at one level. Statistics are over the draws that gave a rig, including those refused as degenerate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MethodReport {
     /// The estimator.
-    pub method: Method,
+    pub method: MethodName,
     /// Draws of the noise.
     pub draws: usize,
     /// Draws without a real focal length.
@@ -122,7 +132,7 @@ impl Tally {
     }
 
     /// The statistics.
-    pub(super) fn report(&self, method: Method) -> MethodReport {
+    pub(super) fn report(&self, method: MethodName) -> MethodReport {
         let [camera_focal, projector_focal, baseline] = [0, 1, 2].map(|i| coverage(&self.intervals[i]));
         MethodReport {
             method,

@@ -485,6 +485,9 @@ class SceneReport(Report):
     matches: int
     #: How the light was simulated.
     render: dict[str, Any]
+    #: Shape, axis and sag of a bent sheet, and the thickness of a board, mm.
+    bend: dict[str, Any] | None = None
+    thickness_mm: float | None = None
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,12 @@ def scene(
     size_mm: tuple[float, float] | str = (594.0, 420.0),
     distance: float = 1000.0,
     distortion: ArrayLike = 0.0,
+    pixel_aspect: float = 1.0,
+    projector_pixel_aspect: float = 1.0,
+    projector_offset: float | tuple[float, float] = 0.0,
+    projector_distortion: ArrayLike = 0.0,
+    bend: str | None = None,
+    thickness: float = 0.0,
     tilt: _Pose | None = None,
     aside: tuple[float, float] = (0.0, 0.0),
     radius: float | None = None,
@@ -77,8 +83,8 @@ def scene(
         The projected pattern; by default the checkerboard on a sheet, and stripes on everything else. A "checker" on a sheet
         is scaled down until it fits on the sheet.
     rig : Rig, optional
-        A given rig instead of the options from `camera` to `baseline` and `distortion`; `distance` and `size_mm` still define
-        the surface.
+        A given rig instead of the options from `camera` to `baseline` and from `distortion` to `projector_distortion`;
+        `distance`, `size_mm` and `bend` still define the surface.
     camera, projector : (int, int)
         Width and height of the camera's image and of the projector's panel, px.
     focal, projector_focal : float
@@ -93,6 +99,18 @@ def scene(
         Distance of the surface's centre along the camera's axis, mm.
     distortion : array_like
         The camera's k1, k2, p1, p2, k3; zeros at the end may be omitted.
+    pixel_aspect, projector_pixel_aspect : float
+        Focal lengths along y over those along x, which are `focal` and `projector_focal`.
+    projector_offset : float or (float, float)
+        Offset of the projector's principal point to the right of the centre of the panel and, optionally, down (added to
+        `lens_shift`), px.
+    projector_distortion : array_like
+        The projector's k1, k2, p1, p2, k3; zeros at the end may be omitted.
+    bend : str, optional
+        Bend of the sheet as ``"SAG[,AXIS_DEG[,curl|wave|twist]]"``: "3mm", "0.5%" (of the width), "3mm,20" or "0.5%,90,wave".
+        The sheet is not stretched. ``slcal simulate scene --help`` defines sag and axis.
+    thickness : float
+        Thickness of the sheet, mm: a board whose side faces have the albedo of its front.
     tilt : (float, float) or (float, float, float), optional
         Tilt of the surface about the camera's horizontal and vertical axis and, optionally, roll, degrees; by default
         (10, 20) for a plane, (25, 28) for a sheet, none for others.
@@ -179,12 +197,16 @@ def views(
     camera_offset: tuple[float, float] = (0.0, 0.0),
     projector: tuple[int, int] = (1024, 768),
     projector_focal: float = 1700.0,
-    projector_offset: float = 0.0,
+    projector_offset: float | tuple[float, float] = 0.0,
     lens_shift: float = 0.0,
     baseline: float = 250.0,
     size_mm: tuple[float, float] | str = (594.0, 420.0),
     distance: float = 1000.0,
     distortion: ArrayLike = 0.0,
+    pixel_aspect: float = 1.0,
+    projector_pixel_aspect: float = 1.0,
+    projector_distortion: ArrayLike = 0.0,
+    bend: str | None = None,
 ) -> Views:
     """Simulates observations of a sheet in several poses, with noise.
 
@@ -200,12 +222,14 @@ def views(
         Number of points on each of the sheet's edges, instead of its corners.
     seed : int
         Seed of poses and noise: the same seed gives the same observations.
-    camera, focal, projector, projector_focal, lens_shift, baseline, size_mm, distance, distortion
+    camera, focal, projector, projector_focal, projector_offset, lens_shift, baseline, size_mm, distance, distortion
         The rig, as in `scene`.
+    pixel_aspect, projector_pixel_aspect, projector_distortion
+        The rig's lenses, as in `scene`.
+    bend : str, optional
+        Bend of the sheet in every pose, as in `scene`. Its edges are curves in the image, and the projected corners lie on it.
     camera_offset : (float, float)
         Offset of the camera's principal point from the image centre, px.
-    projector_offset : float
-        Offset of the projector's principal point from the central column of the panel, px.
 
     Returns
     -------
@@ -243,6 +267,11 @@ def noise(
     baseline: float = 250.0,
     size_mm: tuple[float, float] | str = (594.0, 420.0),
     distance: float = 1000.0,
+    pixel_aspect: float = 1.0,
+    projector_pixel_aspect: float = 1.0,
+    projector_offset: float | tuple[float, float] = 0.0,
+    projector_distortion: ArrayLike = 0.0,
+    bend: str | None = None,
 ) -> NoiseReport:
     """Calibrates repeatedly at increasing noise, with both methods, and compares with the ground truth.
 
@@ -264,6 +293,9 @@ def noise(
         not completely visible.
     camera, focal, projector, projector_focal, lens_shift, baseline, size_mm, distance
         The rig, as in `scene`.
+    pixel_aspect, projector_pixel_aspect, projector_offset, projector_distortion, bend
+        Its lenses and the bend of the sheet, as in `scene`. Both methods take pixels for square and everything for flat: the
+        errors show what that costs.
 
     Returns
     -------

@@ -64,8 +64,9 @@ fn simulate_scene(options: &Bound<'_, PyDict>) -> PyResult<Scene> {
     options.set("aside", &mut setup.aside_mm, |v| vector_of(v, "aside"))?;
     options.set("albedo", &mut setup.albedo, |v| channels(v, "albedo"))?;
     options.number("wall_albedo", &mut setup.wall_albedo)?;
+    options.number("thickness", &mut setup.thickness_mm)?;
     let scene = py.detach(|| setup.photograph()).raise(py, Stage::Detect)?;
-    let report = LazyReport::of("SceneReport", &scene.photographer.report(&scene.matches));
+    let report = LazyReport::of("SceneReport", &scene.report);
     Ok(Scene { scene, report })
 }
 

@@ -8,13 +8,13 @@ use slcal_core::format::{read_obj, read_ply};
 use slcal_core::pattern::Pattern;
 use slcal_core::photo::Encoding;
 use slcal_core::simulate::{
-    PatternKind, PoseConfig, RenderConfig, RigConfig, SceneObject, TriangleMesh, WallKind,
+    PatternKind, PoseConfig, RenderConfig, RigConfig, SurfaceKind, TriangleMesh, WallKind,
 };
 
 use crate::cloud::PointCloud;
 use crate::convert::array::{Numbers, matrix_of, vector_of};
 use crate::convert::columns::column_of;
-use crate::convert::option::{self, one_of, whole_pair};
+use crate::convert::option::{self, one_of, parsed, whole_pair};
 use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::files;
 use crate::geometry::distortion_of;
@@ -110,9 +110,23 @@ pub(super) fn rig_config(options: &Options<'_, '_>) -> PyResult<RigConfig> {
     options.number("distance", &mut rig.distance_mm)?;
     options.set("size_mm", &mut rig.size, |v| option::sheet_size(v))?;
     options.set("camera_offset", &mut rig.camera_offset_px, |v| vector_of(v, "camera_offset"))?;
-    options.number("projector_offset", &mut rig.projector_offset_px)?;
     options.set("distortion", &mut rig.distortion, distortion)?;
-    Ok(rig)
+    options.number("pixel_aspect", &mut rig.camera_pixel_aspect)?;
+    options.number("projector_pixel_aspect", &mut rig.projector_pixel_aspect)?;
+    options.set("projector_distortion", &mut rig.projector_distortion, distortion)?;
+    rig.bend = options.get("bend")?.map(|b| parsed(&b, "bend")).transpose()?;
+    match options.get("projector_offset")? {
+        Some(offset) => Ok(rig.with_projector_offset(projector_offset(&offset)?)),
+        None => Ok(rig),
+    }
+}
+
+/// Columns and, if wanted, rows of the panel, px.
+fn projector_offset(value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
+    if let Ok(columns) = value.extract::<f64>() {
+        return Ok([columns, 0.0]);
+    }
+    vector_of(value, "projector_offset")
 }
 
 /// Light, lens, sensor.
@@ -145,16 +159,16 @@ fn crosstalk(value: &Bound<'_, PyAny>) -> PyResult<[[f64; 3]; 3]> {
 }
 
 /// What the rig looks at.
-pub(super) fn surface(options: &Options<'_, '_>) -> PyResult<SceneObject> {
-    let Some(value) = options.get("surface")? else { return Ok(SceneObject::default()) };
+pub(super) fn surface(options: &Options<'_, '_>) -> PyResult<SurfaceKind> {
+    let Some(value) = options.get("surface")? else { return Ok(SurfaceKind::default()) };
     match value.extract::<String>().ok().as_deref() {
-        Some("plane") => return Ok(SceneObject::Plane),
+        Some("plane") => return Ok(SurfaceKind::Plane),
         Some("sphere") => {
             let radius_mm = options.get("radius")?.map(|r| number(&r, "radius")).transpose()?;
-            return Ok(SceneObject::Sphere { radius_mm });
+            return Ok(SurfaceKind::Sphere { radius_mm });
         }
-        Some("step") => return Ok(SceneObject::Step),
-        Some("sheet") => return Ok(SceneObject::Sheet),
+        Some("step") => return Ok(SurfaceKind::Step),
+        Some("sheet") => return Ok(SurfaceKind::Sheet),
         _ => {}
     }
     let mut scale = 1.0;
@@ -166,7 +180,7 @@ pub(super) fn surface(options: &Options<'_, '_>) -> PyResult<SceneObject> {
     let mesh = mesh(&value, scale)?;
     let frames = [("object", false), ("camera", true)];
     let in_camera = options.get("mesh_frame")?.map_or(Ok(false), |f| one_of(&f, "mesh_frame", &frames))?;
-    Ok(if in_camera { SceneObject::MeshInCamera(mesh) } else { SceneObject::Mesh(mesh) })
+    Ok(if in_camera { SurfaceKind::MeshInCamera(mesh) } else { SurfaceKind::Mesh(mesh) })
 }
 
 /// A cloud with triangles, or a file of one.
@@ -238,12 +252,12 @@ pub(super) fn wall(options: &Options<'_, '_>) -> PyResult<WallKind> {
 /// Refuses numbers of a rig beside a rig: only the surface's place and size still count.
 pub(super) fn only_place(py: Python<'_>, rig: &RigConfig) -> PyResult<()> {
     let default = RigConfig::default();
-    let placed = RigConfig { distance_mm: rig.distance_mm, size: rig.size, ..default };
+    let placed = RigConfig { distance_mm: rig.distance_mm, size: rig.size, bend: rig.bend, ..default };
     if placed == *rig {
         return Ok(());
     }
-    let wanted =
-        "either a rig, or its camera, focal, projector, projector_focal, lens_shift, baseline and distortion";
+    let wanted = "either a rig, or its camera, focal, pixel_aspect, projector, projector_focal, projector_pixel_aspect, \
+         projector_offset, projector_distortion, lens_shift, baseline and distortion";
     Err(errors::invalid(py, "rig", wanted, "both"))
 }
 

@@ -9,7 +9,7 @@ mod views;
 use clap::Subcommand;
 
 pub(crate) use self::noise::NoiseArgs;
-pub(crate) use self::scene::{LightArgs, MeshFrameArg, PlaceArgs, SceneArgs};
+pub(crate) use self::scene::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs, WallArg};
 pub(crate) use self::views::ViewsArgs;
 use super::examples;
 

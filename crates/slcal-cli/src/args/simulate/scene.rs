@@ -4,13 +4,12 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use nalgebra::Point2;
-use slcal_core::simulate::{RenderConfig, WallKind};
 
 use super::rig::RigArgs;
-use super::values::{numbers, parse_distortion, parse_pose};
+use super::values::{Distortion, PoseArg, numbers, parse_distortion, parse_pose};
 use crate::args::headings::{INPUT, OUTPUT, SETTINGS};
 use crate::args::photo::GammaArg;
-use crate::args::value::parse_point;
+use crate::args::value::{parse_length, parse_point};
 
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {
@@ -25,9 +24,10 @@ pub(crate) struct SceneArgs {
     /// Folder for all files; created when it does not exist.
     #[arg(long, value_name = "DIR", help_heading = OUTPUT)]
     pub(crate) out: PathBuf,
-    /// Rig file, instead of the options under "Rig" (--distance and --size still place the surface).
+    /// Rig file, instead of the options under "Rig" (--distance, --size and --bend still place the surface).
     #[arg(long, value_name = "RIG.json",
-          conflicts_with_all = ["camera", "focal", "projector", "projector_focal", "lens_shift", "baseline", "distortion"],
+          conflicts_with_all = ["camera", "focal", "pixel_aspect", "projector", "projector_focal", "projector_pixel_aspect",
+                                "projector_offset", "projector_distortion", "lens_shift", "baseline", "distortion"],
           help_heading = INPUT)]
     pub(crate) rig: Option<PathBuf>,
     #[command(flatten)]
@@ -35,7 +35,7 @@ pub(crate) struct SceneArgs {
     /// Distortion coefficients of the camera; missing ones are zero.
     #[arg(long, value_name = "k1,k2,p1,p2,k3", value_parser = parse_distortion, default_value = "0",
           help_heading = "Rig", allow_hyphen_values = true)]
-    pub(crate) distortion: [f64; 5],
+    pub(crate) distortion: Distortion,
     #[command(flatten)]
     pub(crate) place: PlaceArgs,
     #[command(flatten)]
@@ -55,7 +55,7 @@ pub(crate) struct PlaceArgs {
     /// Tilt about the horizontal and vertical axis of the camera and, optionally, roll, degrees [default: 10,20 for a
     /// plane, 25,28 for a sheet, otherwise none].
     #[arg(long, value_name = "X,Y[,ROLL]", value_parser = parse_pose, allow_hyphen_values = true)]
-    pub(crate) tilt: Option<[f64; 3]>,
+    pub(crate) tilt: Option<PoseArg>,
     /// Offset of the middle of the surface to the right of and below the optical axis of the camera, mm.
     #[arg(long, value_name = "X,Y", value_parser = parse_point, default_value = "0,0",
           allow_hyphen_values = true)]
@@ -63,13 +63,16 @@ pub(crate) struct PlaceArgs {
     /// Radius of the sphere [default: 0.18 of the distance].
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     pub(crate) radius: Option<f64>,
+    /// Thickness of the sheet: a foam board whose side faces have the albedo of its front and stand behind it [default: none].
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length, allow_hyphen_values = true)]
+    pub(crate) thickness: Option<f64>,
     /// Albedo of the surface: grey, or red,green,blue.
     #[arg(long, value_name = "A|R,G,B", value_parser = parse_channels, default_value = "0.9",
           allow_hyphen_values = true)]
-    pub(crate) albedo: [f64; 3],
+    pub(crate) albedo: Channels,
     /// Distance of a wall behind the middle of the surface, parallel to it [default: close behind a sphere or a mesh].
     #[arg(long, value_name = "MM|none", value_parser = parse_wall, allow_hyphen_values = true)]
-    pub(crate) wall: Option<WallKind>,
+    pub(crate) wall: Option<WallArg>,
     /// Albedo of the wall, grey.
     #[arg(long, value_name = "A", default_value_t = 0.4, allow_hyphen_values = true)]
     pub(crate) wall_albedo: f64,
@@ -106,11 +109,11 @@ pub(crate) struct LightArgs {
     /// The nine numbers are a matrix by rows, beginning with the red of the camera.
     #[arg(long, value_name = "SHARE|RR,RG,RB,GR,..,BB", value_parser = parse_crosstalk, default_value = "0",
           allow_hyphen_values = true)]
-    pub(crate) crosstalk: [[f64; 3]; 3],
+    pub(crate) crosstalk: Crosstalk,
     /// Ambient light as a share of the projector light: grey, or red,green,blue.
     #[arg(long, value_name = "A|R,G,B", value_parser = parse_channels, default_value = "0.03",
           allow_hyphen_values = true)]
-    pub(crate) ambient: [f64; 3],
+    pub(crate) ambient: Channels,
     /// Brightness of a white surface that faces the projector under full light, as a share of full scale; above 1 it
     /// saturates.
     #[arg(long, value_name = "SHARE", default_value_t = 0.8, allow_hyphen_values = true)]
@@ -133,21 +136,37 @@ pub(crate) enum MeshFrameArg {
     Camera,
 }
 
-fn parse_wall(text: &str) -> Result<WallKind, String> {
+/// A wall, mm behind the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct WallArg(pub(crate) Option<f64>);
+
+/// Red, green, blue.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Channels(pub(crate) [f64; 3]);
+
+/// Channels of the camera by channels of the light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Crosstalk {
+    /// A share for neighbours.
+    Neighbours(f64),
+    /// All of it.
+    Matrix([[f64; 3]; 3]),
+}
+
+fn parse_wall(text: &str) -> Result<WallArg, String> {
     if text == "none" {
-        return Ok(WallKind::None);
+        return Ok(WallArg(None));
     }
     match numbers(text).as_deref() {
-        Some(&[mm]) if mm > 0.0 => Ok(WallKind::Behind(mm)),
+        Some(&[mm]) if mm > 0.0 => Ok(WallArg(Some(mm))),
         _ => Err("expected a distance above zero in mm, or none".to_owned()),
     }
 }
 
-/// Red, green, blue.
-fn parse_channels(text: &str) -> Result<[f64; 3], String> {
+fn parse_channels(text: &str) -> Result<Channels, String> {
     match numbers(text).as_deref() {
-        Some(&[a]) => Ok([a; 3]),
-        Some(&[r, g, b]) => Ok([r, g, b]),
+        Some(&[a]) => Ok(Channels([a; 3])),
+        Some(&[r, g, b]) => Ok(Channels([r, g, b])),
         _ => {
             Err("expected one number for grey or three for red, green and blue, such as 0.7,0.35,0.25"
                 .to_owned())
@@ -155,11 +174,10 @@ fn parse_channels(text: &str) -> Result<[f64; 3], String> {
     }
 }
 
-/// Channels of the camera by channels of the light.
-fn parse_crosstalk(text: &str) -> Result<[[f64; 3]; 3], String> {
+fn parse_crosstalk(text: &str) -> Result<Crosstalk, String> {
     match numbers(text).as_deref() {
-        Some(&[share]) if share >= 0.0 => Ok(RenderConfig::neighbour_crosstalk(share)),
-        Some(&[a, b, c, d, e, f, g, h, i]) => Ok([[a, b, c], [d, e, f], [g, h, i]]),
+        Some(&[share]) if share >= 0.0 => Ok(Crosstalk::Neighbours(share)),
+        Some(&[a, b, c, d, e, f, g, h, i]) => Ok(Crosstalk::Matrix([[a, b, c], [d, e, f], [g, h, i]])),
         _ => Err("expected one share of zero or more, such as 0.2, or nine numbers: what red gets of red, green, blue, what green gets, \
                   what blue gets"
             .to_owned()),
@@ -172,14 +190,15 @@ mod tests {
 
     #[test]
     fn values_of_scenes() {
-        assert_eq!(parse_wall("none"), Ok(WallKind::None));
-        assert_eq!(parse_wall("20"), Ok(WallKind::Behind(20.0)));
+        assert_eq!(parse_wall("none"), Ok(WallArg(None)));
+        assert_eq!(parse_wall("20"), Ok(WallArg(Some(20.0))));
         assert!(parse_wall("far").is_err() && parse_wall("-3").is_err());
-        assert_eq!(parse_channels("0.5"), Ok([0.5; 3]));
-        assert_eq!(parse_channels("0.7,0.35,0.25"), Ok([0.7, 0.35, 0.25]));
+        assert_eq!(parse_channels("0.5"), Ok(Channels([0.5; 3])));
+        assert_eq!(parse_channels("0.7,0.35,0.25"), Ok(Channels([0.7, 0.35, 0.25])));
         assert!(parse_channels("1,2").is_err() && parse_channels("a").is_err());
-        assert_eq!(parse_crosstalk("0.2"), Ok(RenderConfig::neighbour_crosstalk(0.2)));
-        assert_eq!(parse_crosstalk("1,2,3,4,5,6,7,8,9").unwrap()[1], [4.0, 5.0, 6.0]);
+        assert_eq!(parse_crosstalk("0.2"), Ok(Crosstalk::Neighbours(0.2)));
+        let Ok(Crosstalk::Matrix(m)) = parse_crosstalk("1,2,3,4,5,6,7,8,9") else { panic!("nine numbers") };
+        assert_eq!(m[1], [4.0, 5.0, 6.0]);
         assert!(parse_crosstalk("1,2,3").is_err() && parse_crosstalk("-0.5").is_err());
     }
 }

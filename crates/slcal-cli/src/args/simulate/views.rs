@@ -6,7 +6,7 @@ use clap::Args;
 use nalgebra::Point2;
 
 use super::rig::RigArgs;
-use super::values::{parse_distortion, parse_pose};
+use super::values::{Distortion, PoseArg, parse_distortion, parse_pose};
 use crate::args::headings::{OUTPUT, SETTINGS};
 use crate::args::value::parse_point;
 
@@ -20,7 +20,7 @@ pub(crate) struct ViewsArgs {
     /// repeatable.
     #[arg(long, value_name = "X,Y[,ROLL]", value_parser = parse_pose, allow_hyphen_values = true,
           help_heading = SETTINGS)]
-    pub(crate) pose: Vec<[f64; 3]>,
+    pub(crate) pose: Vec<PoseArg>,
     /// σ of the noise on each image coordinate, px.
     #[arg(long, value_name = "PX", default_value_t = 0.1, allow_hyphen_values = true, help_heading = SETTINGS)]
     pub(crate) noise: f64,
@@ -36,13 +36,10 @@ pub(crate) struct ViewsArgs {
     #[arg(long, value_name = "X,Y", value_parser = parse_point, default_value = "0,0", help_heading = "Rig",
           allow_hyphen_values = true)]
     pub(crate) camera_offset: Point2<f64>,
-    /// Offset of the principal point of the projector from the middle column of the panel, px.
-    #[arg(long, value_name = "PX", default_value_t = 0.0, help_heading = "Rig", allow_hyphen_values = true)]
-    pub(crate) projector_offset: f64,
     /// Distortion coefficients of the camera; missing ones are zero.
     #[arg(long, value_name = "k1,k2,p1,p2,k3", value_parser = parse_distortion, default_value = "0",
           help_heading = "Rig", allow_hyphen_values = true)]
-    pub(crate) distortion: [f64; 5],
+    pub(crate) distortion: Distortion,
     /// File for the observations; `-` for stdout.
     #[arg(short, long, value_name = "FILE.json", help_heading = OUTPUT)]
     pub(crate) output: PathBuf,

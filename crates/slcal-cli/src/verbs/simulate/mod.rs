@@ -3,11 +3,13 @@
 mod outputs;
 mod scene;
 
+use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
 use slcal_core::format::{write_observations, write_rig};
 use slcal_core::simulate::{
-    Draws, NoiseConfig, NoiseExperiment, NoiseModel, PoseConfig, RigConfig, Scene, SpreadConfig, spread_poses,
+    BendConfig, Draws, NoiseConfig, NoiseExperiment, NoiseModel, PoseConfig, RigConfig, Scene, SpreadConfig,
+    spread_poses,
 };
 
 use crate::args::{NoiseArgs, SimulateVerb, ViewsArgs};
@@ -66,8 +68,7 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
     check_distinct([&output].into_iter().chain(&truth))?;
     let rig = RigConfig {
         camera_offset_px: [args.camera_offset.x, args.camera_offset.y],
-        projector_offset_px: args.projector_offset,
-        distortion: args.distortion,
+        distortion: args.distortion.0,
         ..args.rig.config()
     };
     let poses = if args.pose.is_empty() {
@@ -75,7 +76,7 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
     } else {
         let pose =
             |[x, y, roll]: [f64; 3]| PoseConfig { roll_rad: roll.to_radians(), ..PoseConfig::tilted(x, y) };
-        args.pose.iter().map(|&p| pose(p)).collect()
+        args.pose.iter().map(|p| pose(p.0)).collect()
     };
     let scene = Scene::new(&rig, &poses)?;
     tell_outside(&scene, printer);
@@ -88,7 +89,7 @@ fn views(args: &ViewsArgs, printer: Printer) -> Outcome {
         files.push((place, bytes_of(|out| write_rig(&scene.rig(), out))?));
     }
     write_all(&files)?;
-    printer.summary(&poses_in_words(&poses, &scene), to_stdout)
+    printer.summary(&poses_in_words(&poses, &scene, rig.bend.as_ref()), to_stdout)
 }
 
 /// Corners outside the image are simulated, too; a message says so.
@@ -102,15 +103,19 @@ fn tell_outside(scene: &Scene, printer: Printer) {
     }
 }
 
-fn poses_in_words(poses: &[PoseConfig], scene: &Scene) -> String {
+fn poses_in_words(poses: &[PoseConfig], scene: &Scene, bend: Option<&BendConfig>) -> String {
     let mut layout = TextLayout::new();
-    layout.paragraph(format!(
+    let mut words = format!(
         "{} views of a sheet of {} with {} projected corners, {} px apart",
         poses.len(),
         unbroken(&format!("{} x {} mm", scene.size.width_mm, scene.size.height_mm)),
         scene.pattern.len(),
         scene.square_px
-    ));
+    );
+    if let Some(bend) = bend {
+        let _ = write!(words, "; bent: {}", bend.report(scene.size));
+    }
+    layout.paragraph(words);
     let mut table = Table::new(["", ">tilt, x", ">tilt, y", ">roll"]);
     for (i, p) in poses.iter().enumerate() {
         let angles = [p.tilt_x_rad, p.tilt_y_rad, p.roll_rad].map(|a| format!("{:.1}°", a.to_degrees()));

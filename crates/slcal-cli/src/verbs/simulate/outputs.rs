@@ -59,7 +59,7 @@ pub(super) struct SceneOutputs {
 
 impl SceneOutputs {
     pub(super) fn of(scene: &SimulatedScene) -> Self {
-        Self { scene: scene.photographer.report(&scene.matches), files: NAMES }
+        Self { scene: scene.report.clone(), files: NAMES }
     }
 
     pub(super) fn in_words(&self, folder: &Path) -> String {
@@ -77,6 +77,11 @@ impl SceneOutputs {
         );
         if let Some([near, far]) = scene.depth_mm {
             layout.line("depth", format!("{near:.1} to {far:.1} mm"));
+        }
+        let board = scene.thickness_mm.map(|mm| format!("a board, {mm} mm thick"));
+        let bend = scene.bend.map(|b| format!("bent: {b}"));
+        if board.is_some() || bend.is_some() {
+            layout.line("sheet", [board, bend].into_iter().flatten().collect::<Vec<_>>().join("; "));
         }
         layout.line("matches", format!("{} exact matches in truth_matches.csv", scene.matches));
         layout.line("files", format!("in {}:", unbroken(&sanitized(&folder.display().to_string()))));

@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use slcal_core::Rig;
-use slcal_core::simulate::{PatternKind, RenderConfig, RigConfig, SceneObject, SceneSetup, WallKind};
+use slcal_core::pattern::Pattern;
+use slcal_core::simulate::{PatternKind, RenderConfig, RigConfig, SceneSetup, SurfaceKind, WallKind};
 
 use super::outputs::{NAMES, SceneOutputs, contents};
-use crate::args::{LightArgs, MeshFrameArg, PlaceArgs, SceneArgs};
+use crate::args::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs, WallArg};
 use crate::exit::{Failure, Outcome};
 use crate::io::{
     Destination, check_panel, check_projector, check_spares, load_mesh, load_pattern, load_rig, make_folder,
@@ -18,7 +19,7 @@ pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
     let busy = printer.busy("preparing the scene");
     let stage = setup(args)?.set_up()?;
     let places = places(args)?;
-    let [w, h] = stage.rig.camera.model.size();
+    let [w, h] = [stage.rig.camera.model.width, stage.rig.camera.model.height];
     printer.detail(format!("{w} x {h} pixels ..."));
     busy.say(format!("rendering photographs of {w}x{h} pixels"));
     let scene = stage.photograph()?;
@@ -61,10 +62,13 @@ fn render_config(light: &LightArgs) -> RenderConfig {
     };
     RenderConfig {
         exposure: light.exposure,
-        ambient: light.ambient,
+        ambient: light.ambient.0,
         projector_black: light.projector_black,
         projector_blur_px: light.projector_blur,
-        crosstalk: light.crosstalk,
+        crosstalk: match light.crosstalk {
+            Crosstalk::Neighbours(share) => RenderConfig::neighbour_crosstalk(share),
+            Crosstalk::Matrix(m) => m,
+        },
         blur_px,
         noise_levels,
         seed: light.seed,
@@ -79,19 +83,35 @@ fn setup(args: &SceneArgs) -> Outcome<SceneSetup> {
     render.validate()?;
     let place = &args.place;
     let surface = surface(args)?;
-    if place.wall.is_some() && matches!(surface, SceneObject::Plane | SceneObject::Step) {
+    if place.wall.is_some() && matches!(surface, SurfaceKind::Plane | SurfaceKind::Step) {
         return Err(Failure::usage(
             "--wall: expected a sphere, a sheet or a mesh as surface; a plane hides the wall, and a step has one",
         ));
     }
+    if !matches!(surface, SurfaceKind::Sheet) {
+        for (option, given) in
+            [("--bend", args.of_rig.bend.is_some()), ("--thickness", place.thickness.is_some())]
+        {
+            if given {
+                return Err(Failure::usage(format!(
+                    "{option}: expected --surface sheet; other surfaces have none"
+                )));
+            }
+        }
+    }
     let known_rig = args.rig.as_deref().map(known_rig).transpose()?;
     Ok(SceneSetup {
-        rig: RigConfig { distortion: args.distortion, ..args.of_rig.config() },
+        rig: RigConfig { distortion: args.distortion.0, ..args.of_rig.config() },
         surface,
-        turn_rad: place.tilt.map(|t| t.map(f64::to_radians)),
+        thickness_mm: place.thickness.unwrap_or(0.0),
+        turn_rad: place.tilt.map(|t| t.0.map(f64::to_radians)),
         aside_mm: [place.aside.x, place.aside.y],
-        albedo: place.albedo,
-        wall: place.wall.unwrap_or(WallKind::Usual),
+        albedo: place.albedo.0,
+        wall: match place.wall {
+            None => WallKind::Usual,
+            Some(WallArg(None)) => WallKind::None,
+            Some(WallArg(Some(mm))) => WallKind::Behind(mm),
+        },
         wall_albedo: place.wall_albedo,
         pattern: pattern(args, known_rig.as_ref())?,
         known_rig,
@@ -99,17 +119,17 @@ fn setup(args: &SceneArgs) -> Outcome<SceneSetup> {
     })
 }
 
-fn surface(args: &SceneArgs) -> Outcome<SceneObject> {
+fn surface(args: &SceneArgs) -> Outcome<SurfaceKind> {
     let PlaceArgs { mesh_scale, mesh_frame, radius, .. } = args.place;
     let is_mesh = args
         .surface
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("ply") || e.eq_ignore_ascii_case("obj"));
     match args.surface.to_str() {
-        Some("plane") => Ok(SceneObject::Plane),
-        Some("sphere") => Ok(SceneObject::Sphere { radius_mm: radius }),
-        Some("step") => Ok(SceneObject::Step),
-        Some("sheet") => Ok(SceneObject::Sheet),
+        Some("plane") => Ok(SurfaceKind::Plane),
+        Some("sphere") => Ok(SurfaceKind::Sphere { radius_mm: radius }),
+        Some("step") => Ok(SurfaceKind::Step),
+        Some("sheet") => Ok(SurfaceKind::Sheet),
         _ if is_mesh => {
             if !(mesh_scale.is_finite() && mesh_scale > 0.0) {
                 return Err(Failure::usage(format!(
@@ -118,9 +138,9 @@ fn surface(args: &SceneArgs) -> Outcome<SceneObject> {
             }
             let mesh = load_mesh(&args.surface, mesh_scale)?;
             Ok(if mesh_frame == MeshFrameArg::Camera {
-                SceneObject::MeshInCamera(mesh)
+                SurfaceKind::MeshInCamera(mesh)
             } else {
-                SceneObject::Mesh(mesh)
+                SurfaceKind::Mesh(mesh)
             })
         }
         _ => Err(Failure::usage(format!(
@@ -146,7 +166,10 @@ fn pattern(args: &SceneArgs, known_rig: Option<&Rig>) -> Outcome<PatternKind> {
         (Some(path), _) => path,
     };
     let pattern = load_pattern(path)?;
-    let panel = pattern.projector();
+    let panel = match &pattern {
+        Pattern::Checker(p) => p.projector,
+        Pattern::Stripes(p) => p.projector,
+    };
     let projector = args.of_rig.projector;
     match (known_rig, &args.rig) {
         (Some(rig), Some(file)) => check_panel(path, panel, file, rig)?,

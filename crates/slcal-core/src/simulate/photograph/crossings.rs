@@ -47,8 +47,7 @@ impl Photographer {
                     let at = |t: f64| place(line, i as f64 - 1.0 + t);
                     let Some(t) = crossing(&self.tracer, (a, b), k, centre, at) else { continue };
                     let (column, row) = if k == 0 { (Some(centre), None) } else { (None, Some(centre)) };
-                    let slit = u16::try_from(slit).ok();
-                    items.push(Match { slit, sigma_px: SIGMA_PX, ..Match::at(at(t), column, row) });
+                    items.push(exact(at(t), column, row, u16::try_from(slit).ok()));
                 }
             }
         }
@@ -58,8 +57,7 @@ impl Photographer {
     /// The visible inner corners of a checkerboard, in the pattern's order, with projector column and row.
     #[must_use]
     pub fn corner_matches(&self, pattern: &CheckerPattern) -> Matches {
-        let exact = |m: Match| Match { sigma_px: SIGMA_PX, ..m };
-        let seen = |q: Point2<f64>| Some(exact(Match::at(self.corner(q)?, Some(q.x), Some(q.y))));
+        let seen = |q: Point2<f64>| Some(exact(self.corner(q)?, Some(q.x), Some(q.y), None));
         Matches { items: pattern.inner_corners().into_iter().filter_map(seen).collect() }
     }
 
@@ -70,7 +68,11 @@ impl Photographer {
         let beam = Ray { origin: tracer.lamp, direction: out };
         let (surface, distance, _) = tracer.nearest(&beam)?;
         let point = beam.origin + beam.direction * distance;
-        let p = tracer.camera.project(&point).filter(|p| tracer.camera.holds(*p))?;
+        let p = tracer.camera.project(&point)?;
+        let inside = |v: f64, n: u32| v >= -0.5 && v <= f64::from(n) - 0.5;
+        if !(inside(p.x, tracer.camera.width) && inside(p.y, tracer.camera.height)) {
+            return None;
+        }
         let hit = tracer.trace(p)?;
         let nearer = (hit.point - Point3::origin()).norm() < (1.0 - HIDDEN) * point.coords.norm();
         (hit.surface == surface && hit.panel.is_some() && !nearer).then_some(p)
@@ -134,4 +136,21 @@ fn crossing(
         }
     }
     (best.1.abs() <= JUMP_PX).then_some(best.0)
+}
+
+fn exact(
+    camera: Point2<f64>,
+    projector_column: Option<f64>,
+    projector_row: Option<f64>,
+    slit: Option<u16>,
+) -> Match {
+    Match {
+        camera,
+        projector_column,
+        projector_row,
+        slit,
+        confidence: 1.0,
+        sigma_px: SIGMA_PX,
+        color: [255; 3],
+    }
 }

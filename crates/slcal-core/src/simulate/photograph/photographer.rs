@@ -114,7 +114,7 @@ impl Photographer {
     }
 
     fn panel(&self, shown: ProjectedImage<'_>) -> Result<Panel> {
-        let size @ [w, h] = self.tracer.projector.size();
+        let size @ [w, h] = [self.tracer.projector.width, self.tracer.projector.height];
         let RenderConfig { projector_blur_px: blur, projector_black: black, .. } = self.config;
         let plain = |c| RgbImage::from_pixel(w, h, image::Rgb([c; 3]));
         match shown {

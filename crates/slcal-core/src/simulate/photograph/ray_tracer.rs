@@ -74,7 +74,11 @@ impl RayTracer {
     /// The panel position whose light reaches a point; `None` outside the panel.
     pub(super) fn panel(&self, point: &Point3<f64>) -> Option<Point2<f64>> {
         let local = self.projector_from_camera.transform(point);
-        let q = self.projector.project(&local).filter(|q| self.projector.holds(*q))?;
+        let q = self.projector.project(&local)?;
+        let inside = |v: f64, n: u32| v >= -0.5 && v <= f64::from(n) - 0.5;
+        if !(inside(q.x, self.projector.width) && inside(q.y, self.projector.height)) {
+            return None;
+        }
         if !self.projector.distortion.is_none() {
             let back = self.projector.undistort(q)?;
             let ideal = Vector2::new(local.x / local.z, local.y / local.z);

@@ -4,11 +4,12 @@ use serde::Serialize;
 
 use super::{Photographer, RenderConfig};
 use crate::matches::Matches;
+use crate::simulate::bend::BendReport;
 
 /// Counts and configuration of a simulated photograph.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SceneReport {
-    schema: &'static str,
+    pub(super) schema: &'static str,
     /// Width and height, px.
     pub camera: [u32; 2],
     /// Surfaces in front of the rig, including the wall.
@@ -23,6 +24,12 @@ pub struct SceneReport {
     pub matches: usize,
     /// Light, lens and sensor.
     pub render: RenderConfig,
+    /// The bend of the sheet, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bend: Option<BendReport>,
+    /// The thickness of the sheet, mm, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness_mm: Option<f64>,
 }
 
 impl Photographer {
@@ -41,6 +48,8 @@ impl Photographer {
             depth_mm: (depth[0] <= depth[1]).then_some(depth),
             matches: matches.items.len(),
             render: self.config().clone(),
+            bend: None,
+            thickness_mm: None,
         }
     }
 }

@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::mesh::TriangleMesh;
+use super::sheet_object::SheetObject;
 use super::surface::{Shape, Surface};
 use crate::error::{Error, Result};
 use crate::geometry::{Plane, Pose, RectangleSize};
@@ -11,29 +12,20 @@ use crate::geometry::{Plane, Pose, RectangleSize};
 const BLOCKS: [([f64; 2], [f64; 3]); 2] =
     [([-0.13, 0.02], [0.16, 0.22, 0.06]), ([0.11, -0.03], [0.13, 0.17, 0.12])];
 
-/// Radius of the sphere, in distances.
-const RADIUS: f64 = 0.18;
-
-/// The radius that a sphere at this distance has, mm.
-pub(super) fn sphere_radius_mm(given: Option<f64>, distance_mm: f64) -> f64 {
-    given.unwrap_or(RADIUS * distance_mm)
-}
-
 /// The object in front of the rig.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum SceneObject {
     /// An endless plane.
-    #[default]
     Plane,
     /// A sphere.
     Sphere {
-        /// Its radius, mm; default 0.18 of the distance.
-        radius_mm: Option<f64>,
+        /// Its radius, mm.
+        radius_mm: f64,
     },
     /// A wall with two blocks in front of it that cast shadows.
     Step,
-    /// A sheet.
-    Sheet,
+    /// A sheet, flat or bent, or a board.
+    Sheet(SheetObject),
     /// A mesh in its own frame, mm, with y up and z towards the viewer, placed by the middle of its box.
     Mesh(TriangleMesh),
     /// A mesh in the camera's frame, where it stays; only its wall is placed.
@@ -75,12 +67,12 @@ impl Placement {
 }
 
 impl SceneObject {
-    /// The surfaces: the object's own first, the wall last. `sheet` is the size of a sheet.
+    /// The surfaces: the object's own first, the wall last.
     ///
     /// # Errors
     /// [`Error::Invalid`] for places and sizes that are not finite, albedos outside 0–1, a sheet or plane that is
     /// turned away, and a sphere that contains the camera.
-    pub fn surfaces(&self, placement: &Placement, sheet: RectangleSize) -> Result<Vec<Surface>> {
+    pub fn surfaces(&self, placement: &Placement) -> Result<Vec<Surface>> {
         let finite = placement.middle_mm.iter().chain(&placement.turn_rad).all(|x| x.is_finite());
         if !finite || placement.wall_mm.is_some_and(|w| !w.is_finite()) {
             return Err(Error::invalid(
@@ -94,14 +86,13 @@ impl SceneObject {
         let mut surfaces = match self {
             Self::Plane => vec![object(Shape::Plane(behind(&pose, 0.0)?))],
             Self::Sphere { radius_mm } => {
-                let (distance, radius_mm) =
-                    (pose.translation.norm(), sphere_radius_mm(*radius_mm, placement.middle_mm[2]));
-                if radius_mm >= distance {
+                let distance = pose.translation.norm();
+                if *radius_mm >= distance {
                     let expected =
                         format!("less than the {distance:.1} mm to its middle, so that its outside is seen");
                     return Err(Error::invalid("radius of the sphere", expected, format!("{radius_mm} mm")));
                 }
-                vec![object(Shape::Sphere { centre: pose.translation.into(), radius_mm })]
+                vec![object(Shape::Sphere { centre: pose.translation.into(), radius_mm: *radius_mm })]
             }
             Self::Step => {
                 let mut all: Vec<Surface> =
@@ -109,9 +100,9 @@ impl SceneObject {
                 all.push(Surface::around(Shape::Plane(behind(&pose, 0.0)?), placement.wall_albedo));
                 all
             }
-            Self::Sheet => {
-                let camera_from_rectangle = placement.camera_from_sheet(sheet);
-                vec![object(Shape::Rectangle { camera_from_rectangle, size: sheet })]
+            Self::Sheet(sheet) => {
+                let shapes = sheet.shapes(&placement.camera_from_sheet(sheet.size))?;
+                shapes.into_iter().map(object).collect()
             }
             Self::Mesh(mesh) => vec![object(Shape::Mesh(stood(mesh, &pose)?))],
             Self::MeshInCamera(mesh) => vec![object(Shape::Mesh(mesh.clone()))],

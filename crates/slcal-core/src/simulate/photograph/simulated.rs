@@ -3,6 +3,7 @@
 use image::{DynamicImage, RgbImage};
 
 use super::photographer::Photographer;
+use super::report_json::SceneReport;
 use super::truth::PixelTruth;
 use crate::cloud::{CloudPoint, PointCloud};
 use crate::matches::Matches;
@@ -27,6 +28,8 @@ pub struct SimulatedScene {
     pub matches: Matches,
     /// The renderer of the photographs, which can trace any pixel.
     pub photographer: Photographer,
+    /// The contents as numbers.
+    pub report: SceneReport,
 }
 
 impl SimulatedScene {
@@ -38,8 +41,15 @@ impl SimulatedScene {
             let seen = self.photographer.trace(m.camera)?;
             let [x, y] = [(m.camera.x, white.width()), (m.camera.y, white.height())]
                 .map(|(v, n)| v.round().clamp(0.0, f64::from(n - 1)) as u32);
-            let color = white.get_pixel(x, y).0;
-            Some(CloudPoint { pixel: m.camera, color, slit: m.slit, ..CloudPoint::at(seen.point) })
+            Some(CloudPoint {
+                position: seen.point,
+                pixel: m.camera,
+                color: white.get_pixel(x, y).0,
+                sigma_mm: 0.0,
+                noise_mm: 0.0,
+                slit: m.slit,
+                confidence: 1.0,
+            })
         });
         PointCloud { points: points.collect(), ..PointCloud::default() }
     }

@@ -6,6 +6,7 @@ use super::hit::Hit;
 use super::mesh::TriangleMesh;
 use crate::error::{Error, Result};
 use crate::geometry::{Plane, Pose, Ray, RectangleSize};
+use crate::simulate::bent_sheet::BentSheet;
 
 /// The shape of a surface, in the camera's frame, mm. All are visible and lit from both sides, and cast shadows.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +26,13 @@ pub enum Shape {
         camera_from_rectangle: Pose,
         /// Its sides.
         size: RectangleSize,
+    },
+    /// A bent sheet with the top left corner of the flat one at its own origin.
+    BentSheet {
+        /// The pose of the flat sheet.
+        camera_from_sheet: Pose,
+        /// Its shape.
+        sheet: BentSheet,
     },
     /// A block, its centre at its own origin.
     Block {
@@ -82,6 +90,7 @@ impl Surface {
             Shape::Rectangle { camera_from_rectangle: pose, size } => {
                 (vec![size.width_mm, size.height_mm], finite(&pose.translation))
             }
+            Shape::BentSheet { camera_from_sheet: pose, .. } => (Vec::new(), finite(&pose.translation)),
             Shape::Block { camera_from_block: pose, size_mm } => {
                 (size_mm.to_vec(), finite(&pose.translation))
             }
@@ -121,6 +130,11 @@ impl Surface {
                     && (0.0..=size.width_mm).contains(&p.x)
                     && (0.0..=size.height_mm).contains(&p.y);
                 hit.then(|| Hit { distance, normal: camera_from_rectangle.rotation * Vector3::z() })
+            }
+            Shape::BentSheet { camera_from_sheet, sheet } => {
+                let hit = sheet.meet(&local(ray, camera_from_sheet), [after, before])?;
+                let normal = camera_from_sheet.rotation * hit.normal;
+                Some(Hit { distance: hit.distance, normal })
             }
             Shape::Block { camera_from_block, size_mm } => {
                 let (distance, axis) =

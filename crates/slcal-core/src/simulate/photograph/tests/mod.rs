@@ -5,6 +5,7 @@ mod light;
 mod meshes;
 mod scene_objects;
 mod setups;
+mod sheets;
 
 use nalgebra::{Point3, Rotation3, Vector3};
 

@@ -4,7 +4,9 @@ use nalgebra::{Point3, Vector3};
 
 use super::{exact, rig};
 use crate::geometry::RectangleSize;
-use crate::simulate::{Photographer, Placement, PoseConfig, RigConfig, SceneObject, Shape, TriangleMesh};
+use crate::simulate::{
+    Photographer, Placement, PoseConfig, RigConfig, SceneObject, Shape, SheetObject, TriangleMesh,
+};
 
 fn placement() -> Placement {
     Placement {
@@ -15,8 +17,6 @@ fn placement() -> Placement {
         wall_albedo: 0.4,
     }
 }
-
-const SHEET: RectangleSize = RectangleSize { width_mm: 400.0, height_mm: 300.0 };
 
 #[test]
 fn a_sheet_has_the_pose_of_the_observations() {
@@ -41,14 +41,15 @@ fn every_object_is_visible_in_the_middle() {
         vec![[0, 1, 3], [0, 3, 2], [0, 2, 1]],
     )
     .unwrap();
+    let sheet = RectangleSize { width_mm: 400.0, height_mm: 300.0 };
     for object in [
         SceneObject::Plane,
-        SceneObject::Sphere { radius_mm: Some(150.0) },
-        SceneObject::Sheet,
+        SceneObject::Sphere { radius_mm: 150.0 },
+        SceneObject::Sheet(SheetObject::new(sheet, None, 0.0).unwrap()),
         SceneObject::Mesh(pyramid),
     ] {
         let flat = Placement { turn_rad: [0.1, 0.0, 0.0], wall_mm: Some(400.0), ..placement() };
-        let surfaces = object.surfaces(&flat, SHEET).unwrap();
+        let surfaces = object.surfaces(&flat).unwrap();
         assert!(surfaces[0].is_object && !surfaces[surfaces.len() - 1].is_object);
         let seen = Photographer::new(&rig, &surfaces, &exact()).unwrap();
         let middle = seen.truth().at(47, 35).unwrap();
@@ -66,7 +67,7 @@ fn a_mesh_stands_upright_and_shows_its_front() {
     )
     .unwrap();
     let straight = Placement { turn_rad: [0.0; 3], ..placement() };
-    let surfaces = SceneObject::Mesh(mesh).surfaces(&straight, SHEET).unwrap();
+    let surfaces = SceneObject::Mesh(mesh).surfaces(&straight).unwrap();
     let Shape::Mesh(stood) = &surfaces[0].shape else { panic!("another shape") };
     let [least, most] = stood.bounds();
     assert!((least - Point3::new(-50.0, -50.0, 980.0)).norm() < 1e-9 && (most.y - 50.0).abs() < 1e-9);
@@ -76,7 +77,7 @@ fn a_mesh_stands_upright_and_shows_its_front() {
 
 #[test]
 fn steps_stand_on_their_wall() {
-    let surfaces = SceneObject::Step.surfaces(&placement(), SHEET).unwrap();
+    let surfaces = SceneObject::Step.surfaces(&placement()).unwrap();
     assert_eq!(surfaces.iter().filter(|s| s.is_object).count(), 2);
     let Shape::Plane(wall) = surfaces[2].shape else { panic!("no wall") };
     for block in &surfaces[..2] {
@@ -84,12 +85,8 @@ fn steps_stand_on_their_wall() {
         let back = camera_from_block.transform(&Point3::from(Vector3::new(0.0, 0.0, size_mm[2] / 2.0)));
         assert!(wall.signed_distance_mm(&back).abs() < 1e-9);
     }
+    assert!(SceneObject::Plane.surfaces(&Placement { turn_rad: [2.0, 0.0, 0.0], ..placement() }).is_err());
     assert!(
-        SceneObject::Plane.surfaces(&Placement { turn_rad: [2.0, 0.0, 0.0], ..placement() }, SHEET).is_err()
-    );
-    assert!(
-        SceneObject::Step
-            .surfaces(&Placement { middle_mm: [0.0, 0.0, f64::NAN], ..placement() }, SHEET)
-            .is_err()
+        SceneObject::Step.surfaces(&Placement { middle_mm: [0.0, 0.0, f64::NAN], ..placement() }).is_err()
     );
 }

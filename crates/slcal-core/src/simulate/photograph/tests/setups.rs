@@ -4,16 +4,16 @@ use nalgebra::Point3;
 
 use crate::Projector;
 use crate::pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
-use crate::simulate::{PatternKind, RenderConfig, RigConfig, SceneObject, SceneSetup, WallKind};
+use crate::simulate::{PatternKind, RenderConfig, RigConfig, SceneSetup, SurfaceKind, WallKind};
 
-fn small(surface: SceneObject) -> SceneSetup {
+fn small(surface: SurfaceKind) -> SceneSetup {
     let rig = RigConfig { camera: [160, 120], camera_focal_px: 190.0, ..RigConfig::default() };
     SceneSetup { rig, surface, render: RenderConfig::exact(), ..SceneSetup::default() }
 }
 
 #[test]
 fn a_sphere_stands_before_its_wall() {
-    let scene = small(SceneObject::Sphere { radius_mm: None }).photograph().unwrap();
+    let scene = small(SurfaceKind::Sphere { radius_mm: None }).photograph().unwrap();
     let Pattern::Stripes(_) = &scene.pattern else { panic!("{:?}", scene.pattern) };
     let (width, middle) = (160, 60 * 160 + 80);
     assert_eq!(scene.depths().len(), width * 120);
@@ -38,7 +38,7 @@ fn a_sphere_stands_before_its_wall() {
 
 #[test]
 fn a_sheet_is_a_view_of_its_rig_and_holds_the_whole_checkerboard() {
-    let scene = small(SceneObject::Sheet).set_up().unwrap();
+    let scene = small(SurfaceKind::Sheet).set_up().unwrap();
     let Pattern::Checker(checker) = &scene.pattern else { panic!("{:?}", scene.pattern) };
     assert_eq!((scene.rig.views.len(), scene.picture.width()), (1, 1024));
     let tilt = scene.rig.tilt_rad(0).unwrap();
@@ -54,7 +54,7 @@ fn a_sheet_is_a_view_of_its_rig_and_holds_the_whole_checkerboard() {
         let at = from - ray * (from.z / ray.z);
         assert!((0.0..594.0).contains(&at.x) && (0.0..420.0).contains(&at.y), "{at}");
     }
-    let striped = SceneSetup { pattern: PatternKind::Stripes, ..small(SceneObject::Sheet) }.set_up().unwrap();
+    let striped = SceneSetup { pattern: PatternKind::Stripes, ..small(SurfaceKind::Sheet) }.set_up().unwrap();
     assert!(matches!(striped.pattern, Pattern::Stripes(_)));
     assert_eq!(striped.rig.views.len(), 1);
 }
@@ -62,16 +62,16 @@ fn a_sheet_is_a_view_of_its_rig_and_holds_the_whole_checkerboard() {
 #[test]
 fn given_rigs_and_patterns_must_go_together() {
     let stripes = |w, h| Pattern::Stripes(StripePattern::new([w, h], &StripeConfig::default()).unwrap());
-    let with = |pattern| SceneSetup { pattern: PatternKind::Known(pattern), ..small(SceneObject::Plane) };
+    let with = |pattern| SceneSetup { pattern: PatternKind::Known(pattern), ..small(SurfaceKind::Plane) };
     assert_eq!(with(stripes(1024, 768)).set_up().unwrap().pattern, stripes(1024, 768));
     let error = with(stripes(800, 600)).set_up().unwrap_err().to_string();
     assert!(error.contains("1024x768") && error.contains("800x600"), "{error}");
 
-    let rig = small(SceneObject::Sheet).set_up().unwrap().rig;
+    let rig = small(SurfaceKind::Sheet).set_up().unwrap().rig;
     let known = SceneSetup {
         known_rig: Some(rig.clone()),
         pattern: PatternKind::Checker,
-        ..small(SceneObject::Step)
+        ..small(SurfaceKind::Step)
     };
     let scene = known.set_up().unwrap();
     let default = CheckerPattern::new([1024, 768], &CheckerConfig::default()).unwrap();
@@ -83,22 +83,22 @@ fn given_rigs_and_patterns_must_go_together() {
 #[test]
 fn walls_are_optional_and_invalid_values_are_refused() {
     let surfaces = |surface, wall| SceneSetup { wall, ..small(surface) }.set_up().map(|s| s.surfaces.len());
-    let sphere = || SceneObject::Sphere { radius_mm: Some(100.0) };
+    let sphere = || SurfaceKind::Sphere { radius_mm: Some(100.0) };
     assert_eq!(surfaces(sphere(), WallKind::None), Ok(1));
     assert_eq!(surfaces(sphere(), WallKind::Behind(150.0)), Ok(2));
-    assert_eq!(surfaces(SceneObject::Sheet, WallKind::Usual), Ok(1));
-    assert_eq!(surfaces(SceneObject::Plane, WallKind::None), Ok(1));
+    assert_eq!(surfaces(SurfaceKind::Sheet, WallKind::Usual), Ok(1));
+    assert_eq!(surfaces(SurfaceKind::Plane, WallKind::None), Ok(1));
     for (surface, wall) in [
-        (SceneObject::Plane, WallKind::Behind(20.0)),
-        (SceneObject::Step, WallKind::Behind(20.0)),
+        (SurfaceKind::Plane, WallKind::Behind(20.0)),
+        (SurfaceKind::Step, WallKind::Behind(20.0)),
         (sphere(), WallKind::Behind(f64::NAN)),
-        (SceneObject::Sphere { radius_mm: Some(f64::NAN) }, WallKind::Usual),
-        (SceneObject::Sphere { radius_mm: Some(5000.0) }, WallKind::Usual),
+        (SurfaceKind::Sphere { radius_mm: Some(f64::NAN) }, WallKind::Usual),
+        (SurfaceKind::Sphere { radius_mm: Some(5000.0) }, WallKind::Usual),
     ] {
         assert!(surfaces(surface.clone(), wall).is_err(), "{surface:?} {wall:?}");
     }
-    let turned = SceneSetup { turn_rad: Some([1.8, 0.0, 0.0]), ..small(SceneObject::Plane) };
+    let turned = SceneSetup { turn_rad: Some([1.8, 0.0, 0.0]), ..small(SurfaceKind::Plane) };
     assert!(turned.set_up().is_err());
-    let flat = SceneSetup { aside_mm: [f64::NAN, 0.0], ..small(SceneObject::Plane) };
+    let flat = SceneSetup { aside_mm: [f64::NAN, 0.0], ..small(SurfaceKind::Plane) };
     assert!(flat.set_up().is_err());
 }
