@@ -22,7 +22,7 @@ use crate::error::{Error, ErrorSubject, Result};
 use crate::format::tree::Expecting;
 use crate::format::{read_rig, write_rig};
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose};
-use crate::rig::Rig;
+use crate::rig::{Device, Rig};
 
 const FILE: Expecting = expecting(ErrorSubject::BlenderScript);
 const MM_PER_METRE: f64 = 1000.0;
@@ -68,10 +68,10 @@ const BODY: &str = include_str!("blender_scene.py");
 
 pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>> {
     let mut script = HEAD.to_owned();
-    let camera = device("camera", &rig.camera.model, &Pose::identity(), losses)?;
+    let camera = device("camera", &rig.camera, &Pose::identity(), losses)?;
     let _ = writeln!(script, "CAMERA = {camera}");
     let projector = match &rig.projector {
-        Some(p) => device("projector", &p.device.model, &p.from_camera.pose.inverse(), losses)?,
+        Some(p) => device("projector", &p.device, &p.from_camera.pose.inverse(), losses)?,
         None => "None".to_owned(),
     };
     let _ = writeln!(script, "PROJECTOR = {projector}");
@@ -137,9 +137,10 @@ fn ratio_in_single(ratio: f64, least: f64) -> (f64, f64) {
 }
 
 /// A device as a dict of Python.
-fn device(name: &str, model: &Camera, camera_from_device: &Pose, losses: &mut Losses) -> Result<String> {
+fn device(name: &str, device: &Device, camera_from_device: &Pose, losses: &mut Losses) -> Result<String> {
+    let model = &device.model;
     let intrinsics = Intrinsics { skew: 0.0, ..model.intrinsics };
-    losses.lens(name, model, &Camera { intrinsics, distortion: Distortion::NONE, ..*model })?;
+    losses.lens(name, device, &Camera { intrinsics, distortion: Distortion::NONE, ..*model })?;
     let Intrinsics { fx, fy, cx, cy, .. } = intrinsics;
     let (w, h) = (f64::from(model.width), f64::from(model.height));
     let shortest_mm = SENSOR_MM * (SHORTEST_LENS_MM * w / (fx * SENSOR_MM)).max(1.0);

@@ -29,7 +29,7 @@ const SHEETS: &str = "# The sheet's corners TL TR BR BL, four points per view.";
 
 pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>> {
     let mut cameras = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n".to_owned();
-    camera_line(&mut cameras, 1, "camera", &rig.camera.model, losses)?;
+    camera_line(&mut cameras, 1, "camera", &rig.camera, losses)?;
     let mut images = "# The world is the camera's frame, mm; the centre of the first pixel is (0.5, 0.5).\n# IMAGE_ID, QW, QX, QY, QZ, \
                       TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)\n"
         .to_owned();
@@ -40,7 +40,7 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
         .map(|(i, p)| format!("{} {} {}", number(p.x + HALF_PIXEL), number(p.y + HALF_PIXEL), i + 1));
     let _ = writeln!(images, "{}", seen.collect::<Vec<_>>().join(" "));
     if let Some(projector) = &rig.projector {
-        camera_line(&mut cameras, 2, "projector", &projector.device.model, losses)?;
+        camera_line(&mut cameras, 2, "projector", &projector.device, losses)?;
         image_line(&mut images, 2, "projector.png", &projector.from_camera.pose);
         images.push('\n');
     }
@@ -49,9 +49,10 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
     Ok(vec![file("cameras.txt", cameras), file("images.txt", images), file("points3D.txt", points(rig))])
 }
 
-fn camera_line(text: &mut String, id: u32, name: &str, model: &Camera, losses: &mut Losses) -> Result<()> {
+fn camera_line(text: &mut String, id: u32, name: &str, device: &Device, losses: &mut Losses) -> Result<()> {
+    let model = &device.model;
     let intrinsics = Intrinsics { skew: 0.0, ..model.intrinsics };
-    losses.lens(name, model, &Camera { intrinsics, ..*model })?;
+    losses.lens(name, device, &Camera { intrinsics, ..*model })?;
     let Intrinsics { fx, fy, cx, cy, .. } = intrinsics;
     let [k1, k2, p1, p2, k3] = model.distortion.to_array();
     let (kind, lens) = match model.distortion {
@@ -297,6 +298,7 @@ fn view(corners: &[Point3<f64>], seen: &[Point2<f64>], rig: &Rig) -> Result<View
         photo: None,
         size,
         camera_from_sheet: pose,
+        bend: None,
         projector_from_sheet,
         camera_vanishing_points: rig.camera.model.vanishing_points(&pose),
         projector_vanishing_points: rig

@@ -23,9 +23,9 @@ const MM_PER_METRE: f64 = 1000.0;
 pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>> {
     let mut text = "# Metres, pixel centres at integers; cam0 is the camera".to_owned();
     text.push_str(if rig.projector.is_some() { ", cam1 the projector.\n" } else { ".\n" });
-    chained(&mut text, 0, "camera", &rig.camera.model, losses)?;
+    chained(&mut text, 0, "camera", &rig.camera, losses)?;
     if let Some(projector) = &rig.projector {
-        chained(&mut text, 1, "projector", &projector.device.model, losses)?;
+        chained(&mut text, 1, "projector", &projector.device, losses)?;
         text.push_str("  T_cn_cnm1:\n");
         let Pose { rotation: r, translation: t } = &projector.from_camera.pose;
         for i in 0..3 {
@@ -38,10 +38,11 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
     Ok(vec![ExportedFile { name: "camchain.yaml", bytes: text.into_bytes() }])
 }
 
-fn chained(text: &mut String, i: usize, name: &str, model: &Camera, losses: &mut Losses) -> Result<()> {
+fn chained(text: &mut String, i: usize, name: &str, device: &Device, losses: &mut Losses) -> Result<()> {
+    let model = &device.model;
     let intrinsics = Intrinsics { skew: 0.0, ..model.intrinsics };
     let held = Camera { intrinsics, distortion: Distortion { k3: 0.0, ..model.distortion }, ..*model };
-    losses.lens(name, model, &held)?;
+    losses.lens(name, device, &held)?;
     let [k1, k2, p1, p2, _] = model.distortion.to_array();
     let Intrinsics { fx, fy, cx, cy, .. } = intrinsics;
     let _ = write!(

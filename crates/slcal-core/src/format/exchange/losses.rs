@@ -4,11 +4,13 @@ use nalgebra::Point2;
 
 use super::files::ExchangeFormat;
 use crate::error::{Error, ErrorSubject, Result};
-use crate::geometry::Camera;
-use crate::rig::Rig;
+use crate::geometry::{Camera, Distortion};
+use crate::rig::{Device, Rig};
 
 /// Differences below this are negligible, px.
 const NEGLIGIBLE_PX: f64 = 1e-7;
+/// What moves no pixel by more than this, or by more than its own 1σ, is left out without asking, px.
+const UNIMPORTANT_PX: f64 = 0.05;
 /// Points along each side of the image on which lenses are compared.
 const GRID: u32 = 33;
 
@@ -52,8 +54,10 @@ impl Losses {
         }
     }
 
-    /// Refuses to write `held` for the device `full`, unless a lossy export is requested or the difference is negligible.
-    pub(super) fn lens(&mut self, name: &str, full: &Camera, held: &Camera) -> Result<()> {
+    /// Refuses to write `held` for a device, unless a lossy export is requested or what is left out is within the larger of
+    /// [`UNIMPORTANT_PX`] and its own 1σ.
+    pub(super) fn lens(&mut self, name: &str, device: &Device, held: &Camera) -> Result<()> {
+        let full = &device.model;
         if full == held {
             return Ok(());
         }
@@ -67,6 +71,17 @@ impl Losses {
         } else {
             "nobody can say how far pixels move".to_owned()
         };
+        let own = own_sigma_px(device, held);
+        if off_px <= own.max(UNIMPORTANT_PX) {
+            let why = if off_px <= UNIMPORTANT_PX {
+                String::new()
+            } else {
+                format!(", within 1σ of it ({} px)", shown(own))
+            };
+            self.notes
+                .push(format!("{}: the {name} is written without {terms}: {size}{why}", self.format.name()));
+            return Ok(());
+        }
         if !self.lossy {
             return Err(Error::invalid(
                 if name == "camera" { ErrorSubject::CameraLens } else { ErrorSubject::ProjectorLens },
@@ -98,6 +113,19 @@ fn terms(full: &Camera, held: &Camera) -> String {
     lens.chain(skew).collect::<Vec<_>>().join(", ")
 }
 
+/// How far the 1σ of those coefficients of a lens that `held` does not have move pixels, px.
+fn own_sigma_px(device: &Device, held: &Camera) -> f64 {
+    let (Some(sigma), lens) = (device.sigma, device.model.distortion.to_array()) else { return 0.0 };
+    let left_out = held.distortion.to_array().into_iter().zip(lens).map(|(a, b)| a != b);
+    let moved = left_out.zip(sigma.distortion).enumerate().filter(|(_, (out, _))| *out).map(|(k, (_, s))| {
+        let mut other = lens;
+        other[k] += s;
+        let other = Camera { distortion: Distortion::from_array(other), ..device.model };
+        farthest_px(&device.model, &other)
+    });
+    moved.map(|px| px * px).sum::<f64>().sqrt()
+}
+
 /// Largest distance over the image between the projections by two models of one device, px.
 fn farthest_px(full: &Camera, held: &Camera) -> f64 {
     let along = |i: u32, side: u32| f64::from(i) / f64::from(GRID - 1) * f64::from(side) - 0.5;
@@ -114,7 +142,8 @@ fn farthest_px(full: &Camera, held: &Camera) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Distortion, Intrinsics};
+    use crate::geometry::Intrinsics;
+    use crate::rig::DeviceSigma;
 
     fn camera(distortion: Distortion, skew: f64) -> Camera {
         let intrinsics = Intrinsics { fx: 1000.0, fy: 1000.0, skew, cx: 319.5, cy: 239.5 };
@@ -141,14 +170,35 @@ mod tests {
         let full = camera(Distortion { k3: 0.5, ..Distortion::NONE }, 0.0);
         let held = camera(Distortion::NONE, 0.0);
         let mut strict = Losses::new(ExchangeFormat::Kalibr, false);
-        let message = strict.lens("camera", &full, &held).unwrap_err().to_string();
+        let message = strict.lens("camera", &full.into(), &held).unwrap_err().to_string();
         for word in ["camera", "kalibr", "k3 = 0.5", "px", "opencv"] {
             assert!(message.contains(word), "no {word} in {message}");
         }
         let mut lossy = Losses::new(ExchangeFormat::Kalibr, true);
-        lossy.lens("camera", &full, &held).unwrap();
+        lossy.lens("camera", &full.into(), &held).unwrap();
         assert!(lossy.notes[0].contains("k3 = 0.5") && lossy.notes[0].contains("px"), "{:?}", lossy.notes);
         let tiny = camera(Distortion { k3: 1e-12, ..Distortion::NONE }, 0.0);
-        assert!(strict.lens("camera", &tiny, &held).is_ok() && strict.notes.is_empty());
+        assert!(strict.lens("camera", &tiny.into(), &held).is_ok() && strict.notes.is_empty());
+    }
+
+    #[test]
+    fn what_its_own_sigma_exceeds_is_left_out_and_told() {
+        // 400 px from the centre k1 moves by 64 px times itself.
+        let (small, held) =
+            (camera(Distortion { k1: 5e-4, ..Distortion::NONE }, 0.0), camera(Distortion::NONE, 0.0));
+        let mut losses = Losses::new(ExchangeFormat::Kalibr, false);
+        losses.lens("camera", &small.into(), &held).unwrap();
+        assert!(
+            losses.notes[0].contains("k1 = 0.0005") && !losses.notes[0].contains("σ"),
+            "{:?}",
+            losses.notes
+        );
+        let larger = camera(Distortion { k1: 5e-3, ..Distortion::NONE }, 0.0);
+        assert!(losses.lens("camera", &larger.into(), &held).is_err());
+        let sigma = |k1: f64| DeviceSigma { distortion: [k1, 0.0, 0.0, 0.0, 0.0], ..DeviceSigma::default() };
+        let known = |k1: f64| Device { model: larger, sigma: Some(sigma(k1)) };
+        losses.lens("camera", &known(6e-3), &held).unwrap();
+        assert!(losses.notes[1].contains("within 1σ"), "{:?}", losses.notes);
+        assert!(losses.lens("camera", &known(4e-3), &held).is_err());
     }
 }

@@ -10,11 +10,13 @@
 //! | `camera_size`, `projector_size` | (2,) | width, height, px |
 //! | `R`, `t` | (3, 3), (3, 1) | X_projector = R X_camera + t, mm |
 //! | `camera_sigma`, `projector_sigma` | (8,) | 1σ of focal length, cx, cy, k1, k2, p1, p2, k3 |
+//! | `camera_aspect_sigma`, `projector_aspect_sigma` | () | 1σ of fy/fx |
 //! | `sigma_t_mm`, `sigma_r_rad` | (3,) | 1σ |
 //! | `view_photo`, `view_size_mm` | (V,), (V, 2) | |
 //! | `camera_from_sheet_R`, `_t` | (V, 3, 3), (V, 3) | and `projector_from_sheet` |
 //! | `camera_vanishing_points` | (V, 2, 3) | homogeneous; and `projector_vanishing_points` |
 //! | `corners_px`, `rms_px` | (V, 4, 2), (V, 3) | rms of edges, corners and projector |
+//! | `view_bend` | (V, 3, 12) | mm: the coefficients of the sheet's bend, their 1σ, and that expected beforehand |
 //! | `verdict`, `verdict_cause`, `verdict_advice` | () | |
 //! | `focal_sigma_percent`, `expected_point_sigma_mm`, `warnings` | (2,), (), (W, 3) | warnings: code, message, advice |
 //! | `covariance`, `covariance_parameters` | (P, P), (P,) | |
@@ -49,9 +51,12 @@ pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
     let mut arrays: Named = Vec::new();
     let numbers = |shape: &[usize], values: Vec<f64>| Array::Numbers(shape.to_vec(), values);
     let devices = [
-        (["camera_K", "camera_dist", "camera_size", "camera_sigma"], Some(&rig.camera)),
         (
-            ["projector_K", "projector_dist", "projector_size", "projector_sigma"],
+            ["camera_K", "camera_dist", "camera_size", "camera_sigma", "camera_aspect_sigma"],
+            Some(&rig.camera),
+        ),
+        (
+            ["projector_K", "projector_dist", "projector_size", "projector_sigma", "projector_aspect_sigma"],
             rig.projector.as_ref().map(|p| &p.device),
         ),
     ];
@@ -61,9 +66,10 @@ pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
         arrays.push((names[0], numbers(&[3, 3], rows(&model.intrinsics.matrix()).to_vec())));
         arrays.push((names[1], numbers(&[5], model.distortion.to_array().to_vec())));
         arrays.push((names[2], Array::Wholes(vec![2], vec![model.width.into(), model.height.into()])));
-        if let Some(DeviceSigma { focal_px, cx_px, cy_px, distortion }) = device.sigma {
+        if let Some(DeviceSigma { focal_px, cx_px, cy_px, distortion, aspect }) = device.sigma {
             let values = [focal_px, cx_px, cy_px].into_iter().chain(distortion).collect();
             arrays.push((names[3], numbers(&[8], values)));
+            arrays.push((names[4], numbers(&[], vec![aspect])));
         }
     }
     if let Some(StereoPose { pose, sigma_t_mm, sigma_r_rad }) = rig.projector.map(|p| p.from_camera) {
@@ -97,7 +103,7 @@ pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
 }
 
 /// The arrays with an entry for each view, their shapes, and the places of their numbers in a view of rig.json.
-const OF_VIEWS: [(&str, &[usize], &[&str]); 9] = [
+const OF_VIEWS: [(&str, &[usize], &[&str]); 10] = [
     ("view_size_mm", &[2], &["/size_mm"]),
     ("camera_from_sheet_R", &[3, 3], &["/camera_from_sheet/R"]),
     ("camera_from_sheet_t", &[3], &["/camera_from_sheet/t"]),
@@ -107,7 +113,10 @@ const OF_VIEWS: [(&str, &[usize], &[&str]); 9] = [
     ("projector_vanishing_points", &[2, 3], &["/vanishing_points/projector"]),
     ("corners_px", &[4, 2], &["/corners_px"]),
     ("rms_px", &[3], &["/rms_px/edges", "/rms_px/corners", "/rms_px/projector"]),
+    (BENDS, &[3, 12], &["/bend/coefficients_mm", "/bend/sigma_mm", "/bend/expected_sigma_mm"]),
 ];
+/// Left out where every sheet was taken for flat.
+const BENDS: &str = "view_bend";
 
 fn views(rig: &Rig) -> Result<Named> {
     let value = rig_value(rig)?;
@@ -118,7 +127,9 @@ fn views(rig: &Rig) -> Result<Named> {
     };
     let n = rig.views.len();
     let photos = rig.views.iter().map(|v| v.photo.clone().unwrap_or_default()).collect();
-    let numbers = OF_VIEWS.map(|(name, shape, places)| {
+    let bends = rig.views.iter().any(|v| v.bend.is_some());
+    let written = OF_VIEWS.iter().filter(|(name, ..)| bends || *name != BENDS);
+    let numbers = written.map(|&(name, shape, places)| {
         let values = (0..n).flat_map(|i| of_view(i, shape, places)).collect();
         (name, Array::Numbers([&[n], shape].concat(), values))
     });
@@ -247,7 +258,10 @@ fn read_extras(arrays: &Arrays<'_>) -> Result<Map<String, Value>> {
     };
     for name in ["camera_sigma", "projector_sigma"] {
         if let Some(Value::Array(s)) = one(name, &[8])? {
-            let sigma = json!({"focal_px": s[0], "cx_px": s[1], "cy_px": s[2], "distortion": s[3..]});
+            let aspect = one(&name.replace("_sigma", "_aspect_sigma"), &[])?;
+            let sigma = json!({
+                "focal_px": s[0], "cx_px": s[1], "cy_px": s[2], "distortion": s[3..], "aspect": aspect,
+            });
             found.insert(name.to_owned(), sigma);
         }
     }
@@ -285,7 +299,7 @@ fn read_views(arrays: &Arrays<'_>, photos: &[String]) -> Result<Value> {
     for (name, shape, places) in OF_VIEWS {
         let Some(values) = arrays.numbers(name, &[&[photos.len()], shape].concat())? else { continue };
         let count = shape.iter().product::<usize>();
-        let shape = if places.len() > 1 { &[] } else { shape };
+        let shape = if places.len() > 1 { &shape[1..] } else { shape };
         for (view, values) in views.iter_mut().zip(values.chunks_exact(count)) {
             for (place, part) in places.iter().zip(values.chunks_exact(count / places.len())) {
                 let field = place.split('/').skip(1).fold(&mut *view, |at, name| &mut at[name]);
@@ -298,6 +312,9 @@ fn read_views(arrays: &Arrays<'_>, photos: &[String]) -> Result<Value> {
             if view[pose]["R"].is_null() {
                 view[pose] = Value::Null;
             }
+        }
+        if view["bend"]["coefficients_mm"][0].is_null() {
+            view["bend"] = Value::Null;
         }
     }
     Ok(Value::Array(views))

@@ -15,7 +15,7 @@ use crate::error::{Error, ErrorSubject, Result};
 use crate::format::camera::{FIRST, device, numbers};
 use crate::format::tree::{Expecting, Node, parse};
 use crate::geometry::{Camera, Intrinsics, Pose};
-use crate::rig::{Projector, Rig};
+use crate::rig::{Device, Projector, Rig};
 
 const FILE: Expecting = expecting(ErrorSubject::RosFile);
 const POSE: &str = "projector_from_camera";
@@ -26,10 +26,10 @@ const MM_PER_METRE: f64 = 1000.0;
 pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>> {
     let mut files = vec![ExportedFile {
         name: "camera.yaml",
-        bytes: camera_info("camera", &rig.camera.model, losses)?.into_bytes(),
+        bytes: camera_info("camera", &rig.camera, losses)?.into_bytes(),
     }];
     if let Some(Projector { device, from_camera }) = &rig.projector {
-        let mut text = camera_info("projector", &device.model, losses)?;
+        let mut text = camera_info("projector", device, losses)?;
         text.push_str(&placed(&from_camera.pose));
         files.push(ExportedFile { name: "projector.yaml", bytes: text.into_bytes() });
     }
@@ -37,9 +37,10 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
     Ok(files)
 }
 
-fn camera_info(name: &str, model: &Camera, losses: &mut Losses) -> Result<String> {
+fn camera_info(name: &str, device: &Device, losses: &mut Losses) -> Result<String> {
+    let model = &device.model;
     let intrinsics = Intrinsics { skew: 0.0, ..model.intrinsics };
-    losses.lens(name, model, &Camera { intrinsics, ..*model })?;
+    losses.lens(name, device, &Camera { intrinsics, ..*model })?;
     let k = intrinsics.matrix();
     let projection = k.insert_column(3, 0.0);
     let matrix = |title: &str, columns: usize, data: String| {

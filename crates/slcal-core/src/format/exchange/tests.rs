@@ -3,9 +3,10 @@
 use nalgebra::{DMatrix, Matrix3, Point2, Point3, Rotation3, Vector3};
 
 use super::*;
-use crate::geometry::{Camera, Distortion, Pose, RectangleSize};
+use crate::geometry::{Camera, Distortion, Pose, RectangleSize, SheetBend};
 use crate::rig::{
-    Covariance, Device, DeviceSigma, Projector, Quality, StereoPose, Verdict, View, ViewRms, Warning,
+    Covariance, Device, DeviceSigma, Projector, Quality, StereoPose, Verdict, View, ViewBend, ViewRms,
+    Warning,
 };
 
 const PHOTO: &str = "it's a \"photo\"\n<né> & 日本 😀 \\ '''.jpg";
@@ -19,7 +20,13 @@ fn device(size: [u32; 2], k: [f64; 5], distortion: [f64; 5]) -> Device {
         intrinsics,
         distortion: Distortion::from_array(distortion),
     };
-    let sigma = Some(DeviceSigma { focal_px: 1.5, cx_px: 1.0 / 3.0, cy_px: 1e-7, distortion: [0.1; 5] });
+    let sigma = Some(DeviceSigma {
+        focal_px: 1.5,
+        cx_px: 1.0 / 3.0,
+        cy_px: 1e-7,
+        distortion: [0.1; 5],
+        aspect: 0.002,
+    });
     Device { model, sigma }
 }
 
@@ -46,6 +53,11 @@ fn rig(distortion: [f64; 5], skew: f64) -> Rig {
         photo: Some(PHOTO.into()),
         size,
         camera_from_sheet: pose,
+        bend: Some(ViewBend {
+            shape: SheetBend(std::array::from_fn(|k| 0.5 - 0.125 * k as f64)),
+            sigma_mm: [0.25; 12],
+            expected_mm: [1.5; 12],
+        }),
         projector_from_sheet: Some(quarter().compose(&pose)),
         camera_vanishing_points: camera.model.vanishing_points(&pose),
         projector_vanishing_points: Some(projector.model.vanishing_points(&quarter().compose(&pose))),
@@ -58,12 +70,13 @@ fn rig(distortion: [f64; 5], skew: f64) -> Rig {
             device: projector,
             from_camera: StereoPose { pose: quarter(), sigma_t_mm: Some([0.1, 0.2, 0.3]), sigma_r_rad: None },
         }),
-        views: vec![view.clone(), View { photo: None, rms_px: None, ..view }],
+        views: vec![view.clone(), View { photo: None, rms_px: None, bend: None, ..view }],
         method: "ml".into(),
         quality: Some(Quality {
             verdict: Verdict::Fair,
             focal_sigma_percent_camera: 5.0,
             focal_sigma_percent_projector: None,
+            depth_sigma_percent: Some(0.4),
             expected_point_sigma_mm: Some(0.3),
             cause: "12.5".into(),
             advice: String::new(),
