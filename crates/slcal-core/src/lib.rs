@@ -122,14 +122,14 @@ mod parameter;
 mod rig;
 
 pub use calibrate::{
-    CalibrateConfig, Calibration, DistortionModel, FocalPrior, Method, PrincipalPointRule,
+    CalibrateConfig, Calibration, DistortionModel, Flatness, FocalPrior, Method, PrincipalPointRule,
     calibrate_observations,
 };
 #[cfg(feature = "report")]
 pub use calibrate::{CalibrationReport, NoiseFound, PairResidual, PointResidual, ViewResiduals, residuals};
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Cause, Error, ErrorClass, ErrorSubject, Result};
-pub use geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
+pub use geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize, SheetBend};
 pub use matches::{Match, Matches};
 pub use observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 pub use parameter::{LensParameter, Parameter, PoseParameter};
@@ -143,7 +143,8 @@ pub use pipeline::{
 };
 pub use rectify::{Rectification, rectify, rectify_checker, rectify_checker_picture, rectify_picture};
 pub use rig::{
-    Covariance, Device, DeviceSigma, Projector, Quality, Rig, StereoPose, Verdict, View, ViewRms, Warning,
+    Covariance, Device, DeviceSigma, Projector, Quality, Rig, StereoPose, Verdict, View, ViewBend, ViewRms,
+    Warning,
 };
 
 // Their types are part of the interface: points, matrices and pictures.

@@ -4,6 +4,8 @@ use std::convert::Infallible;
 use std::fmt;
 use std::str::FromStr;
 
+use crate::geometry::SheetBend;
+
 /// A parameter of a camera or projector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum LensParameter {
@@ -23,17 +25,19 @@ pub enum LensParameter {
     P2,
     /// Radial distortion, r⁶.
     K3,
+    /// Height to width of a pixel's focal length, fy/fx (relative).
+    Aspect,
 }
 
 impl LensParameter {
     /// All of them, in the order of the covariance.
-    pub const ALL: [Self; 8] =
-        [Self::Focal, Self::Cx, Self::Cy, Self::K1, Self::K2, Self::P1, Self::P2, Self::K3];
+    pub const ALL: [Self; 9] =
+        [Self::Focal, Self::Cx, Self::Cy, Self::K1, Self::K2, Self::P1, Self::P2, Self::K3, Self::Aspect];
 
     /// The name in files, with its unit: `focal_px`, `k1`.
     #[must_use]
     pub fn name(self) -> &'static str {
-        ["focal_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2", "k3"][self as usize]
+        ["focal_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2", "k3", "aspect"][self as usize]
     }
 }
 
@@ -86,6 +90,8 @@ pub enum Parameter {
     ProjectorFromCamera(PoseParameter),
     /// Of the sheet's pose in the camera frame in a view, counted from 0.
     View(usize, PoseParameter),
+    /// A coefficient of the sheet's [bend](crate::SheetBend) in a view, mm; both counted from 0.
+    Bend(usize, usize),
     /// A parameter that this library does not know, as in rigs from elsewhere.
     Other(String),
 }
@@ -98,7 +104,12 @@ fn parse(text: &str) -> Option<Parameter> {
         "camera" => lens.map(Parameter::Camera),
         "projector" => lens.map(Parameter::Projector),
         "projector_from_camera" => pose.map(Parameter::ProjectorFromCamera),
-        _ => Some(Parameter::View(of.strip_prefix("views[")?.strip_suffix(']')?.parse().ok()?, pose?)),
+        _ => {
+            let view = of.strip_prefix("views[")?.strip_suffix(']')?.parse().ok()?;
+            let term = || name.strip_prefix("bend_mm[")?.strip_suffix(']')?.parse().ok();
+            let bend = || term().filter(|k| *k < SheetBend::DEGREES.len()).map(|k| Parameter::Bend(view, k));
+            pose.map(|p| Parameter::View(view, p)).or_else(bend)
+        }
     }
 }
 
@@ -109,6 +120,7 @@ impl fmt::Display for Parameter {
             Self::Projector(p) => write!(f, "projector.{}", p.name()),
             Self::ProjectorFromCamera(p) => write!(f, "projector_from_camera.{}", p.name()),
             Self::View(i, p) => write!(f, "views[{i}].{}", p.name()),
+            Self::Bend(i, k) => write!(f, "views[{i}].bend_mm[{k}]"),
             Self::Other(name) => f.write_str(name),
         }
     }
@@ -140,11 +152,22 @@ mod tests {
             ("projector.k1", Parameter::Projector(LensParameter::K1)),
             ("projector_from_camera.rx_rad", Parameter::ProjectorFromCamera(PoseParameter::Rx)),
             ("views[12].tz_mm", Parameter::View(12, PoseParameter::Tz)),
+            ("views[3].bend_mm[11]", Parameter::Bend(3, 11)),
+            ("camera.aspect", Parameter::Camera(LensParameter::Aspect)),
         ];
         for (name, parameter) in known {
             assert_eq!((name.parse::<Parameter>(), parameter.to_string()), (Ok(parameter), name.to_owned()));
         }
-        for name in ["projector.zoom", "views[01].tz_mm", "views[0].k1", "camera", "", "views[].tx_mm"] {
+        for name in [
+            "projector.zoom",
+            "views[0].bend_mm[12]",
+            "views[0].bend_mm[01]",
+            "views[01].tz_mm",
+            "views[0].k1",
+            "camera",
+            "",
+            "views[].tx_mm",
+        ] {
             let parameter = Parameter::from(name);
             assert_eq!(parameter, Parameter::Other(name.to_owned()));
             assert_eq!(parameter.to_string(), name);

@@ -4,12 +4,12 @@ use nalgebra::{DMatrix, Point2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, ErrorSubject, Result};
-use crate::geometry::{Camera, Pose, RectangleSize};
+use crate::geometry::{Camera, Pose, RectangleSize, SheetBend};
 use crate::named::named;
 use crate::parameter::{Parameter, PoseParameter};
 
 /// 1σ of a device's parameters; zero for what was held fixed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct DeviceSigma {
     /// Focal length, px.
     pub focal_px: f64,
@@ -19,6 +19,9 @@ pub struct DeviceSigma {
     pub cy_px: f64,
     /// k1, k2, p1, p2, k3.
     pub distortion: [f64; 5],
+    /// Ratio of fy to fx, relative.
+    #[serde(default)]
+    pub aspect: f64,
 }
 
 /// A camera or projector with the uncertainty of its parameters.
@@ -75,6 +78,17 @@ pub struct ViewRms {
     pub projector: Option<f64>,
 }
 
+/// How the sheet of a view bends out of its mean plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewBend {
+    /// The estimate.
+    pub shape: SheetBend,
+    /// 1σ of its coefficients, mm.
+    pub sigma_mm: [f64; 12],
+    /// 1σ that was expected of each coefficient before the photograph, around zero, mm.
+    pub expected_mm: [f64; 12],
+}
+
 /// One pose of the sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
@@ -82,8 +96,10 @@ pub struct View {
     pub photo: Option<String>,
     /// Size of the sheet.
     pub size: RectangleSize,
-    /// X_camera = R · X_sheet + t.
+    /// X_camera = R · X_sheet + t, of the sheet's mean plane.
     pub camera_from_sheet: Pose,
+    /// How the sheet bends; `None` where it was taken for flat.
+    pub bend: Option<ViewBend>,
     /// X_projector = R · X_sheet + t.
     pub projector_from_sheet: Option<Pose>,
     /// Vanishing points of the sheet's width and height in the camera, homogeneous px (z is 0 at infinity).
@@ -96,17 +112,18 @@ pub struct View {
     pub rms_px: Option<ViewRms>,
 }
 
-/// Quality of a calibration in one word, from the predicted σ of the focal lengths.
+/// Quality of a calibration in one word, from the worst of the σ of both focal lengths and of the depth of a point at the sheet's
+/// distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// σ_f below 4 %.
+    /// σ below 4 %.
     Good,
     /// Below 10 %.
     Fair,
     /// Below 25 %.
     Weak,
-    /// 25 % or more: the photographs do not determine the focal length.
+    /// 25 % or more: the photographs do not determine the rig.
     Degenerate,
 }
 
@@ -161,6 +178,8 @@ pub struct Quality {
     pub focal_sigma_percent_camera: f64,
     /// 1σ of the projector's focal length, per cent.
     pub focal_sigma_percent_projector: Option<f64>,
+    /// 1σ of the depth of a point at the sheet's distance that the rig's own uncertainty causes, per cent.
+    pub depth_sigma_percent: Option<f64>,
     /// Expected 1σ of a reconstructed point at the sheet's distance, mm.
     pub expected_point_sigma_mm: Option<f64>,
     /// The reason of the verdict in one sentence: the pose of the sheet and the resulting σ of the focal length, or the

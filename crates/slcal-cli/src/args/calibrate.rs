@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args};
 use slcal_core::geometry::RectangleSize;
-use slcal_core::{DistortionModel, Method, PrincipalPointRule};
+use slcal_core::{DistortionModel, Flatness, Method, PrincipalPointRule};
 
 use super::headings::{INPUT, MODEL, OUTPUT};
 use super::photo::GammaArg;
-use super::value::{Corners, choice, parse_camera_pp, parse_corners, parse_projector_pp, parse_size};
+use super::value::{
+    Corners, choice, parse_camera_pp, parse_corners, parse_flatness, parse_projector_pp, parse_size,
+};
 
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "a command line is made of switches")]
@@ -70,16 +72,24 @@ pub(crate) struct CalibrateArgs {
     pub(crate) projector_pp: PrincipalPointRule,
     /// Distortion of the camera lens to estimate.
     ///
-    /// auto: k1 and k2 when the residuals show them. full: k1, k2, p1, p2, k3.
+    /// auto: all five coefficients and the ratio of fy to fx, near what ordinary lenses have. full: k1, k2, p1, p2, k3,
+    /// uncertain by far more, with square pixels.
     #[arg(long, value_parser = choice::<DistortionModel>(DistortionModel::NAMES), default_value_t,
           conflicts_with = "camera", help_heading = MODEL)]
     pub(crate) distortion: DistortionModel,
-    /// Distortion of the projector lens to estimate; coefficients need three photographs or more.
+    /// Distortion of the projector lens to estimate; a model by name needs three photographs or more.
     ///
-    /// auto: when three photographs or more show it.
+    /// auto: as for the camera, within a tenth of it.
     #[arg(long, value_parser = choice::<DistortionModel>(DistortionModel::NAMES), default_value_t,
           help_heading = MODEL)]
     pub(crate) projector_distortion: DistortionModel,
+    /// How flat the sheet is: paper, board, flat, or a length.
+    ///
+    /// paper bends out of its plane by 0.2 % of its diagonal (1σ), a board by 0.02 %. flat takes the sheet for exactly flat; a
+    /// length such as 0.5mm is 1σ itself. The bend is estimated from the sheet's outline and the projected corners.
+    #[arg(long, value_name = "paper|board|flat|LENGTH", value_parser = parse_flatness,
+          default_value_t = Flatness::Paper, help_heading = MODEL)]
+    pub(crate) flatness: Flatness,
     /// Estimator: ml (maximum likelihood of all measurements) or two-vp (two vanishing points alone, as published).
     #[arg(long, value_parser = choice::<Method>(Method::NAMES), default_value_t, help_heading = MODEL)]
     pub(crate) method: Method,

@@ -158,6 +158,10 @@ Examples:
     slcal simulate scene --surface sheet --out paper
     slcal calibrate paper/photo.png --size 594x420mm \\
         --pattern paper/pattern.json -o paper_rig.json
+  Paper that curls by 0.5 % of its width about a slanted axis, under a projector
+  with decentred optics; on a foam board it would be --thickness 5mm:
+    slcal simulate scene --surface sheet --bend 0.5%,20 \\
+        --projector-distortion=-0.02,0.01,3e-4,2e-4 --out curled
   A sphere with the stripes, noise and colour crosstalk:
     slcal simulate scene --surface sphere --noise 3 --crosstalk 0.2 --out ball
     slcal reconstruct --rig paper_rig.json --pattern ball/pattern.json \\

@@ -14,9 +14,8 @@ use crate::calibrate::CalibrateConfig;
 use crate::error::{Error, Result};
 use crate::estimate::covariance::UNINFORMATIVE;
 use crate::estimate::expected_view::ExpectedSheet;
-use crate::estimate::prior::priors;
 use crate::estimate::unknowns::SHARED;
-use crate::estimate::{ExpectedView, Model, Unknowns};
+use crate::estimate::{ExpectedView, Model, Priors, Sheet, Unknowns};
 use crate::geometry::{Camera, Pose, RectangleSize};
 use crate::pattern::CheckerPattern;
 use crate::rig::Rig;
@@ -73,7 +72,7 @@ pub struct CameraPlan {
 /// ```
 pub fn advise_next(rig: &Rig, pattern: Option<&CheckerPattern>) -> Result<Advice> {
     let knowledge = Knowledge::of_rig(rig, pattern)?;
-    let pose = &knowledge.model.views[0];
+    let pose = &knowledge.model.views[0].pose;
     let middle = pose.lift(knowledge.view.size.centre());
     let stand = Stand {
         distance_mm: middle.coords.norm(),
@@ -110,7 +109,7 @@ pub fn advise_first(plan: &CameraPlan) -> Result<Advice> {
         camera: plan.camera,
         projector: plan.projector,
         projector_from_camera: beside(plan.projector.as_ref(), distance_mm),
-        views: vec![posed(middle, plan.size, [0.0; 3])],
+        views: vec![Sheet::flat(posed(middle, plan.size, [0.0; 3]), plan.size)],
     };
     let inner = RectangleSize {
         width_mm: plan.size.width_mm * PATTERN_SHARE,
@@ -118,11 +117,13 @@ pub fn advise_first(plan: &CameraPlan) -> Result<Advice> {
     };
     let within = |view: &ExpectedView, model: &Model| {
         let smaller = ExpectedView { size: inner, ..view.clone() };
-        smaller.holds_pattern(model, &posed(middle, inner, [0.0; 3]))
+        smaller.holds_pattern(model, &Sheet::flat(posed(middle, inner, [0.0; 3]), inner))
     };
     let factor = known_beforehand(&model, &plan.config);
     let sheet = (plan.size, ExpectedSheet::Corners(1.0));
-    let knowledge = Knowledge::new(model, factor, sheet, None, plan.noise_px, within)?;
+    let flatness = plan.config.flatness;
+    let bend = (!flatness.is_flat()).then(|| flatness.sigmas_mm(plan.size));
+    let knowledge = Knowledge::new(model, factor, sheet, bend, None, plan.noise_px, within)?;
     let stand = Stand { distance_mm, roll: 0.0, offset: [0.0; 2], towards: Vector3::z() };
     Ok(knowledge.advise(&stand, None))
 }
@@ -142,12 +143,13 @@ fn beside(projector: Option<&Camera>, distance_mm: f64) -> Pose {
 fn known_beforehand(model: &Model, config: &CalibrateConfig) -> DMatrix<f64> {
     let assumptions = config.assumptions();
     let unknowns = Unknowns::new(&assumptions, model.projector.is_some(), 0);
-    let (all, units) = (Unknowns::all(0), model.units(&Unknowns::all(0)));
+    let all = Unknowns::all(0, false);
+    let units = model.units(&all);
     let mut sigma = [0.0; SHARED];
     for i in unknowns.parameters().iter().filter_map(|p| all.position(p)) {
         sigma[i] = UNINFORMATIVE * units[i];
     }
-    for p in priors(&assumptions, &unknowns, model) {
+    for p in Priors::new(&assumptions, &unknowns, model).lenses {
         if let Some(i) = all.lens(p.lens, p.parameter) {
             sigma[i] = p.sigma;
         }

@@ -5,10 +5,10 @@ use nalgebra::{DMatrix, Point2, Point3, Vector3};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::estimate::expected_view::{ExpectedSheet, ExpectedView};
 use crate::estimate::implied_noise::implied_noise;
-use crate::estimate::propagation::{STRIPE_NOISE_PX, point_sigma};
-use crate::estimate::residual::POSE;
+use crate::estimate::propagation::{STRIPE_NOISE_PX, depth_sigma};
+use crate::estimate::residual::BEND;
 use crate::estimate::unknowns::SHARED;
-use crate::estimate::{Lens, Model, Unknowns, covariance};
+use crate::estimate::{Lens, Model, Priors, Sheet, Unknowns, covariance};
 use crate::geometry::{Camera, Pose, RectangleSize};
 use crate::parameter::LensParameter;
 use crate::pattern::{CheckerConfig, CheckerPattern};
@@ -50,6 +50,8 @@ pub(super) struct Knowledge {
     /// F with F·Fᵀ the covariance of the shared unknowns.
     pub(super) factor: DMatrix<f64>,
     pub(super) view: ExpectedView,
+    /// 1σ of the coefficients of a sheet's bend, mm; `None` for flat sheets.
+    bend: Option<[f64; BEND]>,
     /// σ of the sheet's measurement and of a projected corner, px.
     pub(super) noise_px: [f64; 2],
 }
@@ -60,6 +62,7 @@ impl Knowledge {
         model: Model,
         factor: DMatrix<f64>,
         (size, sheet): (RectangleSize, ExpectedSheet),
+        bend: Option<[f64; BEND]>,
         pattern: Option<&CheckerPattern>,
         noise_px: [f64; 2],
         fits: impl Fn(&ExpectedView, &Model) -> bool,
@@ -68,7 +71,7 @@ impl Knowledge {
         if pattern.is_none() {
             view.shrink_pattern(|view| fits(view, &model));
         }
-        Ok(Self { model, factor, view: view.with_noise(noise_px), noise_px })
+        Ok(Self { model, factor, view: view.with_noise(noise_px), bend, noise_px })
     }
 
     /// From a rig's covariance and its first view's sheet, with the noise that its views had: as the covariance implies, or
@@ -78,7 +81,7 @@ impl Knowledge {
             let expected = "one with the views that it was calibrated from";
             Error::invalid(ErrorSubject::Rig, expected, "none of them")
         })?;
-        let known = covariance::of_rig(rig, &Unknowns::all(0)).ok_or_else(|| {
+        let known = covariance::of_rig(rig, &Unknowns::all(0, false)).ok_or_else(|| {
             let advice =
                 "one with a covariance, as calibrate writes it (for a camera from elsewhere give the camera itself)";
             Error::invalid(ErrorSubject::Rig, advice, "none")
@@ -86,10 +89,11 @@ impl Knowledge {
         let sheet = (first.size, ExpectedSheet::Sides([1.0; 4]));
         // A default board that is not the one that was projected is made to fit the sheets that held it.
         let on_all = |view: &ExpectedView, model: &Model| {
-            model.views.iter().all(|pose| view.holds_pattern(model, pose))
+            model.views.iter().all(|sheet| view.holds_pattern(model, sheet))
         };
         let factor = covariance::factor(&known);
-        let mut knowledge = Self::new(Model::of_rig(rig), factor, sheet, pattern, [1.0; 2], on_all)?;
+        let bend = first.bend.map(|b| b.expected_mm);
+        let mut knowledge = Self::new(Model::of_rig(rig), factor, sheet, bend, pattern, [1.0; 2], on_all)?;
         let rms = |rms: Option<f64>| rms.filter(|r| *r > 0.0 && r.is_finite()).unwrap_or(STRIPE_NOISE_PX);
         let from_rms = || {
             let of_view = first.rms_px;
@@ -100,9 +104,13 @@ impl Knowledge {
         Ok(knowledge)
     }
 
+    fn sheet(&self, pose: &Pose) -> Sheet {
+        Sheet::flat(*pose, self.view.size)
+    }
+
     /// Whether the sheet in this pose is in the frame, the pattern on the sheet, and both seen under a fair angle.
     pub(super) fn feasible(&self, pose: &Pose) -> bool {
-        self.in_frame(pose) && self.view.holds_pattern(&self.model, pose) && self.faces(pose)
+        self.in_frame(pose) && self.view.holds_pattern(&self.model, &self.sheet(pose)) && self.faces(pose)
     }
 
     fn in_frame(&self, pose: &Pose) -> bool {
@@ -128,13 +136,18 @@ impl Knowledge {
 
     /// The covariance of the shared unknowns after photographs in these poses.
     fn after(&self, poses: &[Pose]) -> Option<DMatrix<f64>> {
-        let (problem, model) = self.view.problem(&self.model, poses, &Unknowns::all(0), &[])?;
+        let sheets: Vec<Sheet> = poses.iter().map(|pose| self.sheet(pose)).collect();
+        let unknowns = Unknowns::all(0, self.bend.is_some());
+        let bends = self.bend.map_or_else(Vec::new, |bend| vec![bend; poses.len()]);
+        let priors = Priors { bends, ..Priors::default() };
+        let (problem, model) = self.view.problem(&self.model, &sheets, &unknowns, &priors)?;
         let jacobian = problem.at(&model)?.jacobian;
         // By the shared unknowns in units of their own σ, uncorrelated.
         let k = self.factor.ncols();
-        let mut j = DMatrix::zeros(jacobian.nrows(), POSE + k);
-        j.columns_mut(0, POSE).copy_from(&jacobian.columns(0, POSE));
-        j.columns_mut(POSE, k).copy_from(&(jacobian.columns(POSE, SHARED) * &self.factor));
+        let width = unknowns.width();
+        let mut j = DMatrix::zeros(jacobian.nrows(), width + k);
+        j.columns_mut(0, width).copy_from(&jacobian.columns(0, width));
+        j.columns_mut(width, k).copy_from(&(jacobian.columns(width, SHARED) * &self.factor));
         let structure = Structure { shared: k, ..problem.structure() };
         let c = solve::covariance(&structure, &j, &vec![1.0; k])?;
         Some(&self.factor * c.view((0, 0), (k, k)) * self.factor.transpose())
@@ -142,7 +155,7 @@ impl Knowledge {
 
     /// What a covariance of the shared unknowns means, for a point at the middle of the sheet in `pose`.
     fn predicted(&self, covariance: &DMatrix<f64>, pose: &Pose) -> Predicted {
-        let unknowns = Unknowns::all(0);
+        let unknowns = Unknowns::all(0, false);
         let sigma = |lens, parameter| {
             self.model.lens(lens)?;
             unknowns.lens(lens, parameter).map(|i| covariance[(i, i)].max(0.0).sqrt())
@@ -151,7 +164,7 @@ impl Knowledge {
             camera_focal: sigma(Lens::Camera, LensParameter::Focal).unwrap_or(0.0),
             projector_focal: sigma(Lens::Projector, LensParameter::Focal),
             projector_cy_px: sigma(Lens::Projector, LensParameter::Cy),
-            point_mm: point_sigma(&self.model, &unknowns, covariance, pose, self.view.size),
+            point_mm: depth_sigma(&self.model, &unknowns, covariance, &self.sheet(pose)).map(|s| s.total()),
         }
     }
 

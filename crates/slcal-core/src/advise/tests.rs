@@ -1,8 +1,8 @@
 use nalgebra::Point2;
 
 use super::*;
-use crate::calibrate::tests::scene::{observe, pose, rig, rng, with_edges};
-use crate::calibrate::{DistortionModel, PrincipalPointRule, calibrate_observations};
+use crate::calibrate::tests::scene::{ideal, observe, pose, rig, rng, with_edges};
+use crate::calibrate::{Flatness, PrincipalPointRule, calibrate_observations};
 use crate::geometry::{Distortion, Intrinsics};
 use crate::observations::Observations;
 use crate::pattern::SquareColor;
@@ -32,17 +32,20 @@ fn at(plan: &CameraPlan, a: f64, b: f64, pair: bool) -> Predicted {
         camera: plan.camera,
         projector: plan.projector,
         projector_from_camera: beside(plan.projector.as_ref(), middle.z),
-        views: vec![poses[0]],
+        views: vec![Sheet::flat(poses[0], plan.size)],
     };
     let factor = known_beforehand(&model, &plan.config);
     let sheet = (plan.size, ExpectedSheet::Corners(1.0));
-    let knowledge = Knowledge::new(model, factor, sheet, None, plan.noise_px, |_, _| true).unwrap();
+    let flatness = plan.config.flatness;
+    let bend = (!flatness.is_flat()).then(|| flatness.sigmas_mm(plan.size));
+    let knowledge = Knowledge::new(model, factor, sheet, bend, None, plan.noise_px, |_, _| true).unwrap();
     knowledge.predict(if pair { &poses } else { &poses[..1] }).unwrap()
 }
 
 #[test]
 fn one_photograph_with_exact_principal_point_has_the_known_bounds() {
     let mut plan = plan(false);
+    plan.config = ideal();
     plan.config.camera_pp = PrincipalPointRule::Centre;
     // The Cramér–Rao bounds of the six tilts, per cent, as published to two digits.
     for (a, b, bound, digits) in [
@@ -76,12 +79,15 @@ fn projected() -> CheckerPattern {
 }
 
 fn calibrated(views: Vec<Pose>) -> Rig {
+    calibrated_on(Flatness::Paper, views)
+}
+
+fn calibrated_on(flatness: Flatness, views: Vec<Pose>) -> Rig {
     let truth = rig(768.0, views);
     let mut rng = rng(5);
     let seen: Observations = observe(&truth, 0.05, 0.05, &mut rng);
     let seen = with_edges(seen, &truth, 25, 0.05, &mut rng);
-    // A straight lens is taken for a bent one in a hundredth of draws, which a prediction does not foresee.
-    let straight = CalibrateConfig { distortion: DistortionModel::None, ..CalibrateConfig::default() };
+    let straight = CalibrateConfig { flatness, ..ideal() };
     calibrate_observations(&seen, &straight).unwrap().rig
 }
 
@@ -185,7 +191,7 @@ fn poses_are_possible_ones() {
     }
     // The pattern stays where the projector throws it, and the sheet is under it.
     for q in [Point2::new(295.5, 239.5), Point2::new(727.5, 527.5)] {
-        let p = Model::of_rig(&before).lit(&next.camera_from_sheet, q).unwrap();
+        let p = Model::of_rig(&before).lit(&Sheet::flat(next.camera_from_sheet, a2()), q).unwrap();
         let p = next.camera_from_sheet.inverse().transform(&p);
         assert!((0.0..=594.0).contains(&p.x) && (0.0..=420.0).contains(&p.y), "{p}");
     }
@@ -233,4 +239,34 @@ fn rigs_without_views_or_covariance_are_refused() {
     assert!(advise_next(&without, None).unwrap_err().to_string().contains("views"));
     let other = CheckerPattern { projector: [800, 600], ..projected() };
     assert!(advise_next(&rig, Some(&other)).unwrap_err().to_string().contains("800x600"));
+}
+
+#[test]
+fn sheets_that_may_bend_tell_less() {
+    // From rigs of their own, and from what the rig of flat sheets knows.
+    let rigs = [Flatness::Flat, Flatness::Board, Flatness::Paper]
+        .map(|flatness| calibrated_on(flatness, vec![pose(25.0, 28.0), pose(-25.0, -28.0)]));
+    let sigmas = rigs.each_ref().map(|rig| advise_next(rig, Some(&projected())).unwrap().now.unwrap());
+    assert!(
+        sigmas[0].camera_focal < sigmas[1].camera_focal && sigmas[1].camera_focal < sigmas[2].camera_focal
+    );
+    let known = rigs.each_ref().map(|rig| Knowledge::of_rig(rig, Some(&projected())).unwrap());
+    let more = [pose(20.0, -25.0)];
+    let after = known.each_ref().map(|k| {
+        let mut same = k.clone();
+        same.factor.clone_from(&known[0].factor);
+        same.predict(&more).unwrap()
+    });
+    for [flatter, other] in [[after[0], after[1]], [after[1], after[2]]] {
+        assert!(flatter.camera_focal < other.camera_focal, "{after:?}");
+        assert!(flatter.projector_focal < other.projector_focal && flatter.point_mm < other.point_mm);
+    }
+    // The plan of a first photograph says it as well: in a pair the bend is what limits, or else the noise.
+    let first = |flatness| {
+        let plan =
+            CameraPlan { noise_px: [0.02; 2], config: CalibrateConfig { flatness, ..ideal() }, ..plan(true) };
+        at(&plan, 25.0, 28.0, true).camera_focal
+    };
+    let [flat, board, paper] = [Flatness::Flat, Flatness::Board, Flatness::Paper].map(first);
+    assert!(flat < board && 1.5 * board < paper, "{flat} {board} {paper}");
 }

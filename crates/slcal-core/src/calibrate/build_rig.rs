@@ -3,23 +3,23 @@
 use nalgebra::Point2;
 
 use crate::calibrate::diagnostics::verdict::Assessment;
-use crate::estimate::propagation::point_sigma;
-use crate::estimate::{Kind, Lens, Solution, Target, covariance};
-use crate::geometry::{Camera, Pose, RectangleSize};
+use crate::estimate::{Kind, Lens, Sheet, Solution, Target, covariance};
+use crate::geometry::Camera;
 use crate::parameter::LensParameter;
-use crate::rig::{Device, DeviceSigma, Projector, Quality, Rig, StereoPose, View, ViewRms};
+use crate::rig::{Device, DeviceSigma, Projector, Quality, Rig, StereoPose, View, ViewBend, ViewRms};
 use crate::solve::rms;
 
 fn device(model: Camera, lens: Lens, solution: &Solution) -> Device {
-    let [focal, cx_px, cy_px, distortion @ ..] =
+    let [focal, cx_px, cy_px, distortion @ .., aspect] =
         LensParameter::ALL.map(|p| solution.sigma(lens, p).unwrap_or(0.0));
-    let sigma = DeviceSigma { focal_px: focal * model.intrinsics.fx, cx_px, cy_px, distortion };
+    let sigma = DeviceSigma { focal_px: focal * model.intrinsics.fx, cx_px, cy_px, distortion, aspect };
     Device { model, sigma: Some(sigma) }
 }
 
 /// The sheet's corners in a device's image; those behind it (which a calibrated view never has) at the principal point.
-pub(crate) fn projected_corners(device: &Camera, pose: &Pose, size: RectangleSize) -> [Point2<f64>; 4] {
-    size.corners().map(|c| device.project(&pose.lift(c)).unwrap_or(device.intrinsics.principal_point()))
+pub(crate) fn projected_corners(device: &Camera, sheet: &Sheet) -> [Point2<f64>; 4] {
+    let corners = sheet.size.corners();
+    corners.map(|c| device.project(&sheet.lift_fixed(c)).unwrap_or(device.intrinsics.principal_point()))
 }
 
 fn view_rms(solution: &Solution, view: usize) -> ViewRms {
@@ -38,23 +38,34 @@ fn view_rms(solution: &Solution, view: usize) -> ViewRms {
 pub(crate) fn view(
     camera: &Camera,
     projector: Option<&Projector>,
-    pose: &Pose,
-    size: RectangleSize,
+    sheet: &Sheet,
+    bend: Option<ViewBend>,
     rms_px: ViewRms,
 ) -> View {
+    let pose = &sheet.pose;
     let projector_from_sheet = projector.map(|p| p.from_camera.pose.compose(pose));
     View {
         photo: None,
-        size,
+        size: sheet.size,
         camera_from_sheet: *pose,
+        bend,
         projector_from_sheet,
         camera_vanishing_points: camera.vanishing_points(pose),
         projector_vanishing_points: projector
             .zip(projector_from_sheet)
             .map(|(p, pose)| p.device.model.vanishing_points(&pose)),
-        corners_px: projected_corners(camera, pose, size),
+        corners_px: projected_corners(camera, sheet),
         rms_px: Some(rms_px),
     }
+}
+
+fn bend(solution: &Solution, view: usize) -> Option<ViewBend> {
+    let at = solution.problem.unknowns.bend(view)?;
+    Some(ViewBend {
+        shape: solution.model().views[view].bend,
+        sigma_mm: std::array::from_fn(|k| solution.covariance[(at + k, at + k)].sqrt()),
+        expected_mm: *solution.problem.priors.bends.get(view)?,
+    })
 }
 
 /// The rig of a maximum-likelihood solution.
@@ -66,12 +77,10 @@ pub(crate) fn rig(solution: &Solution, assessment: &Assessment) -> Rig {
         let from_camera = StereoPose { pose, sigma_t_mm: Some(sigma(3)), sigma_r_rad: Some(sigma(0)) };
         Projector { device: device(p, Lens::Projector, solution), from_camera }
     });
-    let sheets = || model.views.iter().zip(&solution.problem.sizes);
-    let views = sheets()
-        .enumerate()
-        .map(|(i, (pose, size))| view(&model.camera, projector.as_ref(), pose, *size, view_rms(solution, i)));
-    let point_sigmas =
-        sheets().filter_map(|(pose, size)| point_sigma(model, unknowns, &solution.covariance, pose, *size));
+    let views = model.views.iter().enumerate().map(|(i, sheet)| {
+        view(&model.camera, projector.as_ref(), sheet, bend(solution, i), view_rms(solution, i))
+    });
+    let point_sigmas = solution.depth_sigmas().map(|s| s.total());
     let percent = |s: f64| 100.0 * s;
     let (cause, advice) = assessment.why();
     Rig {
@@ -83,6 +92,7 @@ pub(crate) fn rig(solution: &Solution, assessment: &Assessment) -> Rig {
             verdict: assessment.verdict,
             focal_sigma_percent_camera: percent(assessment.sigma.camera),
             focal_sigma_percent_projector: assessment.sigma.projector.map(percent),
+            depth_sigma_percent: assessment.depth.map(percent),
             expected_point_sigma_mm: rms(point_sigmas),
             cause: cause.to_owned(),
             advice: advice.to_owned(),

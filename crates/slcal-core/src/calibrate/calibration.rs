@@ -1,13 +1,14 @@
 //! Observations → rig, in one call.
 
 use super::config::{CalibrateConfig, Method};
+use super::maximum_likelihood::solve;
 use super::report::{Calibration, CalibrationReport};
 use super::variance_components::{measure_noise, warning};
-use super::{build_rig, diagnostics, hypotheses, two_vp, validate};
+use super::{build_rig, diagnostics, hypotheses, repeated, two_vp, validate};
 use crate::error::Result;
 use crate::estimate::Kind;
 use crate::observations::Observations;
-use crate::rig::{Rig, Verdict};
+use crate::rig::Rig;
 
 /// Calibrates camera and projector (the camera alone when `observations.projector` is `None`) from what was seen in one
 /// photograph or several.
@@ -72,20 +73,22 @@ fn maximum_likelihood(
     observations: &Observations,
     config: &CalibrateConfig,
 ) -> Result<(Rig, CalibrationReport)> {
-    let (observations, repetition) = hypotheses::repeated::counted_once(observations);
-    let (solution, config) = &match hypotheses::distortion_choice::solve_choosing(&observations, config) {
+    let (observations, repetition) = repeated::counted_once(observations);
+    let stated = match solve(&observations, config) {
         Ok(solved) => solved,
         Err(error) => return Err(hypotheses::transposed::explain(error, &observations, config)),
     };
+    // What is assumed of the observations is tested with the σ that they state.
+    let doubt = hypotheses::transposed::hint(&observations, config)
+        .or_else(|| hypotheses::contradiction::hint(&observations, config, &stated))
+        .or_else(|| hypotheses::aspect::hint(&observations, config, &stated));
+    let solution = &stated.with_learned_weights();
     let mut assessment = diagnostics::verdict::assess(solution, config);
     assessment.warnings.extend(repetition);
-    let doubt = hypotheses::transposed::hint(&observations, config)
-        .or_else(|| hypotheses::contradiction::hint(&observations, config, solution))
-        .or_else(|| hypotheses::aspect::hint(&observations, config, solution));
     if let Some(doubt) = doubt {
         assessment.doubt(doubt);
     }
-    if assessment.verdict == Verdict::Degenerate && !config.allow_degenerate {
+    if assessment.is_refused() && !config.allow_degenerate {
         return Err(assessment.refusal());
     }
     let share = |kind| match solution.outliers(kind) {

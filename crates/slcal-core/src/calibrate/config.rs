@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
+use crate::estimate::Flatness;
 use crate::estimate::assumptions::{
     Assumptions, DistortionModel, FocalPrior, LensAssumptions, PrincipalPointRule,
 };
@@ -42,9 +43,10 @@ pub struct CalibrateConfig {
     /// [`Method::TwoVp`], which knows none, refuses anything but `Auto` and `None`.
     pub distortion: DistortionModel,
     /// Distortion of the projector; default [`DistortionModel::Auto`]. It bends the same residuals as a wrong principal
-    /// point and the camera's own distortion, so that coefficients ask for three photographs or more; `Auto` estimates
-    /// none with fewer. Ignored without a projector; [`Method::TwoVp`] refuses it as for the camera.
+    /// point and the camera's own distortion, so that a model given by name asks for three photographs or more. Ignored without a projector; [`Method::TwoVp`] refuses it as for the camera.
     pub projector_distortion: DistortionModel,
+    /// How flat the sheet is; default [`Flatness::Paper`]. [`Method::TwoVp`] takes it for flat.
+    pub flatness: Flatness,
     /// The camera's focal length as it is expected, uncertain; default none. Ignored when the camera is known;
     /// [`Method::TwoVp`], which knows no priors, refuses one.
     pub focal_prior: Option<FocalPrior>,
@@ -56,7 +58,7 @@ pub struct CalibrateConfig {
     /// 1σ of a principal point under `Prior`, as a share of the image's width; default 0.02 (published consumer cameras
     /// lie 0.5–3.5 % off the centre).
     pub principal_point_sigma: f64,
-    /// 1σ of k1 and of k2 when distortion is estimated; default 0.1. That of p1, p2 and k3 is 0.01.
+    /// 1σ of k1 and of k2 of a model that is given by name; default 0.1. That of p1, p2 and k3 is 0.01.
     pub distortion_sigma: f64,
 }
 
@@ -68,6 +70,7 @@ impl Default for CalibrateConfig {
             method: Method::Ml,
             distortion: DistortionModel::Auto,
             projector_distortion: DistortionModel::Auto,
+            flatness: Flatness::Paper,
             focal_prior: None,
             known_camera: None,
             allow_degenerate: false,
@@ -97,6 +100,11 @@ impl CalibrateConfig {
             if !(sigma.is_finite() && sigma > 0.0) {
                 return Err(Error::invalid(name, "a positive number", sigma));
             }
+        }
+        if let Flatness::Sigma(mm) = self.flatness
+            && !(mm.is_finite() && mm >= 0.0)
+        {
+            return Err(Error::invalid("flatness", "a length that is not negative", format!("{mm} mm")));
         }
         if let Some(FocalPrior { focal_px, sigma_share }) = self.focal_prior
             && !(focal_px.is_finite() && focal_px > 0.0 && sigma_share.is_finite() && sigma_share > 0.0)
@@ -141,6 +149,7 @@ impl CalibrateConfig {
             lenses: [camera, projector],
             principal_point_sigma: self.principal_point_sigma,
             distortion_sigma: self.distortion_sigma,
+            flatness: self.flatness,
         }
     }
 

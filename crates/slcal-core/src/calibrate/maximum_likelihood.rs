@@ -2,10 +2,10 @@
 
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::initial_guess::{camera_starts, projector_starts};
+use crate::calibrate::repeated::copies;
 use crate::error::{Error, ErrorSubject, Result};
-use crate::estimate::prior::priors;
 use crate::estimate::robust::RobustFit;
-use crate::estimate::{BundleAdjustment, Kind, Measurement, Model, Solution, Unknowns, measurements};
+use crate::estimate::{BundleAdjustment, Kind, Measurement, Model, Priors, Solution, Unknowns, measurements};
 use crate::observations::Observations;
 
 /// The problem that observations pose under a configuration; without a projector in the model, that of the camera alone.
@@ -14,14 +14,17 @@ pub(crate) fn problem(
     config: &CalibrateConfig,
     model: &Model,
 ) -> BundleAdjustment {
-    let sizes: Vec<_> = observations.views.iter().map(|v| v.size).collect();
     let with_projector = model.projector.is_some();
     let assumptions = config.assumptions();
-    let unknowns = Unknowns::new(&assumptions, with_projector, sizes.len());
-    let priors = priors(&assumptions, &unknowns, model);
+    let unknowns = Unknowns::new(&assumptions, with_projector, model.views.len());
+    let mut priors = Priors::new(&assumptions, &unknowns, model);
+    // Copies of a photograph show one bend, not several.
+    for (bend, copies) in priors.bends.iter_mut().zip(copies(observations)) {
+        bend.iter_mut().for_each(|sigma| *sigma *= (copies as f64).sqrt());
+    }
     let all: Vec<Measurement> =
         measurements(observations).into_iter().filter(|m| with_projector || m.kind() != Kind::Pair).collect();
-    BundleAdjustment::new(sizes, all, unknowns, priors)
+    BundleAdjustment::new(all, unknowns, priors)
 }
 
 /// The best refinement over several starts; a start that fails is passed over.

@@ -13,12 +13,14 @@ mod diagnostics;
 mod hypotheses;
 mod initial_guess;
 mod maximum_likelihood;
+mod repeated;
 mod report;
 mod two_vp;
 mod validate;
 mod variance_components;
 
 pub use crate::estimate::assumptions::{DistortionModel, FocalPrior, PrincipalPointRule};
+pub use crate::estimate::flatness::Flatness;
 pub use calibration::calibrate_observations;
 pub use config::{CalibrateConfig, Method};
 public_with! { "report": pub use diagnostics::residuals::{PairResidual, PointResidual, ViewResiduals, residuals}; }

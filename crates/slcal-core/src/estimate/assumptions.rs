@@ -6,6 +6,7 @@ use std::str::FromStr;
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
+use super::flatness::Flatness;
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, FILM_DIAGONAL_MM};
 use crate::named::{named, unnamed};
@@ -31,8 +32,13 @@ const FREE_WIDTHS: f64 = 10.0;
 /// 1σ of the vertical principal point of a lens-shifted projector, in heights around the centre; published ones lie 0.5
 /// to 1.3 heights off, and a narrower prior would pull them inwards.
 const SHIFT_HEIGHTS: f64 = 4.0;
-/// 1σ of the tangential coefficients and of k3; real lenses stay below.
+/// 1σ of the tangential coefficients and of k3 of a model that is given by name; real lenses stay below.
 const TANGENTIAL_SIGMA: f64 = 0.01;
+/// 1σ of k1, k2, p1, p2 and k3 that ordinary lenses have, of camera and projector.
+const ORDINARY_LENS: [[f64; 5]; 2] =
+    [[0.2, 0.2, 0.000_7, 0.000_7, 0.1], [0.02, 0.02, 0.000_3, 0.000_3, 0.01]];
+/// 1σ of fy/fx: pixels are square to this.
+const SQUARE_SIGMA: f64 = 0.002;
 
 /// What is known about a principal point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -150,7 +156,9 @@ impl FocalPrior {
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum DistortionModel {
-    /// k1 and k2 when they lower the residuals by more than chance would, else none.
+    /// k1, k2, p1, p2, k3 and the ratio of fy to fx, all of them near what ordinary lenses have: 1σ of 0.2, 0.2, 0.0007, 0.0007, 0.1
+    /// around zero for cameras, a tenth of it (0.0003 for p1 and p2) for projectors, and 0.2 % for the ratio. Those of the other models are
+    /// uncertain by far more, and pixels are exactly square there.
     #[default]
     Auto,
     /// None: a pinhole.
@@ -188,8 +196,10 @@ pub(crate) struct Assumptions {
     pub(crate) lenses: [LensAssumptions; 2],
     /// 1σ of a principal point under [`PrincipalPointRule::Prior`], in widths.
     pub(crate) principal_point_sigma: f64,
-    /// 1σ of k1 and of k2.
+    /// 1σ of k1 and of k2 of a model that is given by name.
     pub(crate) distortion_sigma: f64,
+    /// How far sheets may bend.
+    pub(crate) flatness: Flatness,
 }
 
 impl Assumptions {
@@ -197,21 +207,22 @@ impl Assumptions {
     pub(crate) fn estimates(&self, lens: Lens, parameter: LensParameter) -> bool {
         let of = &self.lenses[lens as usize];
         let coefficients = match of.distortion {
-            DistortionModel::Auto | DistortionModel::None => 0,
+            DistortionModel::None => 0,
             DistortionModel::K1 => 1,
             DistortionModel::K1K2 => 2,
-            DistortionModel::Full => 5,
+            DistortionModel::Full | DistortionModel::Auto => 5,
         };
         !of.known
             && match parameter {
                 LensParameter::Focal => true,
                 LensParameter::Cx | LensParameter::Cy => !of.principal_point.is_exact(),
+                LensParameter::Aspect => of.distortion == DistortionModel::Auto,
                 coefficient => (coefficient as usize) < LensParameter::K1 as usize + coefficients,
             }
     }
 
-    /// Mean and 1σ of a parameter of a device of this width and height (the focal length as ln f); `None` where nothing
-    /// is known.
+    /// Mean and 1σ of a parameter of a device of this width and height (focal length and aspect as logarithms); `None`
+    /// where nothing is known.
     pub(crate) fn prior(
         &self,
         lens: Lens,
@@ -229,6 +240,10 @@ impl Assumptions {
             (LensParameter::Cy, PrincipalPointRule::Prior) => (centre.y, near),
             (LensParameter::Cy, PrincipalPointRule::Shift) => (centre.y, SHIFT_HEIGHTS * f64::from(height)),
             (LensParameter::Cy, _) => (centre.y, free),
+            (LensParameter::Aspect, _) => (0.0, SQUARE_SIGMA),
+            (coefficient, _) if of.distortion == DistortionModel::Auto => {
+                (0.0, ORDINARY_LENS[lens as usize][coefficient as usize - LensParameter::K1 as usize])
+            }
             (LensParameter::K1 | LensParameter::K2, _) => (0.0, self.distortion_sigma),
             (LensParameter::P1 | LensParameter::P2 | LensParameter::K3, _) => (0.0, TANGENTIAL_SIGMA),
         })

@@ -4,10 +4,11 @@ use nalgebra::{Point2, Vector2};
 
 use super::measurement::{Measurement, Target};
 use super::model::Model;
-use super::prior::Prior;
+use super::prior::Priors;
 use super::problem::BundleAdjustment;
+use super::sheet::Sheet;
 use super::unknowns::Unknowns;
-use crate::geometry::{Pose, RectangleSize, Side};
+use crate::geometry::{RectangleSize, Side};
 
 /// Points that stand for a side of an expected view; their σ carries the information of all that would be measured.
 pub(crate) const POINTS_PER_SIDE: usize = 8;
@@ -31,10 +32,10 @@ pub(crate) struct ExpectedView {
 }
 
 impl ExpectedView {
-    /// Exact measurements of the sheet in a pose, as view `view`; `None` when part of the sheet is behind the camera.
+    /// Exact measurements of a sheet, as view `view`; `None` when part of the sheet is behind the camera.
     /// Projected corners that miss the sheet's plane are left out.
-    fn at(&self, model: &Model, pose: &Pose, view: usize) -> Option<Vec<Measurement>> {
-        let see = |p: Point2<f64>| model.camera.project(&pose.lift(p));
+    fn at(&self, model: &Model, sheet: &Sheet, view: usize) -> Option<Vec<Measurement>> {
+        let see = |p: Point2<f64>| model.camera.project(&sheet.lift_fixed(p));
         let corners = self.size.corners();
         let mut all = Vec::new();
         let mut add = |seen, sigma_px, of| all.push(Measurement { view, seen, sigma_px, of });
@@ -55,28 +56,27 @@ impl ExpectedView {
             }
         }
         for &(q, sigma_px) in &self.pattern {
-            if let Some(seen) = model.lit(pose, q).and_then(|p| model.camera.project(&p)) {
+            if let Some(seen) = model.lit(sheet, q).and_then(|p| model.camera.project(&p)) {
                 add(seen, sigma_px, Target::Pair(q));
             }
         }
         Some(all)
     }
 
-    /// The problem that photographs in these poses pose, and the model with these views.
+    /// The problem that photographs of these sheets pose, and the model with these views.
     pub(crate) fn problem(
         &self,
         model: &Model,
-        poses: &[Pose],
+        sheets: &[Sheet],
         unknowns: &Unknowns,
-        priors: &[Prior],
+        priors: &Priors,
     ) -> Option<(BundleAdjustment, Model)> {
         let mut all = Vec::new();
-        for (i, pose) in poses.iter().enumerate() {
-            all.extend(self.at(model, pose, i)?);
+        for (i, sheet) in sheets.iter().enumerate() {
+            all.extend(self.at(model, sheet, i)?);
         }
-        let sizes = vec![self.size; poses.len()];
-        let problem = BundleAdjustment::new(sizes, all, unknowns.with_views(poses.len()), priors.to_vec());
-        Some((problem, model.with_views(poses)))
+        let problem = BundleAdjustment::new(all, unknowns.with_views(sheets.len()), priors.clone());
+        Some((problem, model.with_views(sheets)))
     }
 
     /// The same with one σ for everything on the sheet and one for the projected corners, px.
@@ -90,10 +90,10 @@ impl ExpectedView {
     }
 
     /// Whether the whole pattern falls on the sheet.
-    pub(crate) fn holds_pattern(&self, model: &Model, pose: &Pose) -> bool {
-        let back = pose.inverse();
+    pub(crate) fn holds_pattern(&self, model: &Model, sheet: &Sheet) -> bool {
+        let back = sheet.pose.inverse();
         let on_sheet = |q| {
-            let p = back.transform(&model.lit(pose, q)?);
+            let p = back.transform(&model.lit(sheet, q)?);
             Some((0.0..=self.size.width_mm).contains(&p.x) && (0.0..=self.size.height_mm).contains(&p.y))
         };
         self.pattern.iter().all(|&(q, _)| on_sheet(q).unwrap_or(false))

@@ -5,9 +5,10 @@ use nalgebra::{DMatrix, DMatrixView};
 use super::covariance::correlations;
 use super::expected_view::{ExpectedSheet, ExpectedView, POINTS_PER_SIDE};
 use super::model::Model;
+use super::prior::Priors;
 use super::residual::POSE;
+use super::sheet::Sheet;
 use super::unknowns::Unknowns;
-use crate::geometry::Pose;
 use crate::parameter::{Parameter, PoseParameter};
 use crate::rig::Rig;
 
@@ -21,9 +22,9 @@ pub(crate) fn implied_noise(rig: &Rig, model: &Model, view: &ExpectedView) -> Op
         (at + POSE <= information.nrows()).then(|| information.view((at, at), (POSE, POSE)).into_owned())
     };
     let unit = view.clone().with_noise([1.0; 2]);
-    let unknowns = Unknowns::all(1);
-    let jacobian = |pose: &Pose| {
-        let (problem, model) = unit.problem(model, &[*pose], &unknowns, &[])?;
+    let unknowns = Unknowns::all(1, false);
+    let jacobian = |sheet: &Sheet| {
+        let (problem, model) = unit.problem(model, &[*sheet], &unknowns, &Priors::default())?;
         Some(problem.at(&model)?.jacobian)
     };
     let gram = |j: DMatrixView<f64>| j.transpose() * j;
@@ -39,8 +40,8 @@ pub(crate) fn implied_noise(rig: &Rig, model: &Model, view: &ExpectedView) -> Op
     if model.projector.is_some() {
         let at = POSE + unknowns.projector_from_camera()?;
         let mut between = DMatrix::zeros(POSE, POSE);
-        for pose in &model.views {
-            let j = jacobian(pose)?;
+        for sheet in &model.views {
+            let j = jacobian(sheet)?;
             between += gram(j.view((0, at), (j.nrows(), POSE)));
         }
         weight = mean(between, &block(Parameter::ProjectorFromCamera(PoseParameter::Rx))?)?;

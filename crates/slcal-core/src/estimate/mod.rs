@@ -8,6 +8,8 @@
 pub(crate) mod assumptions;
 pub(crate) mod covariance;
 pub(crate) mod expected_view;
+pub(crate) mod flatness;
+pub(crate) mod hyperparameters;
 pub(crate) mod implied_noise;
 pub(crate) mod measurement;
 pub(crate) mod model;
@@ -17,6 +19,7 @@ pub(crate) mod problem;
 pub(crate) mod propagation;
 pub(crate) mod residual;
 pub(crate) mod robust;
+pub(crate) mod sheet;
 pub(crate) mod solution;
 #[cfg(test)]
 mod tests;
@@ -25,8 +28,11 @@ pub(crate) mod validate;
 
 pub(crate) use assumptions::Lens;
 pub(crate) use expected_view::ExpectedView;
+pub(crate) use flatness::Flatness;
 pub(crate) use measurement::{Kind, Measurement, Target, measurements};
 pub(crate) use model::Model;
+pub(crate) use prior::Priors;
 pub(crate) use problem::BundleAdjustment;
+pub(crate) use sheet::Sheet;
 pub(crate) use solution::Solution;
 pub(crate) use unknowns::Unknowns;

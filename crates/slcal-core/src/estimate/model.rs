@@ -4,8 +4,9 @@ use nalgebra::{DVector, Point2, Point3, Rotation3, Vector3};
 
 use super::assumptions::Lens;
 use super::residual::{LENS, lit_point};
+use super::sheet::Sheet;
 use super::unknowns::Unknowns;
-use crate::geometry::{Camera, Distortion, Intrinsics, Plane, Pose, Ray};
+use crate::geometry::{Camera, Distortion, Intrinsics, Pose, SheetBend};
 use crate::parameter::{LensParameter, Parameter, PoseParameter};
 use crate::rig::Rig;
 
@@ -20,14 +21,15 @@ pub(crate) struct Model {
     pub(crate) camera: Camera,
     pub(crate) projector: Option<Camera>,
     pub(crate) projector_from_camera: Pose,
-    /// The sheet in the camera frame, view by view.
-    pub(crate) views: Vec<Pose>,
+    /// The sheet, view by view.
+    pub(crate) views: Vec<Sheet>,
 }
 
-/// Values of a lens in the order of its parameters, the focal length as ln f.
+/// Values of a lens in the order of its parameters, focal length and aspect as logarithms.
 pub(crate) fn lens_values(c: &Camera) -> [f64; LENS] {
     let d = c.distortion;
-    [c.intrinsics.fx.ln(), c.intrinsics.cx, c.intrinsics.cy, d.k1, d.k2, d.p1, d.p2, d.k3]
+    let k = c.intrinsics;
+    [k.fx.ln(), k.cx, k.cy, d.k1, d.k2, d.p1, d.p2, d.k3, (k.fy / k.fx).ln()]
 }
 
 /// fx, fy and skew grow together.
@@ -38,7 +40,7 @@ fn moved_lens(c: &Camera, lens: Lens, unknowns: &Unknowns, delta: &DVector<f64>)
     let l = c.distortion;
     let intrinsics = Intrinsics {
         fx: k.fx * grow,
-        fy: k.fy * grow,
+        fy: k.fy * grow * d[8].exp(),
         skew: k.skew * grow,
         cx: k.cx + d[1],
         cy: k.cy + d[2],
@@ -61,6 +63,14 @@ fn moved_pose(p: &Pose, at: usize, delta: &DVector<f64>) -> Pose {
     Pose { rotation: turn * p.rotation, translation: p.translation + shift }
 }
 
+fn moved_sheet(sheet: &Sheet, unknowns: &Unknowns, view: usize, delta: &DVector<f64>) -> Sheet {
+    let mut bend = sheet.bend;
+    if let Some(at) = unknowns.bend(view) {
+        bend.0.iter_mut().enumerate().for_each(|(k, c)| *c += delta[at + k]);
+    }
+    Sheet { pose: moved_pose(&sheet.pose, unknowns.view(view), delta), bend, ..*sheet }
+}
+
 impl Model {
     /// A rig with all of its views.
     pub(crate) fn of_rig(rig: &Rig) -> Self {
@@ -68,12 +78,20 @@ impl Model {
             camera: rig.camera.model,
             projector: rig.projector.map(|p| p.device.model),
             projector_from_camera: rig.projector.map_or(Pose::identity(), |p| p.from_camera.pose),
-            views: rig.views.iter().map(|v| v.camera_from_sheet).collect(),
+            views: rig
+                .views
+                .iter()
+                .map(|v| Sheet {
+                    pose: v.camera_from_sheet,
+                    size: v.size,
+                    bend: v.bend.map_or(SheetBend::FLAT, |b| b.shape),
+                })
+                .collect(),
         }
     }
 
     /// The same devices with other views.
-    pub(crate) fn with_views(&self, views: &[Pose]) -> Self {
+    pub(crate) fn with_views(&self, views: &[Sheet]) -> Self {
         Self { views: views.to_vec(), ..*self }
     }
 
@@ -96,19 +114,14 @@ impl Model {
             projector_from_camera: unknowns
                 .projector_from_camera()
                 .map_or(self.projector_from_camera, |at| moved_pose(&self.projector_from_camera, at, delta)),
-            views: self
-                .views
-                .iter()
-                .enumerate()
-                .map(|(i, v)| moved_pose(v, unknowns.view(i), delta))
-                .collect(),
+            views: self.views.iter().enumerate().map(|(i, v)| moved_sheet(v, unknowns, i, delta)).collect(),
         })
     }
 
     /// The natural unit of each unknown: 1 for ln f, angles and coefficients, the width for pixels, the distance of the
     /// furthest sheet for lengths.
     pub(crate) fn units(&self, unknowns: &Unknowns) -> Vec<f64> {
-        let distance = self.views.iter().map(|v| v.translation.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let distance = self.views.iter().map(|v| v.pose.translation.norm()).fold(f64::MIN_POSITIVE, f64::max);
         let lens = |lens: Lens, p| match p {
             LensParameter::Cx | LensParameter::Cy => self.lens(lens).map_or(1.0, |c| f64::from(c.width)),
             _ => 1.0,
@@ -118,6 +131,7 @@ impl Model {
             Parameter::Camera(p) => lens(Lens::Camera, p),
             Parameter::Projector(p) => lens(Lens::Projector, p),
             Parameter::ProjectorFromCamera(p) | Parameter::View(_, p) => pose(p),
+            Parameter::Bend(..) => distance,
             Parameter::Other(_) => 1.0,
         };
         unknowns.parameters().into_iter().map(unit).collect()
@@ -125,24 +139,24 @@ impl Model {
 
     /// Removes the drift from orthonormality that products of rotations collect.
     pub(crate) fn renormalise(&mut self) {
-        for pose in self.views.iter_mut().chain([&mut self.projector_from_camera]) {
+        let sheets = self.views.iter_mut().map(|v| &mut v.pose);
+        for pose in sheets.chain([&mut self.projector_from_camera]) {
             pose.rotation.renormalize();
         }
     }
 
-    /// Where a projector pixel falls on a sheet, in the camera frame; `None` when it misses the plane.
-    pub(crate) fn lit(&self, sheet: &Pose, q: Point2<f64>) -> Option<Point3<f64>> {
+    /// Where a projector pixel falls on a sheet, in the camera frame; `None` when it misses it.
+    pub(crate) fn lit(&self, sheet: &Sheet, q: Point2<f64>) -> Option<Point3<f64>> {
         lit_point(self.projector.as_ref()?, &self.projector_from_camera, sheet, q)
     }
 
-    /// A camera pixel cast onto a sheet, in the camera frame; `None` when its ray misses the plane.
-    pub(crate) fn on_sheet(&self, sheet: &Pose, seen: Point2<f64>) -> Option<Point3<f64>> {
-        let plane = Plane::from_point_normal(&sheet.translation.into(), sheet.rotation * Vector3::z())?;
-        Ray { origin: Point3::origin(), direction: self.camera.bearing(seen)? }.meet(&plane)
+    /// A camera pixel cast onto a sheet, in the camera frame; `None` when its ray misses it.
+    pub(crate) fn on_sheet(&self, sheet: &Sheet, seen: Point2<f64>) -> Option<Point3<f64>> {
+        sheet.meet(Point3::origin(), self.camera.bearing(seen)?).map(|hit| hit.point)
     }
 
     /// A camera pixel cast onto a sheet and seen from the projector, projector px.
-    pub(crate) fn on_panel(&self, sheet: &Pose, seen: Point2<f64>) -> Option<Point2<f64>> {
+    pub(crate) fn on_panel(&self, sheet: &Sheet, seen: Point2<f64>) -> Option<Point2<f64>> {
         let point = self.projector_from_camera.transform(&self.on_sheet(sheet, seen)?);
         self.projector.as_ref()?.project(&point)
     }

@@ -1,48 +1,54 @@
 //! Bundle adjustment: residuals and Jacobian of all views, stacked and divided by their σ. A row depends on the devices and
 //! on the pose of its own view alone, so that the cost grows linearly with the number of views.
 
-use nalgebra::{DVector, Point2, Vector2};
+use nalgebra::{DVector, Vector2};
 
 use super::assumptions::Lens;
-use super::measurement::{Measurement, Target};
+use super::measurement::{Kind, Measurement, Target};
 use super::model::Model;
-use super::prior::Prior;
-use super::residual::{self, POSE, Residual};
+use super::prior::Priors;
+use super::residual::{self, BEND, POSE, Residual};
 use super::robust::RobustProblem;
 use super::unknowns::Unknowns;
-use crate::geometry::RectangleSize;
+use crate::geometry::SheetBend;
 use crate::parameter::LensParameter;
 use crate::solve::{Block, Linearised, Loss, Problem, Structure};
 
 /// Measurements of some views and what is known beforehand.
 #[derive(Debug, Clone)]
 pub(crate) struct BundleAdjustment {
-    /// Of the sheet in each view.
-    pub(crate) sizes: Vec<RectangleSize>,
     /// Ordered by view.
     pub(crate) measurements: Vec<Measurement>,
     pub(crate) unknowns: Unknowns,
-    pub(crate) priors: Vec<Prior>,
-    /// Of the measurements, then of the priors.
+    pub(crate) priors: Priors,
+    /// Of the measurements, then of the bends' priors, then of the lenses'.
     pub(crate) blocks: Vec<Block>,
     rows_of_views: Vec<usize>,
 }
 
 impl BundleAdjustment {
-    pub(crate) fn new(
-        sizes: Vec<RectangleSize>,
-        mut measurements: Vec<Measurement>,
-        unknowns: Unknowns,
-        priors: Vec<Prior>,
-    ) -> Self {
+    pub(crate) fn new(mut measurements: Vec<Measurement>, unknowns: Unknowns, priors: Priors) -> Self {
         measurements.sort_by_key(|m| m.view);
-        let mut rows_of_views = vec![0; sizes.len()];
+        let mut rows_of_views = vec![0; unknowns.views()];
         for m in &measurements {
             rows_of_views[m.view] += m.rows();
         }
-        let rows = measurements.iter().map(Measurement::rows).chain(priors.iter().map(|_| 1));
+        let known = priors.bends.len() * BEND + priors.lenses.len();
+        let rows = measurements.iter().map(Measurement::rows).chain(std::iter::repeat_n(1, known));
         let blocks = rows.map(|len| Block { len, loss: Loss::Square }).collect();
-        Self { sizes, measurements, unknowns, priors, blocks, rows_of_views }
+        Self { measurements, unknowns, priors, blocks, rows_of_views }
+    }
+
+    /// The same with the σ of edge points and the widths of the priors on bends (of order 2, and of 3 and 4) multiplied.
+    pub(crate) fn weighted(&self, edges: f64, bends: [f64; 2]) -> Option<Self> {
+        let mut other = self.clone();
+        for m in other.measurements.iter_mut().filter(|m| m.kind() == Kind::Edge) {
+            m.sigma_px *= edges;
+        }
+        for (k, sigma) in other.priors.bends.iter_mut().flat_map(|b| b.iter_mut().enumerate()) {
+            *sigma *= bends[usize::from(SheetBend::order(k) > 2)];
+        }
+        (edges * bends[0] * bends[1]).is_finite().then_some(other)
     }
 
     /// Number of residuals, those of the priors included.
@@ -51,24 +57,21 @@ impl BundleAdjustment {
     }
 
     fn residual(&self, model: &Model, m: &Measurement) -> Option<Residual> {
-        let (camera, pose) = (&model.camera, model.views.get(m.view)?);
+        let (camera, sheet) = (&model.camera, model.views.get(m.view)?);
         match m.of {
-            Target::Edge(side) => residual::edge(camera, pose, self.sizes[m.view], side, m.seen),
-            Target::SheetCorner(corner) => residual::sheet_corner(camera, pose, corner, m.seen),
+            Target::Edge(side) => residual::edge(camera, sheet, side, m.seen),
+            Target::SheetCorner(corner) => residual::sheet_corner(camera, sheet, corner, m.seen),
             Target::Pair(q) => {
                 let projector = model.projector.as_ref()?;
                 let between = &model.projector_from_camera;
-                residual::projected_corner(camera, projector, between, pose, q, m.seen)
+                residual::projected_corner(camera, projector, between, sheet, q, m.seen)
             }
         }
     }
 
     /// Lines do not distinguish front from behind: the sheet's corners do.
     fn in_front(&self, model: &Model) -> bool {
-        model.views.iter().zip(&self.sizes).all(|(pose, size)| {
-            let depth = |c: Point2<f64>| pose.lift(c).z;
-            size.corners().into_iter().all(|c| depth(c) > 0.0)
-        })
+        model.views.iter().all(|sheet| sheet.size.corners().into_iter().all(|c| sheet.lift(c).z > 0.0))
     }
 
     /// How far every measurement is from the model, as camera px from where it was seen to where it is expected.
@@ -84,21 +87,25 @@ impl BundleAdjustment {
     }
 
     fn put(&self, to: &mut Linearised, at: usize, rows: usize, r: &Residual, weight: f64) {
+        let width = self.unknowns.width();
         for k in 0..rows {
             to.residuals[at + k] = r.value[k] * weight;
             let mut row = to.jacobian.row_mut(at + k);
             for (lens, by_lens) in Lens::ALL.into_iter().zip(&r.lenses) {
                 for parameter in LensParameter::ALL {
                     if let Some(c) = self.unknowns.lens(lens, parameter) {
-                        row[POSE + c] = by_lens[(k, parameter as usize)] * weight;
+                        row[width + c] = by_lens[(k, parameter as usize)] * weight;
                     }
                 }
             }
             for i in 0..POSE {
                 row[i] = r.view[(k, i)] * weight;
                 if let Some(c) = self.unknowns.projector_from_camera() {
-                    row[POSE + c + i] = r.projector_from_camera[(k, i)] * weight;
+                    row[width + c + i] = r.projector_from_camera[(k, i)] * weight;
                 }
+            }
+            for i in 0..width - POSE {
+                row[POSE + i] = r.bend[(k, i)] * weight;
             }
         }
     }
@@ -112,7 +119,13 @@ impl Problem for BundleAdjustment {
     }
 
     fn structure(&self) -> Structure<'_> {
-        Structure { shared: self.unknowns.shared, width: POSE, groups: &self.rows_of_views }
+        let more = if self.priors.bends.is_empty() { 0 } else { BEND };
+        Structure {
+            shared: self.unknowns.shared,
+            width: self.unknowns.width(),
+            groups: &self.rows_of_views,
+            more,
+        }
     }
 
     fn linearise(&self, model: &Model, to: &mut Linearised) -> Option<()> {
@@ -125,10 +138,17 @@ impl Problem for BundleAdjustment {
             self.put(to, at, m.rows(), &self.residual(model, m)?, 1.0 / m.sigma_px);
             at += m.rows();
         }
-        for p in &self.priors {
+        for (sigmas, sheet) in self.priors.bends.iter().zip(&model.views) {
+            for (k, (sigma, c)) in sigmas.iter().zip(sheet.bend.0).enumerate() {
+                to.residuals[at] = c / sigma;
+                to.jacobian[(at, POSE + k)] = 1.0 / sigma;
+                at += 1;
+            }
+        }
+        for p in &self.priors.lenses {
             to.residuals[at] = p.residual(model)?;
             if let Some(c) = self.unknowns.lens(p.lens, p.parameter) {
-                to.jacobian[(at, POSE + c)] = 1.0 / p.sigma;
+                to.jacobian[(at, self.unknowns.width() + c)] = 1.0 / p.sigma;
             }
             at += 1;
         }

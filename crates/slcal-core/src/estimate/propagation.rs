@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector, Point2};
 
 use super::model::Model;
+use super::sheet::Sheet;
 use super::unknowns::Unknowns;
-use crate::geometry::{Pose, RectangleSize};
 
 /// Usual step of the differences, in σ of the unknown: far above rounding, far below curvature.
 pub(crate) const STEP_SIGMAS: f64 = 1e-3;
@@ -36,16 +36,31 @@ pub(crate) fn propagate<const N: usize>(
     sigma.iter().all(|s| s.is_finite()).then_some(sigma)
 }
 
-/// 1σ along the camera's ray of a point at the middle of a sheet, from stripe noise and a covariance whose first unknowns are
-/// those that all views share, mm.
-pub(crate) fn point_sigma(
+/// 1σ along the camera's ray of a point at the middle of a sheet, mm, and the point's distance from the camera, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct DepthSigma {
+    /// What the rig's own uncertainty contributes.
+    pub(crate) of_rig: f64,
+    /// What the noise of a stripe contributes.
+    pub(crate) of_stripe: f64,
+    pub(crate) distance: f64,
+}
+
+impl DepthSigma {
+    /// Both together, mm.
+    pub(crate) fn total(&self) -> f64 {
+        self.of_rig.hypot(self.of_stripe)
+    }
+}
+
+/// The σ of a point's depth from stripe noise and a covariance whose first unknowns are those that all views share.
+pub(crate) fn depth_sigma(
     model: &Model,
     unknowns: &Unknowns,
     covariance: &DMatrix<f64>,
-    sheet: &Pose,
-    size: RectangleSize,
-) -> Option<f64> {
-    let middle = sheet.lift(size.centre());
+    sheet: &Sheet,
+) -> Option<DepthSigma> {
+    let middle = sheet.lift(sheet.size.centre());
     let pixel = model.camera.project(&middle)?;
     let lit = model.projector.as_ref()?.project(&model.projector_from_camera.transform(&middle))?;
     let length = model.camera.bearing(pixel)?.norm();
@@ -58,6 +73,6 @@ pub(crate) fn point_sigma(
     let shared = covariance.view((0, 0), (unknowns.shared, unknowns.shared)).into_owned();
     let [of_rig] =
         propagate(&shared, STEP_SIGMAS, |step| Some([depth(&devices.moved(unknowns, step)?, 0.0)?]))?;
-    let sigma = of_rig.hypot(noise);
-    sigma.is_finite().then_some(sigma)
+    let sigma = DepthSigma { of_rig, of_stripe: noise.abs(), distance: middle.coords.norm() };
+    sigma.total().is_finite().then_some(sigma)
 }

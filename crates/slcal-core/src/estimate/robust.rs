@@ -3,7 +3,9 @@
 //! The loss starts convex (Huber) and ends redescending (Tukey), with the cutoff at a multiple of the inliers' own scale.
 
 use super::measurement::{Kind, Measurement};
-use crate::solve::{Block, Loss, Problem, minimise, polish, robust_scale};
+use crate::solve::{
+    Block, CONVERGED_DECREASE, INITIAL_DAMPING, Loss, Problem, minimise_from, polish, robust_scale,
+};
 
 /// Cutoff of the convex first round, in the measurements' own σ.
 const FIRST_CUTOFF: f64 = 3.0;
@@ -22,6 +24,10 @@ const FEWEST_FOR_ROBUST: usize = 12;
 const MAX_ROUNDS: usize = 8;
 /// Rounds end when the scales change by less than this part.
 const SCALE_CHANGE: f64 = 0.02;
+/// Until the scales are found, χ² is minimised to this: the parameters are then within a thirtieth of their σ.
+const COARSE_DECREASE: f64 = 1e-3;
+/// Damping where the minimum is near.
+const NEAR_DAMPING: f64 = 1e-9;
 
 /// A problem whose first blocks are measurements, some of which may be outliers.
 pub(crate) trait RobustProblem: Problem {
@@ -104,7 +110,7 @@ pub(crate) fn fit<P: RobustProblem>(
     spent: [usize; 2],
 ) -> Option<RobustFit<P::State>> {
     set_losses(problem, [Loss::Huber(FIRST_CUTOFF); 2]);
-    let mut minimum = minimise(problem, start)?;
+    let mut minimum = minimise_from(problem, start, INITIAL_DAMPING, COARSE_DECREASE)?;
     let mut iterations = minimum.iterations;
     let mut before = [f64::MAX; 2];
     for _ in 0..MAX_ROUNDS {
@@ -116,9 +122,11 @@ pub(crate) fn fit<P: RobustProblem>(
         }
         before = now;
         set_losses(problem, redescending(now));
-        minimum = minimise(problem, minimum.state)?;
+        minimum = minimise_from(problem, minimum.state, NEAR_DAMPING, COARSE_DECREASE)?;
         iterations += minimum.iterations;
     }
+    minimum = minimise_from(problem, minimum.state, NEAR_DAMPING, CONVERGED_DECREASE)?;
+    iterations += minimum.iterations;
     // What damping left of the way would depend on the order of the views.
     minimum = polish(problem, minimum);
     P::renormalise(&mut minimum.state);

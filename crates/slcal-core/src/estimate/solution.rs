@@ -5,13 +5,21 @@ use nalgebra::DMatrix;
 use super::assumptions::Lens;
 use super::covariance::posterior;
 use super::expected_view::{ExpectedSheet, ExpectedView, POINTS_PER_SIDE};
+use super::hyperparameters::{self, EdgeNoise};
 use super::measurement::{Kind, Measurement, Target};
 use super::model::Model;
+use super::prior::{LensPrior, Priors};
 use super::problem::BundleAdjustment;
+use super::propagation::{DepthSigma, depth_sigma};
 use super::robust::{self, RobustFit};
+use super::sheet::Sheet;
 use super::unknowns::Unknowns;
 use crate::geometry::Pose;
 use crate::parameter::LensParameter;
+
+/// Rounds of fitting and learning the weights, and the change of any of them (of its logarithm) that ends them.
+const LEARNING_ROUNDS: usize = 3;
+const LEARNED: f64 = 0.04;
 
 /// Relative σ of the focal lengths.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +52,10 @@ pub(crate) struct Solution {
     pub(crate) fit: RobustFit<Model>,
     /// Of the problem's unknowns, focal lengths as ln f.
     pub(crate) covariance: DMatrix<f64>,
+    /// What was learned of the noise of edge points, against the σ that were stated.
+    pub(crate) edge_noise: EdgeNoise,
+    /// By how much the priors on bends of order 2, and of orders 3 and 4, were widened.
+    pub(crate) bend_widths: [f64; 2],
 }
 
 impl Solution {
@@ -51,7 +63,53 @@ impl Solution {
     pub(crate) fn refine(mut problem: BundleAdjustment, start: Model) -> Option<Self> {
         let fit = robust::fit(&mut problem, start, [0; 2])?;
         let covariance = posterior(&problem, &fit.state, &fit.inliers, fit.widened)?;
-        Some(Self { problem, fit, covariance })
+        let edge_noise = EdgeNoise { inflation: 1.0, length_px: 0.0 };
+        Some(Self { problem, fit, covariance, edge_noise, bend_widths: [1.0; 2] })
+    }
+
+    /// The solution with the weights that it asks for itself: the noise of edge points with its correlation, and how far
+    /// sheets bend. σ that were stated are never taken for too large.
+    pub(crate) fn with_learned_weights(self) -> Self {
+        let stated = self.problem.clone();
+        let mut best = self;
+        for _ in 0..LEARNING_ROUNDS {
+            let Solution { problem, fit, edge_noise, bend_widths, .. } = &best;
+            let noise = hyperparameters::edge_noise(problem, &fit.state, &fit.inliers);
+            let noise = noise.map_or(*edge_noise, |n| EdgeNoise {
+                inflation: (n.inflation * edge_noise.inflation).max(1.0),
+                ..n
+            });
+            let mut expected = problem.clone();
+            expected.priors.bends.clone_from(&stated.priors.bends);
+            let widths =
+                hyperparameters::bend_widths(&expected, &fit.state, &fit.inliers).unwrap_or(*bend_widths);
+            let lenses: Vec<LensPrior> =
+                problem.priors.lenses.iter().map(|p| p.reconciled(&fit.state)).collect();
+            let learned = [
+                noise.inflation / edge_noise.inflation,
+                widths[0] / bend_widths[0],
+                widths[1] / bend_widths[1],
+            ];
+            let widened = lenses.iter().zip(&problem.priors.lenses).map(|(new, old)| new.sigma / old.sigma);
+            if learned.into_iter().chain(widened).all(|c| c.ln().abs() < LEARNED) {
+                break;
+            }
+            let with_lenses = |mut p: BundleAdjustment| {
+                p.priors.lenses = lenses;
+                p
+            };
+            let Some(next) = stated
+                .weighted(noise.inflation, widths)
+                .map(with_lenses)
+                .and_then(|p| Self::refine(p, fit.state.clone()))
+            else {
+                break;
+            };
+            let iterations = fit.iterations + next.fit.iterations;
+            best = Self { edge_noise: noise, bend_widths: widths, ..next };
+            best.fit.iterations = iterations;
+        }
+        best
     }
 
     pub(crate) fn model(&self) -> &Model {
@@ -65,6 +123,12 @@ impl Solution {
 
     pub(crate) fn focal_sigma(&self) -> FocalSigma {
         FocalSigma::of(&self.covariance, &self.problem.unknowns)
+    }
+
+    /// σ of the depth of a point at the middle of each view's sheet.
+    pub(crate) fn depth_sigmas(&self) -> impl Iterator<Item = DepthSigma> {
+        let (model, unknowns) = (self.model(), &self.problem.unknowns);
+        model.views.iter().filter_map(|sheet| depth_sigma(model, unknowns, &self.covariance, sheet))
     }
 
     /// Every measurement with the norm of its residual (px), and whether it was kept.
@@ -94,13 +158,17 @@ impl Solution {
         }
         let per_point = |i: f64| (POINTS_PER_SIDE as f64 / i.max(f64::MIN_POSITIVE)).sqrt();
         let sheet = corner.map_or(ExpectedSheet::Sides(information.map(per_point)), ExpectedSheet::Corners);
-        ExpectedView { size: self.problem.sizes[view], sheet, pattern }
+        ExpectedView { size: self.model().views[view].size, sheet, pattern }
     }
 
     /// Expected σ when the first view's sheet is seen in each of `poses` instead.
     pub(crate) fn predict(&self, poses: &[Pose]) -> Option<FocalSigma> {
         let BundleAdjustment { unknowns, priors, .. } = &self.problem;
-        let (problem, model) = self.expected_view(0).problem(self.model(), poses, unknowns, priors)?;
+        let size = self.model().views.first()?.size;
+        let sheets: Vec<Sheet> = poses.iter().map(|pose| Sheet::flat(*pose, size)).collect();
+        let bends = priors.bends.first().map_or_else(Vec::new, |first| vec![*first; poses.len()]);
+        let priors = Priors { lenses: priors.lenses.clone(), bends };
+        let (problem, model) = self.expected_view(0).problem(self.model(), &sheets, unknowns, &priors)?;
         let covariance = posterior(&problem, &model, &vec![true; problem.measurements.len()], [1.0; 2])?;
         Some(FocalSigma::of(&covariance, unknowns))
     }
@@ -108,7 +176,7 @@ impl Solution {
     /// σ of the focal lengths if the principal points were known exactly.
     pub(crate) fn with_exact_principal_points(&self) -> Option<FocalSigma> {
         let mut tight = self.problem.clone();
-        for p in &mut tight.priors {
+        for p in &mut tight.priors.lenses {
             // A prior of (almost) no width takes the unknown out without renumbering.
             if matches!(p.parameter, LensParameter::Cx | LensParameter::Cy) {
                 p.sigma *= 1e-4;

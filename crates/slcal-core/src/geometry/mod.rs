@@ -13,6 +13,7 @@ mod point;
 mod pose;
 mod ray;
 mod rectangle;
+mod sheet_bend;
 mod warp;
 
 pub use camera::{Camera, Intrinsics};
@@ -29,5 +30,7 @@ pub use pose::Pose;
 pub(crate) use pose::nearest_rotation;
 public_with! { "stages": pub use ray::Ray; }
 pub use rectangle::RectangleSize;
-pub(crate) use rectangle::Side;
+pub(crate) use rectangle::{Side, length_mm};
+pub use sheet_bend::SheetBend;
+pub(crate) use sheet_bend::Terms;
 public_with! { "stages": pub use warp::Warp; }

@@ -155,10 +155,7 @@ impl FromStr for RectangleSize {
             let sides = numbers.split(['x', '×']).map(|side| side.trim().parse::<f64>());
             sides.collect::<std::result::Result<Vec<_>, _>>().ok().and_then(|s| <[f64; 2]>::try_from(s).ok())
         };
-        let unit = [("mm", 1.0), ("cm", 10.0), ("in", 25.4)]
-            .iter()
-            .find_map(|&(unit, mm)| Some((lower.strip_suffix(unit)?, mm)));
-        let Some((numbers, mm)) = unit else {
+        let Some((numbers, mm)) = with_unit(&lower) else {
             let why = if sides(&lower).is_some() { " without a unit" } else { "" };
             return Err(wrong(why));
         };
@@ -168,6 +165,18 @@ impl FromStr for RectangleSize {
         }
         Self::new(width, height)
     }
+}
+
+/// A text without the unit of length that it ends with, and that unit in mm.
+fn with_unit(text: &str) -> Option<(&str, f64)> {
+    let units = [("mm", 1.0), ("cm", 10.0), ("in", 25.4)];
+    units.iter().find_map(|&(unit, mm)| Some((text.strip_suffix(unit)?, mm)))
+}
+
+/// A length with a unit, such as `0.5mm`, in mm.
+pub(crate) fn length_mm(text: &str) -> Option<f64> {
+    let (number, mm) = with_unit(text)?;
+    number.trim().parse().ok().map(|n: f64| n * mm).filter(|l| l.is_finite())
 }
 
 #[cfg(test)]

@@ -73,7 +73,7 @@ fn rig_share(rig: &Rig, matches: &Matches) -> Option<f64> {
     if known.parameters.iter().any(|p| matches!(p, Parameter::Other(_))) {
         return None;
     }
-    let unknowns = Unknowns::all(0);
+    let unknowns = Unknowns::all(0, false);
     let model = Model::of_rig(rig).with_views(&[]);
     // Of the bare rig, whose points need no σ of their own.
     let bare = Rig { covariance: None, views: Vec::new(), quality: None, ..rig.clone() };

@@ -37,7 +37,7 @@ impl RigSigma {
     pub(super) fn of(rig: &Rig) -> Option<Self> {
         let covariance = rig.covariance.as_ref()?;
         // Poses of the sheet play no part.
-        let all = Unknowns::all(0);
+        let all = Unknowns::all(0, false);
         let shared =
             covariance.parameters.iter().enumerate().filter(|(_, p)| !matches!(p, Parameter::View(..)));
         let places: Vec<(usize, usize)> =

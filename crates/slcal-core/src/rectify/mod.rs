@@ -226,15 +226,13 @@ fn largest(limits: &[Vector3<f64>], aspect: f64, size: RectangleSize) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::tests::scene::{observe, pose, rig, rng};
-    use crate::calibrate::{CalibrateConfig, calibrate_observations};
+    use crate::calibrate::calibrate_observations;
+    use crate::calibrate::tests::scene::{ideal, observe, pose, rig, rng};
     use crate::geometry::{Distortion, ProjectivePoint};
 
     fn calibrated() -> Rig {
         let truth = rig(768.0, vec![pose(25.0, 28.0)]);
-        calibrate_observations(&observe(&truth, 0.01, 0.01, &mut rng(1)), &CalibrateConfig::default())
-            .unwrap()
-            .rig
+        calibrate_observations(&observe(&truth, 0.01, 0.01, &mut rng(1)), &ideal()).unwrap().rig
     }
 
     #[test]

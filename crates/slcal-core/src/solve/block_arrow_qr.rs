@@ -14,15 +14,17 @@ pub(crate) struct Structure<'a> {
     pub(crate) shared: usize,
     /// Unknowns of each group.
     pub(crate) width: usize,
-    /// How many consecutive rows belong to each group, in order; the rows after these depend on shared unknowns alone.
+    /// How many consecutive rows belong to each group, in order.
     pub(crate) groups: &'a [usize],
+    /// After these, so many rows more for each group; the rest depends on shared unknowns alone.
+    pub(crate) more: usize,
 }
 
 impl Structure<'static> {
     /// Every row depends on every unknown.
     #[must_use]
     pub(crate) fn dense(unknowns: usize) -> Self {
-        Self { shared: unknowns, width: 0, groups: &[] }
+        Self { shared: unknowns, width: 0, groups: &[], more: 0 }
     }
 }
 
@@ -39,16 +41,23 @@ impl Structure<'_> {
         self.shared + self.width * self.groups.len()
     }
 
+    /// Rows that belong to groups.
+    fn rows_of_groups(&self) -> usize {
+        self.groups.iter().sum::<usize>() + self.more * self.groups.len()
+    }
+
     /// Where the unknowns of a group begin.
-    fn start(&self, group: usize) -> usize {
+    pub(super) fn start(&self, group: usize) -> usize {
         self.shared + self.width * group
     }
 
     /// The rows of each group and of the rest, as (group, first row, number of rows).
     fn parts(&self, rows: usize) -> impl Iterator<Item = (Option<usize>, usize, usize)> {
         let mut at = 0;
-        let rest: usize = rows.saturating_sub(self.groups.iter().sum());
-        let counts = self.groups.iter().enumerate().map(|(g, n)| (Some(g), *n)).chain([(None, rest)]);
+        let rest: usize = rows.saturating_sub(self.rows_of_groups());
+        let more = (0..if self.more > 0 { self.groups.len() } else { 0 }).map(|g| (Some(g), self.more));
+        let counts =
+            self.groups.iter().enumerate().map(|(g, n)| (Some(g), *n)).chain(more).chain([(None, rest)]);
         counts.map(move |(group, n)| {
             at += n;
             (group, at - n, n)
@@ -86,7 +95,7 @@ fn absorb(top: &mut DMatrix<f64>, below: &mut [f64], rows: usize, pivots: usize)
 
 /// The triangular factor R and the right-hand side c of min |J·y + r|: R·y = −c.
 #[derive(Debug, Clone)]
-struct Factor {
+pub(super) struct Factor {
     /// Of each group [R | S | c]: its own triangle, what it shares, the right-hand side.
     heads: Vec<DMatrix<f64>>,
     /// Of the shared unknowns [R | c].
@@ -94,13 +103,13 @@ struct Factor {
 }
 
 impl Factor {
-    fn zeros(s: &Structure) -> Self {
+    pub(super) fn zeros(s: &Structure) -> Self {
         let heads = vec![DMatrix::zeros(s.width, s.columns() + 1); s.groups.len()];
         Self { heads, root: DMatrix::zeros(s.shared, s.shared + 1) }
     }
 
     /// Adds rows [J_group | J_shared | r], column-major; `rows` is overwritten.
-    fn add(&mut self, group: Option<usize>, rows: &mut [f64], count: usize) {
+    pub(super) fn add(&mut self, group: Option<usize>, rows: &mut [f64], count: usize) {
         if count == 0 {
             return;
         }
@@ -110,6 +119,53 @@ impl Factor {
         }
         let shared = self.root.nrows();
         absorb(&mut self.root, &mut rows[width * count..], count, shared);
+    }
+
+    /// Adds weighted rows of a Jacobian and their residuals, unknowns in units of `scale`.
+    pub(super) fn add_weighted(
+        &mut self,
+        s: &Structure,
+        jacobian: &DMatrix<f64>,
+        residuals: &[f64],
+        weights: &[f64],
+        scale: &DVector<f64>,
+        work: &mut Vec<f64>,
+    ) {
+        let rows = jacobian.nrows();
+        for (group, first, count) in s.parts(rows) {
+            let weights = &weights[first..first + count];
+            work.clear();
+            for c in 0..s.columns() {
+                let scale = match group {
+                    _ if c >= s.width => scale[c - s.width],
+                    Some(g) => scale[s.start(g) + c],
+                    None => f64::INFINITY,
+                };
+                let column = &jacobian.as_slice()[c * rows + first..][..count];
+                work.extend(column.iter().zip(weights).map(|(x, w)| x * w / scale));
+            }
+            work.extend(residuals[first..first + count].iter().zip(weights).map(|(r, w)| r * w));
+            self.add(group, work, count);
+        }
+    }
+
+    /// Adds the rows of another factor of the same structure, multiplied by `weight`.
+    pub(super) fn add_factor(&mut self, s: &Structure, other: &Self, weight: f64) {
+        for (group, head) in other.heads.iter().enumerate() {
+            let mut rows: Vec<f64> = head.iter().map(|x| x * weight).collect();
+            self.add(Some(group), &mut rows, s.width);
+        }
+        let mut rows = vec![0.0; s.shared * (s.columns() + 1)];
+        for (to, x) in rows[s.width * s.shared..].iter_mut().zip(&other.root) {
+            *to = x * weight;
+        }
+        self.add(None, &mut rows, s.shared);
+    }
+
+    /// The triangles with their right-hand sides in the last column, and the number of unknowns of each.
+    pub(super) fn triangles<'a>(&'a self, s: &Structure) -> impl Iterator<Item = (&'a DMatrix<f64>, usize)> {
+        let (width, shared) = (s.width, s.shared);
+        self.heads.iter().map(move |head| (head, width)).chain([(&self.root, shared)])
     }
 
     /// Adds one row per unknown with `diagonal` on its diagonal.
@@ -180,6 +236,25 @@ impl Factor {
     }
 }
 
+/// Norms of the columns of a weighted Jacobian, one for each unknown; zero columns count as one, so that unknowns without effect
+/// do not change.
+pub(super) fn column_norms(s: &Structure, jacobian: &DMatrix<f64>, weights: &[f64]) -> DVector<f64> {
+    let mut scale = DVector::zeros(s.unknowns());
+    for (group, first, count) in s.parts(jacobian.nrows()) {
+        for (c, column) in jacobian.column_iter().enumerate() {
+            let unknown = match group {
+                _ if c >= s.width => c - s.width,
+                Some(g) => s.start(g) + c,
+                None => continue,
+            };
+            let rows = &column.as_slice()[first..first + count];
+            scale[unknown] += rows.iter().zip(&weights[first..]).map(|(x, w)| (x * w).powi(2)).sum::<f64>();
+        }
+    }
+    scale.apply(|x: &mut f64| *x = if *x > 0.0 { x.sqrt() } else { 1.0 });
+    scale
+}
+
 /// A weighted problem with columns scaled to unit length, reduced to its factor. The memory is reused.
 pub(super) struct Reduced {
     factor: Factor,
@@ -195,22 +270,8 @@ impl Reduced {
         Self { factor, damped, scale: DVector::zeros(s.unknowns()), work: Vec::new() }
     }
 
-    /// Column norms; zero columns count as one, so that unknowns without effect do not change.
     fn measure(&mut self, s: &Structure, jacobian: &DMatrix<f64>, weights: &[f64]) {
-        self.scale.fill(0.0);
-        for (group, first, count) in s.parts(jacobian.nrows()) {
-            for (c, column) in jacobian.column_iter().enumerate() {
-                let unknown = match group {
-                    _ if c >= s.width => c - s.width,
-                    Some(g) => s.start(g) + c,
-                    None => continue,
-                };
-                let rows = &column.as_slice()[first..first + count];
-                self.scale[unknown] +=
-                    rows.iter().zip(&weights[first..]).map(|(x, w)| (x * w).powi(2)).sum::<f64>();
-            }
-        }
-        self.scale.apply(|x| *x = if *x > 0.0 { x.sqrt() } else { 1.0 });
+        self.scale = column_norms(s, jacobian, weights);
     }
 
     /// Factorises min |W·(J·δ + r)|, W diagonal; `false` where numbers are not finite.
@@ -225,24 +286,9 @@ impl Reduced {
         if !self.scale.iter().all(|x| x.is_finite()) {
             return false;
         }
-        let rows = jacobian.nrows();
         self.factor.root.fill(0.0);
         self.factor.heads.iter_mut().for_each(|h| h.fill(0.0));
-        for (group, first, count) in s.parts(rows) {
-            let weights = &weights[first..first + count];
-            self.work.clear();
-            for c in 0..s.columns() {
-                let scale = match group {
-                    _ if c >= s.width => self.scale[c - s.width],
-                    Some(g) => self.scale[s.start(g) + c],
-                    None => f64::INFINITY,
-                };
-                let column = &jacobian.as_slice()[c * rows + first..][..count];
-                self.work.extend(column.iter().zip(weights).map(|(x, w)| x * w / scale));
-            }
-            self.work.extend(residuals[first..first + count].iter().zip(weights).map(|(r, w)| r * w));
-            self.factor.add(group, &mut self.work, count);
-        }
+        self.factor.add_weighted(s, jacobian, residuals, weights, &self.scale, &mut self.work);
         true
     }
 
@@ -256,6 +302,19 @@ impl Reduced {
     }
 }
 
+/// By how much the step to the minimum of |W·(J·δ + r)|² lowers it; `None` when the matrix is singular.
+#[must_use]
+pub(crate) fn predicted_decrease(
+    s: &Structure,
+    jacobian: &DMatrix<f64>,
+    residuals: &[f64],
+    weights: &[f64],
+) -> Option<f64> {
+    let mut reduced = Reduced::new(s);
+    reduced.reduce(s, jacobian, residuals, weights).then_some(())?;
+    reduced.step(s, 0.0).map(|(_, decrease)| decrease)
+}
+
 /// (JᵀJ + D²)⁻¹ of a whitened Jacobian, by orthogonal reduction on scaled columns; rows and columns as in a step.
 ///
 /// `diagonal` is D: 1/σ of the prior of each unknown, 0 without one; empty without any prior.
@@ -265,7 +324,7 @@ pub(crate) fn covariance(s: &Structure, jacobian: &DMatrix<f64>, diagonal: &[f64
     let known = |i: usize| diagonal.get(i).copied().unwrap_or(0.0);
     let informed = jacobian.nrows() + diagonal.iter().filter(|d| **d != 0.0).count();
     let rows = jacobian.nrows();
-    if informed < s.unknowns() || jacobian.ncols() != s.columns() || rows < s.groups.iter().sum() {
+    if informed < s.unknowns() || jacobian.ncols() != s.columns() || rows < s.rows_of_groups() {
         return None;
     }
     let mut reduced = Reduced::new(s);
@@ -291,12 +350,12 @@ mod tests {
     use rand::{Rng, SeedableRng};
 
     const ROWS: [usize; 3] = [9, 14, 5];
-    const S: Structure = Structure { shared: 4, width: 3, groups: &ROWS };
+    const S: Structure = Structure { shared: 4, width: 3, groups: &ROWS, more: 2 };
 
     /// A Jacobian with the block-arrow structure, the same as a dense matrix, and residuals; columns of very different lengths.
     fn problem(s: &Structure, seed: u64) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-        let rows = s.groups.iter().sum::<usize>() + 2;
+        let rows = s.rows_of_groups() + 2;
         let mut thin = DMatrix::from_fn(rows, s.columns(), |_, c| {
             rng.random_range(-1.0..1.0) * 10f64.powi(2 * (c as i32 % 4) - 3)
         });
@@ -367,10 +426,11 @@ mod tests {
 
         #[test]
         fn any_structure_gives_the_dense_solution(
-            shared in 1_usize..6, width in 1_usize..5, more in prop::collection::vec(7_usize..12, 1..6), seed: u64,
+            shared in 1_usize..6, width in 1_usize..5, surplus in prop::collection::vec(7_usize..12, 1..6),
+            extra in 0_usize..5, seed: u64,
         ) {
-            let groups: Vec<usize> = more.iter().map(|n| width + n).collect();
-            let s = Structure { shared, width, groups: &groups };
+            let groups: Vec<usize> = surplus.iter().map(|n| width + n - extra).collect();
+            let s = Structure { shared, width, groups: &groups, more: extra };
             let (thin, full, residuals) = problem(&s, seed);
             let mut reduced = Reduced::new(&s);
             prop_assert!(reduced.reduce(&s, &thin, residuals.as_slice(), &vec![1.0; full.nrows()]));
@@ -397,7 +457,7 @@ mod tests {
         assert!(covariance(&dense, &DMatrix::zeros(1, 2), &[]).is_none());
         assert!(covariance(&dense, &DMatrix::zeros(3, 2), &[]).is_none());
         // A group without rows keeps its prior.
-        let empty = Structure { shared: 1, width: 1, groups: &[0] };
+        let empty = Structure { shared: 1, width: 1, groups: &[0], more: 0 };
         let c = covariance(&empty, &DMatrix::from_element(1, 2, 2.0), &[0.0, 4.0]).unwrap();
         assert_eq!((c[(0, 0)], c[(1, 1)], c[(0, 1)]), (0.25, 0.0625, 0.0));
     }

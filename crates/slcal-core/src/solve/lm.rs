@@ -73,7 +73,8 @@ pub(crate) const CONVERGED_DECREASE: f64 = 1e-12;
 /// Predicted decrease below which a step without gain means convergence: a thousandth of the parameters' σ from the
 /// minimum.
 const STALLED_DECREASE: f64 = 1e-6;
-const INITIAL_DAMPING: f64 = 1e-4;
+/// Damping of a search whose start may be far from the minimum.
+pub(crate) const INITIAL_DAMPING: f64 = 1e-4;
 const MAX_DAMPING: f64 = 1e16;
 
 /// Sum of the blocks' costs.
@@ -101,6 +102,18 @@ fn set_weights(weights: &mut Vec<f64>, blocks: &[Block], residuals: &DVector<f64
 /// Minimises the problem's cost from `start`; `None` when the model is not defined there.
 #[must_use]
 pub(crate) fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minimum<P::State>> {
+    minimise_from(problem, start, INITIAL_DAMPING, CONVERGED_DECREASE)
+}
+
+/// The same with a damping to begin with (little near the minimum), until steps are predicted to lower the cost by less
+/// than `decrease`, in units of χ².
+#[must_use]
+pub(crate) fn minimise_from<P: Problem>(
+    problem: &P,
+    start: P::State,
+    mut damping: f64,
+    decrease: f64,
+) -> Option<Minimum<P::State>> {
     let (blocks, structure) = (problem.blocks(), problem.structure());
     let mut here = Linearised::zeros(problem);
     problem.linearise(&start, &mut here)?;
@@ -117,7 +130,6 @@ pub(crate) fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minim
     };
     reduce(&here, &mut reduced)?;
     let mut state = start;
-    let mut damping = INITIAL_DAMPING;
     let mut growth = 2.0;
     let mut iterations = 0;
     while iterations < problem.max_iterations() && damping < MAX_DAMPING {
@@ -131,7 +143,7 @@ pub(crate) fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minim
             let c = robust_cost(blocks, &there.residuals);
             c.is_finite().then_some((s, c))
         });
-        let small = predicted <= CONVERGED_DECREASE;
+        let small = predicted <= decrease;
         match tried {
             Some((s, c)) if c < cost => {
                 let gain = (cost - c) / predicted;
@@ -146,7 +158,7 @@ pub(crate) fn minimise<P: Problem>(problem: &P, start: P::State) -> Option<Minim
                 reduce(&here, &mut reduced)?;
             }
             // Rounding prevents a further decrease.
-            _ if predicted <= STALLED_DECREASE => break,
+            _ if predicted <= decrease.max(STALLED_DECREASE) => break,
             _ => {
                 damping *= growth;
                 growth *= 2.0;

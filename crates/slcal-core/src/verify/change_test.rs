@@ -105,10 +105,10 @@ fn corner_rms(posterior: &Posterior, fit: &PosteriorFit) -> f64 {
 
 /// Rms distance on the sheet between the corners as seen and where the rig, as it was, would throw them.
 fn pattern_off(posterior: &Posterior, fit: &PosteriorFit) -> Option<f64> {
-    let pose = fit.model.views.first()?;
+    let sheet = fit.model.views.first()?;
     // The rig may not even light the sheet there.
     let distance =
-        |seen, q| Some(nalgebra::distance(&fit.past.on_sheet(pose, seen)?, &fit.past.lit(pose, q)?));
+        |seen, q| Some(nalgebra::distance(&fit.past.on_sheet(sheet, seen)?, &fit.past.lit(sheet, q)?));
     let distances = posterior.measurements().iter().filter_map(|m| match m.of {
         Target::Pair(q) => distance(m.seen, q),
         _ => None,
@@ -176,14 +176,14 @@ pub(super) fn sheet_check(
 ) -> Option<SheetCheck> {
     let k = posterior.bound();
     let of_view = posterior.factor.rows(SHARED, POSE);
-    let (was, now) = (fit.past.views.first()?, fit.model.views.first()?);
+    let (was, now) = (&fit.past.views.first()?.pose, &fit.model.views.first()?.pose);
     let mut off = DVector::zeros(6);
     off.rows_mut(0, 3).copy_from(&now.rotation_vector_from(was));
     off.rows_mut(3, 3).copy_from(&(now.translation - was.translation));
-    let n = fit.covariance.nrows();
-    let mut by = DMatrix::zeros(6, n);
+    let at = k + fit.free.len();
+    let mut by = DMatrix::zeros(6, fit.covariance.nrows());
     by.view_mut((0, 0), (6, k)).copy_from(&-of_view);
-    by.view_mut((0, n - 6), (6, 6)).fill_with_identity();
+    by.view_mut((0, at), (6, 6)).fill_with_identity();
     let covariance = &by * &fit.covariance * by.transpose();
     let chi_squared = distance(&off, &covariance)?;
     let p_value = chi_squared_sf(chi_squared, 6);

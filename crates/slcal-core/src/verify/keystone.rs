@@ -40,10 +40,10 @@ const FIGURES: usize = 8;
 
 /// The corners on the sheet, mm.
 fn on_sheet(model: &Model, outline_px: &[Point2<f64>; 4]) -> Option<[Point2<f64>; 4]> {
-    let pose = model.views.first()?;
+    let sheet = model.views.first()?;
     let mut corners = [Point2::origin(); 4];
     for (corner, &q) in corners.iter_mut().zip(outline_px) {
-        *corner = pose.inverse().transform(&model.lit(pose, q)?).xy();
+        *corner = sheet.pose.inverse().transform(&model.lit(sheet, q)?).xy();
     }
     Some(corners)
 }

@@ -17,8 +17,8 @@ use nalgebra::Point2;
 
 use self::posterior_fit::Posterior;
 use crate::error::{Error, ErrorSubject, Result};
-use crate::estimate::Model;
 use crate::estimate::validate::validate;
+use crate::estimate::{Model, Sheet};
 use crate::geometry::{Pose, Warp};
 use crate::observations::{Observations, ViewObservation};
 use crate::parameter::{LensParameter, Parameter, PoseParameter};
@@ -176,7 +176,7 @@ pub(crate) fn verify(
         let fit = accepted.as_ref().unwrap_or(&free);
         change_test::sheet_check(&posterior, fit, seen.size, config.significance)
     });
-    let camera_from_sheet = *free.model.views.first().ok_or_else(inconsistent)?;
+    let camera_from_sheet = free.model.views.first().ok_or_else(inconsistent)?.pose;
     Ok(Verification {
         keystone,
         camera_from_sheet,
@@ -213,5 +213,6 @@ pub fn expected_corner(
     camera_from_sheet: &Pose,
     projector_px: Point2<f64>,
 ) -> Option<Point2<f64>> {
-    rig.camera.model.project(&Model::of_rig(rig).lit(camera_from_sheet, projector_px)?)
+    let size = rig.views.first()?.size;
+    rig.camera.model.project(&Model::of_rig(rig).lit(&Sheet::flat(*camera_from_sheet, size), projector_px)?)
 }

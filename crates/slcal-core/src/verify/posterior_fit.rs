@@ -13,10 +13,9 @@ use crate::estimate::covariance::UNINFORMATIVE;
 use crate::estimate::measurement::measurements;
 use crate::estimate::planar_pose::sheet_pose;
 use crate::estimate::propagation::propagate;
-use crate::estimate::residual::POSE;
 use crate::estimate::robust::{self, RobustFit, RobustProblem};
 use crate::estimate::unknowns::SHARED;
-use crate::estimate::{BundleAdjustment, Measurement, Model, Unknowns, covariance};
+use crate::estimate::{BundleAdjustment, Measurement, Model, Priors, Sheet, Unknowns, covariance};
 use crate::observations::Observations;
 use crate::parameter::Parameter;
 use crate::rig::Rig;
@@ -39,7 +38,7 @@ pub(super) struct State {
     freed: DVector<f64>,
 }
 
-/// The problem, with unknowns in the order y, what is free, pose now.
+/// The problem, with unknowns in the order y, what is free, pose (and bend) of the sheet now.
 #[derive(Clone)]
 pub(super) struct Posterior {
     /// The photograph.
@@ -77,16 +76,18 @@ impl Posterior {
     pub(super) fn new(rig: &Rig, seen: &Observations) -> Option<Self> {
         let view = seen.views.first()?;
         let whole = Model::of_rig(rig);
-        let start = whole.with_views(&[sheet_pose(view, &rig.camera.model)?]);
+        let start = whole.with_views(&[Sheet::flat(sheet_pose(view, &rig.camera.model)?, view.size)]);
         let counted = rig.views.len().min(VIEWS);
-        let unknowns = Unknowns::all(counted);
+        let bend = rig.views.first().and_then(|v| v.bend).map(|b| b.expected_mm);
+        let unknowns = Unknowns::all(counted, bend.is_some());
         let known = covariance::of_rig(rig, &unknowns)
             .unwrap_or_else(|| DMatrix::zeros(unknowns.len(), unknowns.len()));
         let factor = covariance::factor(&known);
         let past = RigViews::new(rig, whole.with_views(&whole.views[..counted]), &factor);
-        let units = start.units(&Unknowns::all(0));
-        let photograph =
-            BundleAdjustment::new(vec![view.size], measurements(seen), Unknowns::all(1), Vec::new());
+        let units = start.units(&Unknowns::all(0, false));
+        // The sheet bends by as much as those of the rig's own photographs may.
+        let priors = Priors { bends: bend.into_iter().collect(), ..Priors::default() };
+        let photograph = BundleAdjustment::new(measurements(seen), unknowns.with_views(1), priors);
         Some(Self { photograph, past, factor, start, units, free: Vec::new(), blocks: Vec::new() })
     }
 
@@ -100,7 +101,7 @@ impl Posterior {
     }
 
     fn with_free(&self, free: &[Parameter]) -> Self {
-        let all = Unknowns::all(0);
+        let all = Unknowns::all(0, false);
         let free: Vec<usize> = free.iter().filter_map(|p| all.position(p)).collect();
         let mut blocks = self.photograph.blocks.clone();
         let others = self.past.rows() + free.len();
@@ -132,12 +133,8 @@ impl Posterior {
             let factor = found.widened.get(m.kind() as usize).unwrap_or(&1.0);
             Measurement { sigma_px: m.sigma_px * factor, ..*m }
         });
-        same.photograph = BundleAdjustment::new(
-            self.photograph.sizes.clone(),
-            widened.collect(),
-            Unknowns::all(1),
-            Vec::new(),
-        );
+        let BundleAdjustment { unknowns, priors, .. } = self.photograph.clone();
+        same.photograph = BundleAdjustment::new(widened.collect(), unknowns, priors);
         same
     }
 
@@ -166,14 +163,14 @@ impl Posterior {
 
     /// The model after a step in [y, what is free, pose].
     fn moved(&self, model: &Model, free: &[usize], step: &DVector<f64>) -> Option<Model> {
-        let (k, f) = (self.bound(), free.len());
-        let mut delta = DVector::zeros(SHARED + POSE);
+        let (k, f, unknowns) = (self.bound(), free.len(), &self.photograph.unknowns);
+        let mut delta = DVector::zeros(unknowns.len());
         delta.rows_mut(0, SHARED).copy_from(&(self.factor.rows(0, SHARED) * step.rows(0, k)));
         for (c, &i) in free.iter().enumerate() {
             delta[i] += step[k + c] * self.units[i];
         }
-        delta.rows_mut(SHARED, POSE).copy_from(&step.rows(k + f, POSE));
-        model.moved(&Unknowns::all(1), &delta)
+        delta.rows_mut(SHARED, unknowns.width()).copy_from(&step.rows(k + f, unknowns.width()));
+        model.moved(unknowns, &delta)
     }
 }
 
@@ -185,7 +182,7 @@ impl Problem for Posterior {
     }
 
     fn structure(&self) -> Structure<'_> {
-        Structure::dense(self.bound() + self.free.len() + POSE)
+        Structure::dense(self.bound() + self.free.len() + self.photograph.unknowns.width())
     }
 
     fn linearise(&self, state: &State, to: &mut Linearised) -> Option<()> {
@@ -193,14 +190,15 @@ impl Problem for Posterior {
         let (by_past, past) = self.past.linearised(&state.past, &self.factor, &state.y)?;
         let (n, p) = (residuals.len(), past.len());
         let (k, f) = (self.bound(), self.free.len());
-        let by_shared = jacobian.columns(POSE, SHARED);
+        let width = self.photograph.unknowns.width();
+        let by_shared = jacobian.columns(width, SHARED);
         to.jacobian.fill(0.0);
         to.jacobian.view_mut((0, 0), (n, k)).copy_from(&(by_shared * self.factor.rows(0, SHARED)));
         for (c, &i) in self.free.iter().enumerate() {
             to.jacobian.view_mut((0, k + c), (n, 1)).copy_from(&(by_shared.column(i) * self.units[i]));
             to.jacobian[(n + p + c, k + c)] = 1.0 / UNINFORMATIVE;
         }
-        to.jacobian.view_mut((0, k + f), (n, POSE)).copy_from(&jacobian.columns(0, POSE));
+        to.jacobian.view_mut((0, k + f), (n, width)).copy_from(&jacobian.columns(0, width));
         to.jacobian.view_mut((n, 0), (p, k)).copy_from(&by_past);
         to.residuals.rows_mut(0, n).copy_from(&residuals);
         to.residuals.rows_mut(n, p).copy_from(&past);
@@ -211,7 +209,10 @@ impl Problem for Posterior {
     fn step(&self, state: &State, step: &DVector<f64>) -> Option<State> {
         let by_y = step.rows(0, self.bound());
         Some(State {
-            past: state.past.moved(&Unknowns::all(state.past.views.len()), &(&self.factor * by_y))?,
+            past: state.past.moved(
+                &self.photograph.unknowns.with_views(state.past.views.len()),
+                &(&self.factor * by_y),
+            )?,
             now: self.moved(&state.now, &self.free, step)?,
             y: &state.y + by_y,
             freed: &state.freed + step.rows(self.bound(), self.free.len()),

@@ -4,16 +4,15 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::expected_view::{ExpectedSheet, ExpectedView};
 use crate::estimate::implied_noise::implied_noise;
-use crate::estimate::residual::POSE;
 use crate::estimate::unknowns::SHARED;
-use crate::estimate::{BundleAdjustment, Model, Unknowns};
+use crate::estimate::{BundleAdjustment, Model, Priors, Unknowns};
 use crate::pattern::{CheckerConfig, CheckerPattern};
 use crate::rig::Rig;
 use crate::solve::{Linearised, Problem};
 
 /// A direction of y of whose information the rig's views hold this part or more is constrained by them: along a curve y
 /// itself moves by many σ there.
-const DETERMINED_BY_VIEWS: f64 = 0.5;
+const DETERMINED_BY_VIEWS: f64 = 0.1;
 
 /// The rig as it was calibrated, and what its first views constrain.
 #[derive(Clone)]
@@ -84,10 +83,11 @@ impl RigViews {
     fn of_views(&self, model: &Model, factor: &DMatrix<f64>) -> Option<(DMatrix<f64>, DVector<f64>)> {
         let problem = self.views.as_ref()?;
         let Linearised { residuals, jacobian } = problem.at(model)?;
-        let mut a = jacobian.columns(POSE, SHARED) * factor.rows(0, SHARED);
+        let width = problem.unknowns.width();
+        let mut a = jacobian.columns(width, SHARED) * factor.rows(0, SHARED);
         let mut at = 0;
         for (i, rows) in problem.structure().groups.iter().enumerate() {
-            let by_view = jacobian.view((at, 0), (*rows, POSE)) * factor.rows(SHARED + POSE * i, POSE);
+            let by_view = jacobian.view((at, 0), (*rows, width)) * factor.rows(SHARED + width * i, width);
             let mut own = a.rows_mut(at, *rows);
             own += by_view;
             at += rows;
@@ -107,7 +107,8 @@ fn expected_views(rig: &Rig, model: &Model) -> Option<BundleAdjustment> {
     let board = CheckerPattern::new(projector.size(), &CheckerConfig::default()).ok()?;
     let pattern = board.inner_corners().into_iter().map(|q| (q, 1.0)).collect();
     let mut view = ExpectedView { size, sheet: ExpectedSheet::Sides([1.0; 4]), pattern };
-    view.shrink_pattern(|view| whole.views.iter().all(|pose| view.holds_pattern(&whole, pose)));
+    view.shrink_pattern(|view| whole.views.iter().all(|sheet| view.holds_pattern(&whole, sheet)));
     let noise = implied_noise(rig, &whole, &view)?;
-    Some(view.with_noise(noise).problem(model, &model.views, &Unknowns::all(0), &[])?.0)
+    let unknowns = Unknowns::all(0, rig.views.first()?.bend.is_some());
+    Some(view.with_noise(noise).problem(model, &model.views, &unknowns, &Priors::default())?.0)
 }

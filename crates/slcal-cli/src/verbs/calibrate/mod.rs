@@ -187,6 +187,7 @@ fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
         method: args.method,
         distortion: args.distortion,
         projector_distortion: args.projector_distortion,
+        flatness: args.flatness,
         allow_degenerate: args.allow_degenerate,
         ..CalibrateConfig::default()
     };

@@ -20,7 +20,8 @@ struct Tilt {
 
 /// The tilt of 15° more that lowers the worst focal σ the most.
 fn best_tilt(solution: &Solution) -> Option<Tilt> {
-    let (pose, size) = (solution.model().views.first()?, *solution.problem.sizes.first()?);
+    let first = solution.model().views.first()?;
+    let (pose, size) = (&first.pose, first.size);
     let [_, about_x, about_y] = tilt(pose);
     let options = [("horizontal", Vector3::x_axis(), about_x), ("vertical", Vector3::y_axis(), about_y)];
     let tried = options.into_iter().filter_map(|(axis, direction, now): (_, Unit<Vector3<f64>>, f64)| {
@@ -47,15 +48,12 @@ pub(crate) fn percent(share: f64) -> String {
 
 /// One sentence of advice: what more tilt and what a photograph with the tilt reversed would bring.
 pub(crate) fn advise(solution: &Solution, sigma: f64) -> String {
-    let ([pose, others @ ..], [size, ..]) =
-        (solution.model().views.as_slice(), solution.problem.sizes.as_slice())
-    else {
-        return String::new();
-    };
+    let [first, others @ ..] = solution.model().views.as_slice() else { return String::new() };
+    let (pose, size) = (&first.pose, first.size);
     // All poses with the first as given, and one more that reverses it.
     let with_reversed = |p: &Pose| {
-        let mut poses = vec![*p, reversed(p, *size)];
-        poses.extend_from_slice(others);
+        let mut poses = vec![*p, reversed(p, size)];
+        poses.extend(others.iter().map(|v| v.pose));
         solution.predict(&poses).map(|s| s.worst())
     };
     let now = percent(sigma);

@@ -2,7 +2,7 @@
 
 use super::advice::percent;
 use crate::estimate::Solution;
-use crate::estimate::prior::Prior;
+use crate::estimate::prior::LensPrior;
 use crate::parameter::LensParameter;
 use crate::rig::Warning;
 
@@ -20,9 +20,9 @@ pub(crate) fn far_from_prior(solution: &Solution) -> Vec<(Warning, bool)> {
 }
 
 /// Of the priors of some parameters, the one whose parameter lies furthest from it, and by how many σ.
-fn furthest(solution: &Solution, of: impl Fn(LensParameter) -> bool) -> Option<(&Prior, f64)> {
-    let priors = solution.problem.priors.iter().filter(|p| of(p.parameter));
-    let offs = priors.filter_map(|p| Some((p, p.residual(solution.model())?)));
+fn furthest(solution: &Solution, of: impl Fn(LensParameter) -> bool) -> Option<(&LensPrior, f64)> {
+    let priors = solution.problem.priors.lenses.iter().filter(|p| of(p.parameter));
+    let offs = priors.filter_map(|p| Some((p, p.stated_residual(solution.model())?)));
     offs.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }
 
@@ -36,7 +36,7 @@ fn principal_point(solution: &Solution) -> Option<(Warning, bool)> {
             format!(
                 "{axis} of the {} lies {:.0} px from where it was expected, {:.1} σ",
                 prior.lens.name(),
-                off * prior.sigma,
+                off * prior.sigma / prior.widened,
                 off.abs()
             ),
             "check the sheet's size, and whether the photograph was cropped or the lens distorts",
@@ -48,7 +48,9 @@ fn principal_point(solution: &Solution) -> Option<(Warning, bool)> {
 /// The distortion coefficient that lies furthest from its prior, if far, and whether no lens has it: a bent sheet seen face-on
 /// passes for one.
 fn distortion(solution: &Solution) -> Option<(Warning, bool)> {
-    let (prior, off) = furthest(solution, |p| p as usize >= LensParameter::K1 as usize)?;
+    let (prior, off) = furthest(solution, |p| {
+        (LensParameter::K1 as usize..=LensParameter::K3 as usize).contains(&(p as usize))
+    })?;
     let (value, off) = (prior.value(solution.model())?, off.abs());
     (off > FAR_FROM_PRIOR).then(|| {
         let warning = Warning::new(

@@ -4,7 +4,7 @@ use crate::calibrate::variance_components::{NoiseOf, SMALLEST, assumed, diagonal
 use crate::error::{Error, ErrorSubject, Result};
 use crate::estimate::robust::{kept, whitened};
 use crate::estimate::validate::validate;
-use crate::estimate::{BundleAdjustment, Kind, Measurement, Model, Target, Unknowns, measurements};
+use crate::estimate::{BundleAdjustment, Kind, Measurement, Model, Priors, Target, Unknowns, measurements};
 use crate::geometry::Camera;
 use crate::observations::Observations;
 use crate::rig::Rig;
@@ -126,9 +126,8 @@ fn of_stated(rig: &Rig, observations: &Observations) -> Result<Vec<ViewResiduals
     validate(observations)?;
     belong_together(rig, observations)?;
     let model = Model::of_rig(rig);
-    let sizes: Vec<_> = observations.views.iter().map(|v| v.size).collect();
-    let unknowns = Unknowns::all(sizes.len());
-    let problem = BundleAdjustment::new(sizes, measurements(observations), unknowns, Vec::new());
+    let unknowns = Unknowns::all(observations.views.len(), false);
+    let problem = BundleAdjustment::new(measurements(observations), unknowns, Priors::default());
     let misses = problem.misses_px(&model).ok_or_else(|| {
         Error::invalid(
             ErrorSubject::Observations,
@@ -222,18 +221,22 @@ fn compare(views: &mut [ViewResiduals]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::tests::scene::{observe, pose, rig, rng, with_edges};
+    use crate::calibrate::tests::scene::{ideal, observe, pose, rig, rng, with_edges};
     use crate::calibrate::{CalibrateConfig, calibrate_observations};
     use crate::observations::SheetObservation;
 
     /// Three views with noise of 0.1 px, and the rig that is calibrated from them.
     fn calibrated(spoil: impl Fn(&mut Observations)) -> (Rig, Observations) {
+        calibrated_under(&ideal(), spoil)
+    }
+
+    fn calibrated_under(config: &CalibrateConfig, spoil: impl Fn(&mut Observations)) -> (Rig, Observations) {
         let truth = rig_of_views();
         let mut rng = rng(7);
         let seen = observe(&truth, 0.1, 0.1, &mut rng);
         let mut seen = with_edges(seen, &truth, 40, 0.1, &mut rng);
         spoil(&mut seen);
-        (calibrate_observations(&seen, &CalibrateConfig::default()).unwrap().rig, seen)
+        (calibrate_observations(&seen, config).unwrap().rig, seen)
     }
 
     fn rms(values: impl Iterator<Item = f64>) -> f64 {
@@ -242,7 +245,7 @@ mod tests {
 
     #[test]
     fn residuals_are_those_that_the_rig_states() {
-        let (rig, seen) = calibrated(|_| ());
+        let (rig, seen) = calibrated_under(&CalibrateConfig::default(), |_| ());
         let views = residuals(&rig, &seen).unwrap();
         for (view, of_rig) in views.iter().zip(&rig.views) {
             let stated = of_rig.rms_px.unwrap();
@@ -264,7 +267,7 @@ mod tests {
 
     #[test]
     fn what_is_expected_lies_on_the_model() {
-        let (rig, seen) = calibrated(|_| ());
+        let (rig, seen) = calibrated_under(&CalibrateConfig::default(), |_| ());
         let views = residuals(&rig, &seen).unwrap();
         // The nearest point of a side has no residual of its own.
         let mut exact = seen.clone();

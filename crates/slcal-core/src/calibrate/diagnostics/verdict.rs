@@ -5,11 +5,13 @@ use super::far_from_prior::far_from_prior;
 use crate::calibrate::config::CalibrateConfig;
 use crate::error::{Error, ErrorSubject};
 use crate::estimate::assumptions::PrincipalPointRule;
+use crate::estimate::hyperparameters::WIDEST;
 use crate::estimate::model::FOCAL_RANGE;
 use crate::estimate::solution::FocalSigma;
 use crate::estimate::{Kind, Lens, Solution};
 use crate::parameter::LensParameter;
 use crate::rig::{Verdict, Warning};
+use crate::solve::rms;
 
 /// Warnings about how well the geometry determines the result; all others are about what does not fit.
 const GEOMETRY_WARNINGS: [&str; 5] = [
@@ -26,6 +28,11 @@ const FACE_ON: f64 = 15.0 * std::f64::consts::PI / 180.0;
 const MISFIT: f64 = 3.0;
 /// A vertical principal point known no better than this part of the panel's height is undetermined.
 const SHIFT_UNDETERMINED: f64 = 0.25;
+/// Known no better than this part, the focal length cannot be trusted either: the two trade off along a curve, which σ does not
+/// follow.
+const SHIFT_UNKNOWN: f64 = 0.5;
+/// Focal lengths of ordinary lenses in units of the longer side of the image: 118° to 3° of view.
+const ORDINARY_FOCAL: [f64; 2] = [0.3, 20.0];
 /// Shares of measurements left out by the robust loss that deserve a warning.
 const MANY_OUTLIERS: f64 = 0.3;
 /// Code of the warning about corners given by hand that do not fit.
@@ -36,6 +43,8 @@ const ALIKE: f64 = std::f64::consts::PI / 180.0;
 /// The verdict with its reason, and all warnings.
 pub(crate) struct Assessment {
     pub(crate) sigma: FocalSigma,
+    /// Relative σ of depth at the sheet's distance.
+    pub(crate) depth: Option<f64>,
     pub(crate) verdict: Verdict,
     /// How the sheet is seen and how well the focal length is known from it.
     cause: String,
@@ -58,6 +67,12 @@ impl Assessment {
             self.verdict = to;
             self.doubt = Some(warning.clone());
         }
+    }
+
+    /// Whether the photographs determine no rig at all: that of a depth alone does not count.
+    pub(crate) fn is_refused(&self) -> bool {
+        let by_depth_alone = self.doubt.is_none() && self.sigma.worst() < Verdict::WEAK_BELOW;
+        self.verdict == Verdict::Degenerate && !by_depth_alone
     }
 
     /// Why the verdict is what it is, and what to do: the geometry, or what is worse than σ indicates.
@@ -91,13 +106,19 @@ impl Assessment {
     }
 }
 
-/// Why the focal length is as uncertain as it is; `limited` is whether the principal point is what limits it.
-fn cause(solution: &Solution, sigma: &FocalSigma, config: &CalibrateConfig, limited: bool) -> String {
+/// Why the rig is as uncertain as it is; `limited` is whether the principal point is what limits it.
+fn cause(
+    solution: &Solution,
+    sigma: &FocalSigma,
+    depth: Option<f64>,
+    config: &CalibrateConfig,
+    limited: bool,
+) -> String {
     let of_projector = sigma.projector.is_some_and(|p| p > sigma.camera);
     let (device, rule) =
         if of_projector { ("projector", config.projector_pp) } else { ("camera", config.camera_pp) };
     let model = solution.model();
-    let tilts = |k: usize| model.views.iter().map(|v| tilt(v)[k].abs()).fold(0.0, f64::max);
+    let tilts = |k: usize| model.views.iter().map(|v| tilt(&v.pose)[k].abs()).fold(0.0, f64::max);
     let [all, about_x, about_y] = [tilts(0), tilts(1), tilts(2)];
     let seen = if all < FACE_ON {
         format!("the sheet is seen almost face-on ({:.1}°)", all.to_degrees())
@@ -108,6 +129,13 @@ fn cause(solution: &Solution, sigma: &FocalSigma, config: &CalibrateConfig, limi
             about_y.to_degrees()
         )
     };
+    if let Some(depth) = depth.filter(|d| *d > sigma.worst()) {
+        return format!(
+            "{seen}: σ of the depth of a point at the sheet's distance is {}, more than that of the focal lengths ({})",
+            percent(depth),
+            percent(sigma.worst())
+        );
+    }
     let alone = model.views.len() == 1 && rule == PrincipalPointRule::Free && sigma.worst() > 0.0;
     let (free, because) = match (alone, limited) {
         (true, _) => (" with its principal point free, which one photograph does not determine,", ""),
@@ -123,18 +151,28 @@ fn cause(solution: &Solution, sigma: &FocalSigma, config: &CalibrateConfig, limi
 /// Assesses a maximum-likelihood solution.
 pub(crate) fn assess(solution: &Solution, config: &CalibrateConfig) -> Assessment {
     let sigma = solution.focal_sigma();
+    let depth = depth(solution);
     let limited = exact_would_be(solution, &sigma);
     let mut assessment = Assessment {
         sigma,
-        verdict: Verdict::of_focal_sigma(sigma.worst()),
-        cause: cause(solution, &sigma, config, limited.is_some()),
+        depth,
+        verdict: Verdict::of_focal_sigma(sigma.worst().max(depth.unwrap_or(0.0))),
+        cause: cause(solution, &sigma, depth, config, limited.is_some()),
         advice: advise(solution, sigma.worst()),
         doubt: None,
         warnings: Vec::new(),
     };
-    if let Some(w) = implausible_focal(solution) {
-        assessment.worsen(Verdict::Degenerate, &w);
+    if let Some((w, verdict)) = implausible_focal(solution) {
+        assessment.worsen(verdict, &w);
         assessment.warnings.push(w);
+    }
+    if let Some(w) = bent(solution) {
+        assessment.worsen(Verdict::Fair, &w);
+        assessment.warnings.push(w);
+    }
+    let shift = shift_undetermined(solution, config);
+    if let Some(w) = shift.as_ref().filter(|_| shift_unknown(solution)) {
+        assessment.worsen(Verdict::Weak, w);
     }
     let misfits = misfits(solution);
     let far = far_from_prior(solution);
@@ -149,30 +187,71 @@ pub(crate) fn assess(solution: &Solution, config: &CalibrateConfig) -> Assessmen
         warnings.push(Warning::new(code, cause.clone(), advice.clone()));
     }
     warnings.extend(limited.map(|exact| principal_point_limited(&exact, advice)));
-    warnings.extend(shift_undetermined(solution, config));
+    warnings.extend(shift);
     warnings.extend(far.into_iter().map(|(w, _)| w));
     warnings.extend(misfits);
     warnings.extend(poses_alike(solution));
     assessment
 }
 
-/// A focal length at the end of the range that the search is confined to.
-fn implausible_focal(solution: &Solution) -> Option<Warning> {
+/// The relative σ of depth that the rig's own uncertainty causes at the sheets' distance.
+fn depth(solution: &Solution) -> Option<f64> {
+    rms(solution.depth_sigmas().map(|s| s.of_rig / s.distance))
+}
+
+/// A focal length outside the range of ordinary lenses, or at the end of the range that the search is confined to.
+fn implausible_focal(solution: &Solution) -> Option<(Warning, Verdict)> {
     Lens::ALL.into_iter().find_map(|lens| {
         let device = solution.model().lens(lens)?;
         solution.sigma(lens, LensParameter::Focal)?;
         let in_sides = device.intrinsics.fx / f64::from(device.width.max(device.height));
-        (!(FOCAL_RANGE[0] * 1.5..FOCAL_RANGE[1] / 1.5).contains(&in_sides)).then(|| {
-            Warning::new(
+        let within = |range: [f64; 2]| (range[0]..range[1]).contains(&in_sides);
+        (!within(ORDINARY_FOCAL)).then(|| {
+            let searched = within([FOCAL_RANGE[0] * 1.5, FOCAL_RANGE[1] / 1.5]);
+            let warning = Warning::new(
                 "focal-length-outlandish",
                 format!(
                     "the focal length of the {} is implausible: {in_sides:.3} times the longer side of its image",
                     lens.name()
                 ),
                 "check the sheet's size and corners, and the principal point",
-            )
+            );
+            (warning, if searched { Verdict::Weak } else { Verdict::Degenerate })
         })
     })
+}
+
+/// A sheet that bends further than the prior on it was allowed to widen.
+fn bent(solution: &Solution) -> Option<Warning> {
+    let limit = WIDEST * 0.99;
+    if solution.bend_widths.iter().all(|w| *w < limit) {
+        return None;
+    }
+    let sags = solution.model().views.iter().map(|v| (v, v.bend.sag_mm(v.size)));
+    let (i, (sheet, (sag, at))) = sags.enumerate().max_by(|a, b| a.1.1.0.total_cmp(&b.1.1.0))?;
+    let part = |x: f64, length: f64, names: [&'static str; 3]| names[((3.0 * x / length) as usize).min(2)];
+    let place = format!(
+        "{} {}",
+        part(at.y, sheet.size.height_mm, ["top", "middle", "bottom"]),
+        part(at.x, sheet.size.width_mm, ["left", "centre", "right"])
+    );
+    let diagonal = sheet.size.width_mm.hypot(sheet.size.height_mm);
+    Some(Warning::new(
+        "sheet-bent",
+        format!(
+            "the sheet is bent: in photograph {} by {sag:.1} mm from valley to peak ({} of its diagonal), most at the {place}",
+            i + 1,
+            percent(sag / diagonal)
+        ),
+        "tape the sheet to a flat board or a wall and take the photographs again; σ covers the bend as far as it has the shape of a \
+         smooth surface",
+    ))
+}
+
+/// Whether a projector's lens shift is so uncertain that its focal length hangs in the air with it.
+fn shift_unknown(solution: &Solution) -> bool {
+    let height = solution.model().projector.map_or(f64::INFINITY, |p| f64::from(p.height));
+    solution.sigma(Lens::Projector, LensParameter::Cy).is_some_and(|s| s > SHIFT_UNKNOWN * height)
 }
 
 /// What σ would be if principal points were known exactly, where it is mostly them.
@@ -217,7 +296,8 @@ fn misfits(solution: &Solution) -> Vec<Warning> {
         [(Kind::Edge, "the sheet's edge points", "edge"), (Kind::Pair, "the projected corners", "corner")]
     {
         let [out, all] = solution.outliers(kind);
-        let widened = solution.fit.widened[kind as usize];
+        let learned = if kind == Kind::Edge { solution.edge_noise.inflation } else { 1.0 };
+        let widened = solution.fit.widened[kind as usize] * learned;
         if widened > MISFIT {
             warnings.push(Warning::new(
                 &format!("{code}-residuals-large"),
@@ -242,7 +322,7 @@ fn misfits(solution: &Solution) -> Vec<Warning> {
 fn poses_alike(solution: &Solution) -> Option<Warning> {
     let views = &solution.model().views;
     (1..views.len()).find_map(|j| {
-        let i = views[..j].iter().position(|v| v.rotation_vector_from(&views[j]).norm() < ALIKE)?;
+        let i = views[..j].iter().position(|v| v.pose.rotation_vector_from(&views[j].pose).norm() < ALIKE)?;
         Some(Warning::new(
             "poses-alike",
             format!(

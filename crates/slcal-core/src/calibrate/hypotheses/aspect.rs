@@ -5,9 +5,12 @@
 use super::misfit::{Misfit, misfit};
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::maximum_likelihood::problem;
+use crate::estimate::robust::{RobustProblem as _, kept};
 use crate::estimate::{Model, Solution};
 use crate::observations::Observations;
 use crate::rig::Warning;
+use crate::solve::{Problem as _, Structure, predicted_decrease};
+use nalgebra::DMatrix;
 
 /// Distance from the given proportion, in σ, that is reported. By chance it is passed once in 16 000 photographs.
 const DOUBTFUL: f64 = 4.0;
@@ -17,15 +20,48 @@ const NEAR: f64 = 2e-4;
 const STEP: f64 = 0.01;
 const DOUBLINGS: usize = 6;
 
-/// The fit of the sheet alone with its proportion changed by a factor e^`change`, area kept.
-fn fit_at(sheet: &Observations, config: &CalibrateConfig, from: &Solution, change: f64) -> Option<Misfit> {
-    let mut o = sheet.clone();
-    for view in &mut o.views {
+/// The camera and its views with the proportion of the sheets changed by a factor e^`change`, area kept.
+fn with_proportion(model: &Model, change: f64) -> Model {
+    let mut model = Model { projector: None, ..model.clone() };
+    for view in &mut model.views {
         view.size.width_mm *= (change / 2.0).exp();
         view.size.height_mm *= (-change / 2.0).exp();
     }
-    let model = Model { projector: None, ..from.model().clone() };
-    Some(misfit(&Solution::refine(problem(&o, config, &model), model)?))
+    model
+}
+
+/// By how much χ² would fall to first order with the proportion free: the test of the score, which asks for no fit.
+fn promised(sheet: &Observations, config: &CalibrateConfig, from: &Solution) -> Option<f64> {
+    let model = with_proportion(from.model(), 0.0);
+    let problem = problem(sheet, config, &model);
+    let here = problem.at(&model)?;
+    let residuals = |change| problem.at(&with_proportion(&model, change)).map(|at| at.residuals);
+    let by_change = (residuals(NEAR)? - residuals(-NEAR)?) / (2.0 * NEAR);
+    let norms = problem.norms_px(&model)?;
+    let mut weights = Vec::new();
+    for ((m, keep), block) in
+        problem.measurements.iter().zip(kept(&problem.measurements, &norms)).zip(&problem.blocks)
+    {
+        debug_assert_eq!(block.len, m.rows());
+        weights.resize(weights.len() + block.len, if keep { 1.0 } else { 0.0 });
+    }
+    weights.resize(here.residuals.len(), 1.0);
+    let structure = problem.structure();
+    let decrease = |structure: &Structure, jacobian: &DMatrix<f64>| {
+        predicted_decrease(structure, jacobian, here.residuals.as_slice(), &weights)
+    };
+    let fixed = decrease(&structure, &here.jacobian)?;
+    let last = here.jacobian.ncols();
+    let mut wider = here.jacobian.insert_column(last, 0.0);
+    wider.set_column(last, &by_change);
+    let free = decrease(&Structure { shared: structure.shared + 1, ..structure }, &wider)?;
+    Some(free - fixed)
+}
+
+/// The fit of the sheet alone with its proportion changed by a factor e^`change`, area kept.
+fn fit_at(sheet: &Observations, config: &CalibrateConfig, from: &Solution, change: f64) -> Option<Misfit> {
+    let model = with_proportion(from.model(), change);
+    Some(misfit(&Solution::refine(problem(sheet, config, &model), model)?))
 }
 
 /// How well each change of the proportion fits.
@@ -110,6 +146,9 @@ pub(crate) fn hint(
     }
     let mut sheet = observations.clone();
     sheet.projector = None;
+    if promised(&sheet, config, solved).is_some_and(|gain| gain < DOUBTFUL * DOUBTFUL) {
+        return None;
+    }
     let Found { change, sigma, beats } = Search { sheet: &sheet, config, from: solved }.run()?;
     if beats < DOUBTFUL || change.abs() < NEAR {
         return None;

@@ -1,6 +1,6 @@
 //! χ² of a solution in the measurements' own σ, which may be compared between solutions.
 
-use crate::estimate::{Solution, prior};
+use crate::estimate::Solution;
 use crate::solve::Loss;
 
 /// Residuals beyond this many σ count linearly: a few outliers cannot decide, and a view that does not fit still shows.
@@ -23,7 +23,7 @@ impl Misfit {
 /// Of all measurements, outliers too, and of the priors.
 pub(crate) fn misfit(solution: &Solution) -> Misfit {
     let loss = Loss::Huber(LINEAR_BEYOND);
-    let mut of = Misfit { chi2: prior::chi_squared(&solution.problem.priors, solution.model()), rows: 0 };
+    let mut of = Misfit { chi2: solution.problem.priors.chi_squared(solution.model()), rows: 0 };
     for (m, norm, _) in solution.measured() {
         of.chi2 += loss.cost((norm / m.sigma_px).powi(2));
         of.rows += m.rows();

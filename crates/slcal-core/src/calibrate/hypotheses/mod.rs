@@ -3,7 +3,5 @@
 pub(crate) mod aspect;
 pub(crate) mod centimetres;
 pub(crate) mod contradiction;
-pub(crate) mod distortion_choice;
 mod misfit;
-pub(crate) mod repeated;
 pub(crate) mod transposed;

@@ -9,10 +9,10 @@ use self::lens_shift::focal_and_shift;
 use self::metric::{centred, focal_from_homographies};
 use crate::calibrate::config::CalibrateConfig;
 use crate::error::{Error, ErrorSubject, Result};
-use crate::estimate::Model;
 use crate::estimate::assumptions::PrincipalPointRule;
 use crate::estimate::model::FOCAL_RANGE;
 use crate::estimate::planar_pose::{CUTOFF, TRIMMING_ROUNDS, camera_from_sheet, pose_from_homography};
+use crate::estimate::{Model, Sheet};
 use crate::geometry::{Camera, Distortion, Homography, Intrinsics, Pose};
 use crate::observations::{Observations, ViewObservation};
 use crate::solve::{homography_from_points, robust_scale};
@@ -115,12 +115,11 @@ pub(crate) fn camera_starts(
     let models = candidates
         .into_iter()
         .filter_map(|camera| {
-            let poses: Option<Vec<Pose>> = homographies
-                .iter()
-                .zip(&observations.views)
-                .map(|(h, v)| pose_from_homography(h, &camera.intrinsics, v.size.centre()))
-                .collect();
-            Some(Model { camera, projector: None, projector_from_camera: Pose::identity(), views: poses? })
+            let sheet = |(h, v): (&Homography, &ViewObservation)| {
+                Some(Sheet::flat(pose_from_homography(h, &camera.intrinsics, v.size.centre())?, v.size))
+            };
+            let views: Option<Vec<Sheet>> = homographies.iter().zip(&observations.views).map(sheet).collect();
+            Some(Model { camera, projector: None, projector_from_camera: Pose::identity(), views: views? })
         })
         .collect();
     Ok((models, complaint))
@@ -128,9 +127,9 @@ pub(crate) fn camera_starts(
 
 /// The homography sheet (mm) → projector of each view: camera pixels of the pairs are cast onto the sheet.
 fn projector_homographies(observations: &Observations, model: &Model) -> Result<Vec<Homography>> {
-    let of_view = |(view, pose): (&ViewObservation, &Pose)| {
-        let sheet_from_camera = pose.inverse();
-        let on_sheet = |p| Some(sheet_from_camera.transform(&model.on_sheet(pose, p)?).xy());
+    let of_view = |(view, sheet): (&ViewObservation, &Sheet)| {
+        let sheet_from_camera = sheet.pose.inverse();
+        let on_sheet = |p| Some(sheet_from_camera.transform(&model.on_sheet(sheet, p)?).xy());
         let pairs: Vec<_> =
             view.pairs.iter().filter_map(|p| Some((on_sheet(p.camera)?, p.projector))).collect();
         robust_homography(&pairs)
@@ -177,8 +176,8 @@ pub(crate) fn projector_starts(
                 .iter()
                 .zip(&observations.views)
                 .zip(&model.views)
-                .filter_map(|((h, v), pose)| {
-                    Some(pose_from_homography(h, &k, v.size.centre())?.compose(&pose.inverse()))
+                .filter_map(|((h, v), sheet)| {
+                    Some(pose_from_homography(h, &k, v.size.centre())?.compose(&sheet.pose.inverse()))
                 })
                 .collect();
             Some(Model {

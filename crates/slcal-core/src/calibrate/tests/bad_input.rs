@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::scene::{observe, pose, rig, rng};
+use super::scene::{ideal, observe, pose, rig, rng};
 use crate::calibrate::*;
 use crate::error::Error;
 use crate::observations::{Observations, SheetObservation};
@@ -23,7 +23,7 @@ fn exact() -> CalibrateConfig {
         camera_pp: PrincipalPointRule::Centre,
         projector_pp: PrincipalPointRule::Exact(511.5, 768.0),
         allow_degenerate: true,
-        ..CalibrateConfig::default()
+        ..ideal()
     }
 }
 

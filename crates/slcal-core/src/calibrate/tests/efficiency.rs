@@ -1,5 +1,6 @@
 //! The spread of the estimates against the Cramér–Rao bound, by draws of the noise through the public function.
 
+use super::scene::ideal;
 use super::study::{Scenario, run};
 use crate::calibrate::{CalibrateConfig, PrincipalPointRule};
 
@@ -10,11 +11,7 @@ const EFFICIENT: f64 = 1.05;
 const EFFICIENT_FACE_ON: f64 = 1.15;
 
 fn held() -> CalibrateConfig {
-    CalibrateConfig {
-        camera_pp: PrincipalPointRule::Centre,
-        allow_degenerate: true,
-        ..CalibrateConfig::default()
-    }
+    CalibrateConfig { camera_pp: PrincipalPointRule::Centre, allow_degenerate: true, ..ideal() }
 }
 
 fn against_bound(scenario: &Scenario, config: &CalibrateConfig, quantities: &[(&str, &str)], limit: f64) {

@@ -1,12 +1,12 @@
 //! A prior of the focal length: what it improves, and the warning when it is wrong.
 
-use super::scene::{observe, pose, rig, rng};
+use super::scene::{ideal, observe, pose, rig, rng};
 use crate::calibrate::*;
 use crate::observations::Observations;
 use crate::rig::Verdict;
 
 fn expecting(focal_px: f64, sigma_share: f64) -> CalibrateConfig {
-    CalibrateConfig { focal_prior: Some(FocalPrior { focal_px, sigma_share }), ..CalibrateConfig::default() }
+    CalibrateConfig { focal_prior: Some(FocalPrior { focal_px, sigma_share }), ..ideal() }
 }
 
 fn seen(tilt_x: f64, tilt_y: f64) -> Observations {
@@ -25,7 +25,7 @@ fn codes(c: &Calibration) -> Vec<&str> {
 
 #[test]
 fn an_expected_focal_length_adds_its_information() {
-    let without = calibrate_observations(&seen(25.0, 28.0), &CalibrateConfig::default()).unwrap();
+    let without = calibrate_observations(&seen(25.0, 28.0), &ideal()).unwrap();
     let with = calibrate_observations(&seen(25.0, 28.0), &expecting(1520.0, 0.01)).unwrap();
     let expected = (sigma(&without).powi(-2) + 0.01f64.powi(-2)).powf(-0.5);
     assert!((sigma(&with) / expected - 1.0).abs() < 0.05, "{} {expected}", sigma(&with));
@@ -40,7 +40,7 @@ fn an_expected_focal_length_adds_its_information() {
 #[test]
 fn an_expected_focal_length_saves_a_view_that_is_degenerate_without() {
     let o = seen(2.0, 1.0);
-    assert!(calibrate_observations(&o, &CalibrateConfig::default()).is_err());
+    assert!(calibrate_observations(&o, &ideal()).is_err());
     let c = calibrate_observations(&o, &expecting(1540.0, 0.03)).unwrap();
     let camera = c.rig.camera;
     assert!((0.028..=0.03).contains(&sigma(&c)), "{}", sigma(&c));

@@ -1,6 +1,6 @@
 //! Ten poses of the sheet at once: what they add, in which order they come, and the projector's distortion.
 
-use super::scene::{observe, pose, rig, rng, with_edges};
+use super::scene::{ideal, observe, pose, rig, rng, with_edges};
 use crate::calibrate::*;
 use crate::geometry::Distortion;
 use crate::observations::Observations;
@@ -16,8 +16,7 @@ fn ten_poses() -> Vec<crate::geometry::Pose> {
 }
 
 fn calibrated(o: &Observations, projector_distortion: DistortionModel) -> Rig {
-    let config = CalibrateConfig { projector_distortion, ..CalibrateConfig::default() };
-    calibrate_observations(o, &config).unwrap().rig
+    calibrate_observations(o, &CalibrateConfig { projector_distortion, ..ideal() }).unwrap().rig
 }
 
 /// The error of the projector's focal length, in per cent and in its own σ.
@@ -56,12 +55,10 @@ fn the_projectors_distortion_is_found_and_biases_where_it_is_left_out() {
 }
 
 #[test]
-fn a_projector_without_distortion_is_left_without_and_two_views_do_not_ask() {
+fn coefficients_by_name_ask_for_three_photographs() {
     let truth = rig(768.0, ten_poses());
     let mut o = observe(&truth, 0.2, 0.1, &mut rng(6));
-    assert!(calibrated(&o, DistortionModel::Auto).projector.unwrap().device.model.distortion.is_none());
     o.views.truncate(2);
-    assert!(calibrated(&o, DistortionModel::Auto).projector.unwrap().device.model.distortion.is_none());
     let asking = CalibrateConfig { projector_distortion: DistortionModel::K1, ..CalibrateConfig::default() };
     let error = calibrate_observations(&o, &asking).unwrap_err();
     assert!(error.to_string().contains("three photographs"), "{error}");
@@ -71,40 +68,52 @@ fn a_projector_without_distortion_is_left_without_and_two_views_do_not_ask() {
 
 #[test]
 fn the_order_of_the_photographs_does_not_matter() {
+    let named = CalibrateConfig { projector_distortion: DistortionModel::K1K2, ..ideal() };
+    order_does_not_matter(&named, 0.0);
+    // Where bends are estimated the last digits are left to rounding.
+    order_does_not_matter(&CalibrateConfig::default(), 1e-4);
+}
+
+/// To a billionth, and to this part of σ.
+fn order_does_not_matter(config: &CalibrateConfig, of_sigma: f64) {
     let truth = rig(768.0, ten_poses());
     let mut rng = rng(7);
     let o = observe(&truth, 0.2, 0.1, &mut rng);
     let o = with_edges(o, &truth, 12, 0.2, &mut rng);
-    let config =
-        CalibrateConfig { projector_distortion: DistortionModel::Auto, ..CalibrateConfig::default() };
-    let first = calibrate_observations(&o, &config).unwrap().rig;
+    let first = calibrate_observations(&o, config).unwrap().rig;
     let mut orders: Vec<Vec<usize>> = vec![(0..10).rev().collect(), (0..10).map(|i| i * 7 % 10).collect()];
     orders.push((0..10).map(|i| (i * 3 + 4) % 10).collect());
     for order in orders {
         let views = order.iter().map(|&i| o.views[i].clone()).collect();
-        let other = calibrate_observations(&Observations { views, ..o.clone() }, &config).unwrap().rig;
+        let other = calibrate_observations(&Observations { views, ..o.clone() }, config).unwrap().rig;
         let pairs = [
             (first.camera, other.camera),
             (first.projector.unwrap().device, other.projector.unwrap().device),
         ];
         for (a, b) in pairs {
-            assert!((a.model.intrinsics.matrix() - b.model.intrinsics.matrix()).amax() < 1e-9 * 1e3);
+            let sigma = a.sigma.unwrap();
+            let off = (a.model.intrinsics.matrix() - b.model.intrinsics.matrix()).amax();
+            assert!(off < 1e-6 + of_sigma * sigma.focal_px, "{off}");
             let lens = a.model.distortion.to_array().into_iter().zip(b.model.distortion.to_array());
-            assert!(lens.into_iter().all(|(a, b)| (a - b).abs() < 1e-9));
+            for ((a, b), sigma) in lens.zip(sigma.distortion) {
+                assert!((a - b).abs() < 1e-9 + of_sigma * sigma, "{a} {b}, {sigma}");
+            }
             let [a, b] = [a, b].map(|d| d.sigma.unwrap().focal_px);
-            assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+            assert!((a / b - 1.0).abs() < 1e-6 + of_sigma, "{a} {b}");
         }
         let [a, b] = [&first, &other].map(|r| r.projector.unwrap().from_camera.pose);
-        assert!(a.rotation_vector_from(&b).norm() < 1e-9);
-        assert!((a.translation - b.translation).norm() < 1e-9 * a.translation.norm());
+        // Poses are known to a thousandth at best.
+        let near = 1e-9 + 1e-3 * of_sigma;
+        assert!(a.rotation_vector_from(&b).norm() < near);
+        assert!((a.translation - b.translation).norm() < near * a.translation.norm());
         for (k, &i) in order.iter().enumerate() {
             let (a, b) = (first.views[i].camera_from_sheet, other.views[k].camera_from_sheet);
-            assert!((a.translation - b.translation).norm() < 1e-9 * a.translation.norm());
+            assert!((a.translation - b.translation).norm() < near * a.translation.norm());
         }
         let [a, b] = [&first, &other].map(|r| r.quality.clone().unwrap());
         assert_eq!(a.verdict, b.verdict);
         let [a, b] = [a, b].map(|q| q.expected_point_sigma_mm.unwrap());
-        assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+        assert!((a / b - 1.0).abs() < 1e-6 + of_sigma, "{a} {b}");
     }
 }
 

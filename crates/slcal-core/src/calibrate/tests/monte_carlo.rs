@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 use rand_distr::{Distribution, Normal};
 
-use super::scene::{observe, pose, rig, rng, size};
+use super::scene::{ideal, observe, pose, rig, rng, size};
 use crate::calibrate::initial_guess::metric::{centred, focal_from_homographies};
 use crate::calibrate::two_vp::{focal, vanishing_points_of_quad};
 use crate::calibrate::{CalibrateConfig, PrincipalPointRule, calibrate_observations, maximum_likelihood};
@@ -27,7 +27,7 @@ fn camera_alone(tilt_x: f64, tilt_y: f64) -> Model {
 /// what the covariance predicts at the truth.
 fn camera_row(tilt_x: f64, tilt_y: f64) -> ([f64; 4], usize) {
     let truth = camera_alone(tilt_x, tilt_y);
-    let config = CalibrateConfig { camera_pp: EXACT, allow_degenerate: true, ..CalibrateConfig::default() };
+    let config = CalibrateConfig { camera_pp: EXACT, allow_degenerate: true, ..ideal() };
     let pp = Point2::new(639.5, 479.5);
     let mut rng = rng(11);
     let mut errors = [vec![], vec![], vec![]];
@@ -114,7 +114,7 @@ fn predicted(tilt_x: f64, tilt_y: f64, config: &CalibrateConfig) -> (f64, f64) {
 
 #[test]
 fn lens_shift_is_found_except_by_a_tilt_about_the_horizontal_axis_alone() {
-    let config = CalibrateConfig::default();
+    let config = ideal();
     let exact_cx = CalibrateConfig { principal_point_sigma: 1e-9, ..config.clone() };
     for (x, y) in [(25.0, 28.0), (15.0, 15.0), (0.0, 30.0), (5.0, 5.0), (30.0, 0.0)] {
         let (a, b) = (predicted(x, y, &exact_cx), predicted(x, y, &config));
@@ -133,7 +133,7 @@ fn without_noise_one_view_leaves_one_prior_variance_of_the_principal_point() {
     let prior = 0.02 * 1280.0;
     for sigma in [1e-4, 1e-6] {
         let o = at_truth(observe(&truth, sigma, sigma, &mut rng(1)), &truth);
-        let rig = calibrate_observations(&o, &CalibrateConfig::default()).unwrap().rig;
+        let rig = calibrate_observations(&o, &ideal()).unwrap().rig;
         let s = rig.camera.sigma.unwrap();
         let total = s.cx_px * s.cx_px + s.cy_px * s.cy_px;
         assert!((total / (prior * prior) - 1.0).abs() < 1e-4, "σ {sigma}: {}", total / (prior * prior));
@@ -147,7 +147,7 @@ fn a_second_view_with_the_tilt_reversed_removes_the_principal_points_share() {
     let mut truth = rig(768.0, vec![pose(25.0, 28.0), pose(-25.0, -28.0)]);
     truth.projector = None;
     let o = observe(&truth, 0.02, 0.1, &mut rng(4));
-    let rig = calibrate_observations(&o, &CalibrateConfig::default()).unwrap().rig;
+    let rig = calibrate_observations(&o, &ideal()).unwrap().rig;
     let quality = rig.quality.unwrap();
     assert!(quality.focal_sigma_percent_camera < 0.03, "{quality:?}");
     let off = (rig.camera.model.intrinsics.fx - 1500.0).abs() / rig.camera.sigma.unwrap().focal_px;
@@ -169,7 +169,7 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         projector.intrinsics.cx += draw(0.02 * 1024.0);
         truth.projector = Some(projector);
         let o = observe(&truth, 0.2, 0.1, &mut rng);
-        let found: Rig = calibrate_observations(&o, &CalibrateConfig::default()).unwrap().rig;
+        let found: Rig = calibrate_observations(&o, &ideal()).unwrap().rig;
         let holds = |d: &Device, f: f64| (d.model.intrinsics.fx - f).abs() < 1.96 * d.sigma.unwrap().focal_px;
         let Projector { device: p, from_camera } = found.projector.unwrap();
         held[0] += u32::from(holds(&found.camera, 1500.0));

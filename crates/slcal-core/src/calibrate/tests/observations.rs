@@ -1,6 +1,6 @@
 use nalgebra::Point2;
 
-use super::scene::{observe, pose, rig, rng, with_edges};
+use super::scene::{ideal, observe, pose, rig, rng, with_edges};
 use crate::calibrate::*;
 use crate::error::{Error, ErrorClass};
 use crate::for_tests::rendered_scenes;
@@ -62,7 +62,7 @@ fn nearly_face_on_is_refused_unless_the_principal_points_are_given() {
     let exact = CalibrateConfig {
         camera_pp: PrincipalPointRule::Exact(639.5, 479.5),
         projector_pp: PrincipalPointRule::Exact(511.5, 383.5),
-        ..CalibrateConfig::default()
+        ..ideal()
     };
     let found = calibrate_observations(&observations, &exact).unwrap().rig;
     assert!((focal(&found.camera) / focal(&truth.camera) - 1.0).abs() < 1e-3);
@@ -85,7 +85,7 @@ fn edges_with_one_sided_contamination_do_not_move_the_result() {
             p.position.x += 1.5;
         }
     }
-    let c = calibrate_observations(&observations, &CalibrateConfig::default()).unwrap();
+    let c = calibrate_observations(&observations, &ideal()).unwrap();
     assert!((focal(&c.rig.camera) / 1500.0 - 1.0).abs() < 3e-3, "{:?}", c.rig.camera);
     assert!(c.report.edge_inliers < 0.96 && c.report.edge_inliers > 0.88, "{}", c.report.edge_inliers);
 }

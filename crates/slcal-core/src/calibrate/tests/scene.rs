@@ -1,13 +1,13 @@
 //! Synthetic observations with known truth for the tests of this folder.
 
-use nalgebra::{Point2, Point3, Rotation3, Vector2, Vector3};
+use nalgebra::{Point2, Rotation3, Vector2, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-use crate::calibrate::{CalibrateConfig, calibrate_observations};
-use crate::estimate::Model;
-use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
+use crate::calibrate::{CalibrateConfig, DistortionModel, Flatness, calibrate_observations};
+use crate::estimate::{Model, Sheet};
+use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize, SheetBend};
 use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
 use crate::rig::Rig;
 
@@ -28,6 +28,28 @@ pub(crate) fn size() -> RectangleSize {
     RectangleSize { width_mm: 594.0, height_mm: 420.0 }
 }
 
+/// What these scenes are unless they say otherwise: flat sheets, no distortion, square pixels.
+pub(crate) fn ideal() -> CalibrateConfig {
+    CalibrateConfig {
+        distortion: DistortionModel::None,
+        projector_distortion: DistortionModel::None,
+        flatness: Flatness::Flat,
+        ..CalibrateConfig::default()
+    }
+}
+
+/// A bend of all terms with this sag, mm.
+pub(crate) fn bend(sag_mm: f64) -> SheetBend {
+    let shape = SheetBend([0.7, -0.5, 0.4, 0.2, -0.15, 0.25, -0.1, 0.08, -0.06, 0.1, -0.05, 0.09]);
+    let scale = sag_mm / shape.sag_mm(size()).0;
+    SheetBend(shape.0.map(|c| c * scale))
+}
+
+/// The flat sheet in a pose.
+pub(crate) fn flat(pose: Pose) -> Sheet {
+    Sheet::flat(pose, size())
+}
+
 fn camera([width, height]: [u32; 2], f: f64, pp: Point2<f64>) -> Camera {
     Camera { width, height, intrinsics: Intrinsics::square(f, pp), distortion: Distortion::NONE }
 }
@@ -42,7 +64,7 @@ pub(crate) fn rig(cy: f64, views: Vec<Pose>) -> Model {
         camera: camera([1280, 960], 1500.0, Point2::new(639.5, 479.5)),
         projector: Some(camera([1024, 768], 1700.0, Point2::new(511.5, cy))),
         projector_from_camera: Pose { rotation: aim, translation: -(aim * centre) },
-        views,
+        views: views.into_iter().map(flat).collect(),
     }
 }
 
@@ -57,22 +79,22 @@ pub(crate) fn observe(model: &Model, sheet_px: f64, pair_px: f64, rng: &mut ChaC
     let views = model
         .views
         .iter()
-        .map(|pose| {
-            let corners = size().corners().map(|c| {
-                model.camera.project(&pose.transform(&Point3::new(c.x, c.y, 0.0))).unwrap()
-                    + jitter(rng, sheet_px)
-            });
+        .map(|sheet| {
+            let corners = sheet
+                .size
+                .corners()
+                .map(|c| model.camera.project(&sheet.lift_fixed(c)).unwrap() + jitter(rng, sheet_px));
             let mut pairs = Vec::new();
             if model.projector.is_some() {
                 for k in 0..54 {
                     let q = Point2::new(271.5 + 60.0 * f64::from(k % 9), 233.5 + 60.0 * f64::from(k / 9));
-                    let p = model.lit(pose, q).unwrap();
+                    let p = model.lit(sheet, q).unwrap();
                     let seen = model.camera.project(&p).unwrap() + jitter(rng, pair_px);
                     pairs.push(CornerPair { camera: seen, projector: q, sigma_px: Some(pair_px) });
                 }
             }
-            let sheet = SheetObservation::Corners { corners, sigma_px: Some(sheet_px) };
-            ViewObservation { photo: None, size: size(), sheet, pairs }
+            let seen = SheetObservation::Corners { corners, sigma_px: Some(sheet_px) };
+            ViewObservation { photo: None, size: sheet.size, sheet: seen, pairs }
         })
         .collect();
     let projector = model.projector.map(|p| [p.width, p.height]);
@@ -87,14 +109,14 @@ pub(crate) fn with_edges(
     sigma: f64,
     rng: &mut ChaCha8Rng,
 ) -> Observations {
-    for (view, pose) in observations.views.iter_mut().zip(&model.views) {
-        let corners = view.size.corners();
+    for (view, sheet) in observations.views.iter_mut().zip(&model.views) {
+        let corners = sheet.size.corners();
         let sides = std::array::from_fn(|i| {
             let (a, b) = (corners[i], corners[(i + 1) % 4]);
             (0..n)
                 .map(|k| {
                     let p = a + (b - a) * ((k as f64 + 0.5) / n as f64);
-                    let seen = model.camera.project(&pose.transform(&Point3::new(p.x, p.y, 0.0))).unwrap();
+                    let seen = model.camera.project(&sheet.lift_fixed(p)).unwrap();
                     EdgePoint { position: seen + jitter(rng, sigma), sigma_px: Some(sigma) }
                 })
                 .collect()

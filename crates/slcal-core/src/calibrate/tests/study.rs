@@ -1,13 +1,14 @@
 //! Many draws of noise (and of truth) through the public estimator, for the tests that ask whether σ is true.
 
+use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 use super::scene::{observe, pose, rig, rng, with_edges};
-use crate::calibrate::{CalibrateConfig, calibrate_observations};
+use crate::calibrate::{CalibrateConfig, Flatness, calibrate_observations};
 use crate::estimate::covariance::posterior;
-use crate::estimate::prior::priors;
-use crate::estimate::{BundleAdjustment, Model, Unknowns, measurements};
+use crate::estimate::{BundleAdjustment, Model, Priors, Unknowns, measurements};
+use crate::geometry::{Camera, Distortion, SheetBend};
 use crate::observations::Observations;
 use crate::rig::{Device, Rig};
 
@@ -18,6 +19,30 @@ pub(crate) struct Drawn {
     pub(crate) pp_share: f64,
     /// 1σ of k1, and of k2.
     pub(crate) k: [f64; 2],
+    /// Everything that is uncertain by default, besides.
+    pub(crate) ordinary: bool,
+}
+
+impl Drawn {
+    /// All that is assumed by default.
+    pub(crate) const ORDINARY: Self = Self { pp_share: 0.02, k: [0.0; 2], ordinary: true };
+}
+
+/// 1σ of k1, k2, p1, p2, k3 of ordinary cameras and projectors.
+const ORDINARY: [[f64; 5]; 2] = [[0.2, 0.2, 7e-4, 7e-4, 0.1], [0.02, 0.02, 3e-4, 3e-4, 0.01]];
+
+/// Draws the coefficients of an ordinary lens and its pixels' aspect; lenses that fold are drawn again.
+fn draw_lens(lens: &mut Camera, sigmas: [f64; 5], draw: &mut impl FnMut(f64) -> f64) {
+    lens.intrinsics.fy = lens.intrinsics.fx * draw(0.002).exp();
+    loop {
+        lens.distortion = Distortion::from_array(sigmas.map(&mut *draw));
+        let part = |k: u32, length: u32| f64::from(k) / 10.0 * f64::from(length);
+        let grid = (0..=10).flat_map(|i| (0..=10).map(move |j| (i, j)));
+        let mut seen = grid.map(|(i, j)| Point2::new(part(i, lens.width), part(j, lens.height)));
+        if seen.all(|p| lens.bearing(p).is_some()) {
+            return;
+        }
+    }
 }
 
 /// One kind of photograph.
@@ -79,6 +104,15 @@ impl Scenario {
         if let Some(p) = &mut truth.projector {
             p.intrinsics.cx += draw(self.drawn.pp_share * f64::from(p.width));
         }
+        if self.drawn.ordinary {
+            let lenses = [Some(&mut truth.camera), truth.projector.as_mut()];
+            for (lens, sigmas) in lenses.into_iter().flatten().zip(ORDINARY) {
+                draw_lens(lens, sigmas, &mut draw);
+            }
+            for view in &mut truth.views {
+                view.bend = SheetBend(Flatness::Paper.sigmas_mm(view.size).map(&mut draw));
+            }
+        }
         truth
     }
 
@@ -107,9 +141,8 @@ impl Scenario {
         }
         let assumptions = config.assumptions();
         let unknowns = Unknowns::new(&assumptions, self.projector, self.tilts.len());
-        let priors = priors(&assumptions, &unknowns, &truth);
-        let sizes = o.views.iter().map(|v| v.size).collect();
-        let problem = BundleAdjustment::new(sizes, measurements(&o), unknowns, priors);
+        let priors = Priors::new(&assumptions, &unknowns, &truth);
+        let problem = BundleAdjustment::new(measurements(&o), unknowns, priors);
         let kept = vec![true; problem.measurements.len()];
         let c = posterior(&problem, &truth, &kept, [1.0; 2]).unwrap();
         let parameters = problem.unknowns.parameters().into_iter().enumerate();
@@ -129,7 +162,7 @@ pub(crate) struct Off {
 /// Errors of everything whose error bars are promised; what was held fixed is left out.
 pub(crate) fn errors(found: &Rig, truth: &Model) -> Vec<Off> {
     let mut all = Vec::new();
-    let mut lens = |names: [&'static str; 5], d: &Device, t: &crate::geometry::Camera| {
+    let mut lens = |names: [&'static str; 5], d: &Device, t: &Camera| {
         let (s, k, e) = (d.sigma.unwrap(), d.model.intrinsics, t.intrinsics);
         let coefficient = |i: usize| d.model.distortion.to_array()[i] - t.distortion.to_array()[i];
         let values = [

@@ -11,8 +11,8 @@ use crate::calibrate::diagnostics::advice::percent;
 use crate::calibrate::initial_guess::robust_homography;
 use crate::calibrate::report::CalibrationReport;
 use crate::error::{Error, ErrorSubject, Result};
-use crate::estimate::Model;
 use crate::estimate::planar_pose::sheet_corners;
+use crate::estimate::{Model, Sheet};
 use crate::geometry::{Camera, Homography};
 use crate::observations::{CornerPair, Observations, SheetObservation, ViewObservation};
 use crate::rig::{Device, DeviceSigma, Projector, Quality, Rig, StereoPose, Verdict, ViewRms, Warning};
@@ -104,7 +104,8 @@ pub(crate) fn calibrate(
 
 /// Reprojection in camera pixels: rms of the sheet's corners and of the pairs, and of the pairs in projector pixels.
 fn reprojection(output: &Output, input: &Input, view: &ViewObservation) -> ViewRms {
-    let corners = projected_corners(&output.camera, &output.sheet, input.size);
+    let sheet = Sheet::flat(output.sheet, input.size);
+    let corners = projected_corners(&output.camera, &sheet);
     let edges = rms(corners.iter().zip(&input.corners).map(|(a, b)| (a - b).norm())).unwrap_or(0.0);
     let Some((projector, projector_from_camera)) = output.projector else {
         return ViewRms { edges, corners: None, projector: None };
@@ -113,14 +114,12 @@ fn reprojection(output: &Output, input: &Input, view: &ViewObservation) -> ViewR
     let model = Model { camera, projector: Some(projector), projector_from_camera, views: Vec::new() };
     let far = f64::from(input.camera[0].max(input.camera[1]));
     let of_pair = |p: &CornerPair| {
-        let lit = model.lit(&output.sheet, p.projector);
+        let lit = model.lit(&sheet, p.projector);
         // Light that misses the sheet's plane altogether is as wrong as the image is wide.
         lit.and_then(|x| camera.project(&x)).map_or(far, |q| (q - p.camera).norm())
     };
-    let on_panel = view
-        .pairs
-        .iter()
-        .filter_map(|p| Some((model.on_panel(&output.sheet, p.camera)? - p.projector).norm()));
+    let on_panel =
+        view.pairs.iter().filter_map(|p| Some((model.on_panel(&sheet, p.camera)? - p.projector).norm()));
     ViewRms { edges, corners: rms(view.pairs.iter().map(of_pair)), projector: rms(on_panel) }
 }
 
@@ -206,6 +205,7 @@ fn assessed(
         verdict,
         focal_sigma_percent_camera: 100.0 * camera_sigma,
         focal_sigma_percent_projector: projector_sigma.map(|s| 100.0 * s),
+        depth_sigma_percent: None,
         expected_point_sigma_mm: None,
         cause: cause.clone(),
         advice: advice.clone(),
@@ -229,6 +229,7 @@ fn assemble(
             cx_px: 0.0,
             cy_px: 0.0,
             distortion: [0.0; 5],
+            aspect: 0.0,
         }),
         model,
     };
@@ -245,7 +246,13 @@ fn assemble(
     Rig {
         camera: device(camera, camera_sigma),
         projector,
-        views: vec![view_of_rig(&camera, projector.as_ref(), &output.sheet, input.size, found)],
+        views: vec![view_of_rig(
+            &camera,
+            projector.as_ref(),
+            &Sheet::flat(output.sheet, input.size),
+            None,
+            found,
+        )],
         method: "two-vp".into(),
         quality: Some(quality),
         covariance: None,

@@ -87,9 +87,9 @@ fn exact_corners_give_the_exact_pose_before_any_refinement() {
     let f = focal(&v, pp, ErrorSubject::Camera).unwrap();
     assert_relative_eq!(f, 1500.0, epsilon = 1e-6);
     let r = rotation(&v, f, pp, &corners).unwrap();
-    assert_relative_eq!(r, *truth.views[0].rotation.matrix(), epsilon = 1e-9);
+    assert_relative_eq!(r, *truth.views[0].pose.rotation.matrix(), epsilon = 1e-9);
     let t = translation(&r, f, pp, &corners, size()).unwrap();
-    assert_relative_eq!(t, truth.views[0].translation, epsilon = 1e-6);
+    assert_relative_eq!(t, truth.views[0].pose.translation, epsilon = 1e-6);
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn the_rectified_pattern_has_the_vanishing_points_of_the_sheet() {
     }
     // On the sheet itself it is a rectangle.
     let k = truth.camera.intrinsics.matrix();
-    let pose = &truth.views[0];
+    let pose = &truth.views[0].pose;
     let r = pose.rotation.matrix();
     let h = Homography(
         k * Matrix3::from_columns(&[r.column(0).into_owned(), r.column(1).into_owned(), pose.translation]),

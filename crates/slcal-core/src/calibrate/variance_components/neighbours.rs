@@ -45,9 +45,8 @@ fn residuals(all: &Observations, wanted: &[bool], model: &Model) -> Vec<SideResi
     let corners: Vec<_> = all.views.iter().map(|v| v.sheet.corners()).collect();
     for m in measurements(all).into_iter().filter(|m| wanted[m.view]) {
         let Target::Edge(side) = m.of else { continue };
-        let (Some(pose), Some(c)) = (model.views.get(m.view), corners[m.view]) else { continue };
-        let size = all.views[m.view].size;
-        let Some(r) = residual::edge(&model.camera, pose, size, side, m.seen) else { continue };
+        let (Some(sheet), Some(c)) = (model.views.get(m.view), corners[m.view]) else { continue };
+        let Some(r) = residual::edge(&model.camera, sheet, side, m.seen) else { continue };
         let along = c[(side as usize + 1) % 4] - c[side as usize];
         let point = ((m.seen - c[side as usize]).dot(&along), r.value.x);
         match sides.last_mut() {

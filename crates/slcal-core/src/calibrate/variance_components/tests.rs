@@ -1,5 +1,5 @@
 use super::*;
-use crate::calibrate::tests::scene::{observe, pose, rig, rng, with_edges};
+use crate::calibrate::tests::scene::{ideal, observe, pose, rig, rng, with_edges};
 use crate::calibrate::{PrincipalPointRule, calibrate_observations, residuals};
 use crate::rig::Device;
 
@@ -21,7 +21,7 @@ fn the_noise_of_pairs_is_measured_and_that_of_four_corners_assumed() {
         let draws: Vec<f64> = (0..10)
             .map(|_| {
                 let seen = unstated(observe(&truth, 0.2, sigma, &mut rng));
-                let done = calibrate_observations(&seen, &CalibrateConfig::default()).unwrap();
+                let done = calibrate_observations(&seen, &ideal()).unwrap();
                 let corners = found(&done.noise, NoiseOf::SheetCorners);
                 assert_eq!((corners.redundancy, corners.sigma_px), (None, ASSUMED * 1600.0));
                 let warnings = done.rig.quality.unwrap().warnings;
@@ -44,7 +44,7 @@ fn the_noise_of_corners_is_measured_where_there_are_many() {
     let truth = rig(768.0, poses);
     for sigma in [0.05, 0.2, 1.0] {
         let seen = unstated(observe(&truth, sigma, 0.1, &mut rng(8)));
-        let (_, noise) = measure_noise(&seen, &CalibrateConfig::default());
+        let (_, noise) = measure_noise(&seen, &ideal());
         let corners = found(&noise, NoiseOf::SheetCorners);
         // 96 numbers, less about 72 + 5 unknowns where the pairs help little: √(1/2r) is 16 %.
         assert!(corners.redundancy.unwrap() > 10.0, "{corners:?}");
@@ -93,8 +93,7 @@ fn intervals_hold_the_truth_though_no_noise_was_stated() {
     let config = CalibrateConfig {
         camera_pp: PrincipalPointRule::Centre,
         projector_pp: PrincipalPointRule::Exact(511.5, 768.0),
-        distortion: DistortionModel::None,
-        ..CalibrateConfig::default()
+        ..ideal()
     };
     let poses: Vec<_> = [25.0, -25.0, 12.0].iter().flat_map(|x| [28.0, -20.0].map(|y| pose(*x, y))).collect();
     let truth = rig(768.0, poses);

@@ -8,8 +8,10 @@ use super::schema::{
     CovarianceDto, DeviceDto, QualityDto, RigDto, Rows3, StereoDto, VanishingDto, ViewDto, malformed,
 };
 use crate::error::Result;
-use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
-use crate::rig::{Covariance, Device, DeviceSigma, Projector, Quality, Rig, StereoPose, View, ViewRms};
+use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize, SheetBend};
+use crate::rig::{
+    Covariance, Device, DeviceSigma, Projector, Quality, Rig, StereoPose, View, ViewBend, ViewRms,
+};
 
 /// Common prefix of all versions.
 const SCHEMA_FAMILY: &str = "slcal-rig/";
@@ -84,7 +86,8 @@ fn device_from_dto(dto: DeviceDto, place: &str) -> Result<Device> {
     let intrinsics = Intrinsics::from_matrix(&k).map_err(|e| malformed(format!("{place}: {e}")))?;
     let sigma = dto.sigma.and_then(|s| {
         let (focal_px, cx_px, cy_px) = (s.focal_px?, s.cx_px?, s.cy_px?);
-        Some(DeviceSigma { focal_px, cx_px, cy_px, distortion: s.distortion.unwrap_or_default() })
+        let (distortion, aspect) = (s.distortion.unwrap_or_default(), s.aspect.unwrap_or_default());
+        Some(DeviceSigma { focal_px, cx_px, cy_px, distortion, aspect })
     });
     let distortion = Distortion::from_array(dto.distortion);
     Ok(Device { model: Camera { width: dto.width, height: dto.height, intrinsics, distortion }, sigma })
@@ -126,10 +129,16 @@ fn view_from_dto(
         None => project_corners(camera, &camera_from_sheet, size)
             .ok_or_else(|| malformed(format!("{place}: the sheet lies behind the camera")))?,
     };
+    let bend = dto.bend.map(|b| ViewBend {
+        shape: SheetBend(b.coefficients_mm),
+        sigma_mm: b.sigma_mm.unwrap_or_default(),
+        expected_mm: b.expected_sigma_mm.unwrap_or_default(),
+    });
     Ok(Some(View {
         photo: dto.photo,
         size,
         camera_from_sheet,
+        bend,
         projector_from_sheet,
         camera_vanishing_points: given
             .camera
@@ -159,6 +168,7 @@ fn quality_from_dto(dto: QualityDto) -> Option<Quality> {
         verdict: dto.verdict?,
         focal_sigma_percent_camera: sigma.camera?,
         focal_sigma_percent_projector: sigma.projector,
+        depth_sigma_percent: dto.depth_sigma_percent,
         expected_point_sigma_mm: dto.expected_point_sigma_mm,
         cause: dto.cause,
         advice: dto.advice,

@@ -47,6 +47,8 @@ pub(super) struct SigmaDto {
     pub(super) cx_px: Option<f64>,
     pub(super) cy_px: Option<f64>,
     pub(super) distortion: Option<[f64; 5]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) aspect: Option<f64>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -81,10 +83,23 @@ pub(super) struct RmsDto {
 }
 
 #[derive(Serialize, Deserialize)]
+pub(super) struct BendDto {
+    pub(super) coefficients_mm: [f64; 12],
+    pub(super) sigma_mm: Option<[f64; 12]>,
+    #[serde(default)]
+    pub(super) expected_sigma_mm: Option<[f64; 12]>,
+    /// Written for the reader; it follows from the coefficients.
+    #[serde(default)]
+    pub(super) sag_mm: Option<f64>,
+}
+
+#[derive(Serialize, Deserialize)]
 pub(super) struct ViewDto {
     pub(super) photo: Option<String>,
     pub(super) size_mm: Option<[f64; 2]>,
     pub(super) camera_from_sheet: Option<PoseDto>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) bend: Option<BendDto>,
     pub(super) projector_from_sheet: Option<PoseDto>,
     pub(super) vanishing_points: Option<VanishingDto>,
     pub(super) corners_px: Option<[[f64; 2]; 4]>,
@@ -101,6 +116,8 @@ pub(super) struct FocalSigmaDto {
 pub(super) struct QualityDto {
     pub(super) verdict: Option<Verdict>,
     pub(super) focal_sigma_percent: Option<FocalSigmaDto>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) depth_sigma_percent: Option<f64>,
     pub(super) expected_point_sigma_mm: Option<f64>,
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub(super) cause: String,

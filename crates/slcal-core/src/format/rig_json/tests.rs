@@ -1,10 +1,10 @@
-use nalgebra::{DMatrix, Rotation3, Vector3};
+use nalgebra::{DMatrix, Point2, Rotation3, Vector3};
 
 use super::read::project_corners;
 use super::*;
 use crate::for_tests::rendered_scenes;
-use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
-use crate::rig::{Covariance, Device, DeviceSigma, Projector, Quality, StereoPose, View, ViewRms};
+use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize, SheetBend};
+use crate::rig::{Covariance, Device, DeviceSigma, Projector, Quality, StereoPose, View, ViewBend, ViewRms};
 use crate::rig::{Verdict, Warning};
 
 fn rig() -> Rig {
@@ -19,7 +19,8 @@ fn rig() -> Rig {
         rotation: Rotation3::from_euler_angles(0.3, -0.2, 0.1),
         translation: Vector3::new(-20.0, 1.0 / 7.0, 900.0),
     };
-    let sigma = Some(DeviceSigma { focal_px: 1.5, cx_px: 2.0, cy_px: 3.0, distortion: [0.1; 5] });
+    let sigma =
+        Some(DeviceSigma { focal_px: 1.5, cx_px: 2.0, cy_px: 3.0, distortion: [0.1; 5], aspect: 0.002 });
     Rig {
         camera: Device { model: camera, sigma },
         projector: Some(Projector {
@@ -34,6 +35,11 @@ fn rig() -> Rig {
             photo: Some("a.png".into()),
             size,
             camera_from_sheet: pose,
+            bend: Some(ViewBend {
+                shape: SheetBend(std::array::from_fn(|k| 0.1 * k as f64 - 1.0 / 3.0)),
+                sigma_mm: [0.1; 12],
+                expected_mm: [1.4; 12],
+            }),
             projector_from_sheet: Some(pose.inverse()),
             camera_vanishing_points: camera.vanishing_points(&pose),
             projector_vanishing_points: None,
@@ -45,6 +51,7 @@ fn rig() -> Rig {
             verdict: Verdict::Fair,
             focal_sigma_percent_camera: 5.0,
             focal_sigma_percent_projector: Some(0.1),
+            depth_sigma_percent: Some(0.4),
             expected_point_sigma_mm: Some(0.3),
             cause: "seen flat".into(),
             advice: String::new(),
@@ -74,6 +81,37 @@ fn a_rig_survives_writing_and_reading_bit_by_bit() {
     let written = text(&alone);
     assert!(written.contains("\"projector\": null") && written.contains("\"projector_from_camera\": null"));
     assert_eq!(read_rig(written.as_bytes()).unwrap(), alone);
+}
+
+#[test]
+fn a_rig_from_before_bends_and_aspects_reads() {
+    let mut old: Value = serde_json::from_str(&text(&rig())).unwrap();
+    let mut remove = |place: &str, field: &str| {
+        old.pointer_mut(place).unwrap().as_object_mut().unwrap().remove(field).unwrap()
+    };
+    let bend = remove("/views/0", "bend");
+    assert_eq!(remove("/camera/sigma", "aspect"), 0.002);
+    let read = read_rig(old.to_string().as_bytes()).unwrap();
+    assert_eq!((read.views[0].bend, read.camera.sigma.unwrap().aspect), (None, 0.0));
+    assert_eq!(read.camera.sigma.unwrap().distortion, [0.1; 5]);
+    // What the file states for its reader is how far the surface reaches, by its own points.
+    let shape = rig().views[0].bend.unwrap().shape;
+    let heights = (0..=32).flat_map(|i| (0..=32).map(move |j| (f64::from(i) / 32.0, f64::from(j) / 32.0)));
+    let heights: Vec<f64> =
+        heights.map(|(a, b)| shape.point(rig().views[0].size, Point2::new(594.0 * a, 420.0 * b)).z).collect();
+    let [low, high] = [f64::min, f64::max].map(|f| heights.iter().copied().reduce(f).unwrap());
+    assert!((bend["sag_mm"].as_f64().unwrap() - (high - low)).abs() < 1e-12);
+    // Coefficients alone will do; a bend of other terms will not.
+    let with = |bend: &str| {
+        let mut new = old.clone();
+        new["views"][0]["bend"] = serde_json::from_str(bend).unwrap();
+        read_rig(new.to_string().as_bytes())
+    };
+    let twelve = r#"{"coefficients_mm": [1,0,0,0,0,0,0,0,0,0,0,2]}"#;
+    let bend = with(twelve).unwrap().views[0].bend.unwrap();
+    assert_eq!((bend.shape.0[0], bend.shape.0[11], bend.sigma_mm), (1.0, 2.0, [0.0; 12]));
+    assert!(with(&twelve.replace(",2]", "]")).unwrap_err().to_string().contains("views[0]"));
+    assert_eq!(with("null").unwrap().views[0].bend, None);
 }
 
 #[test]

@@ -4,8 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
 use super::schema::{
-    CovarianceDto, DeviceDto, FocalSigmaDto, PIXEL_CENTRE, PoseDto, QualityDto, RmsDto, Rows3, SCHEMA,
-    SigmaDto, StereoDto, UNITS, VanishingDto, ViewDto,
+    BendDto, CovarianceDto, DeviceDto, FocalSigmaDto, PIXEL_CENTRE, PoseDto, QualityDto, RmsDto, Rows3,
+    SCHEMA, SigmaDto, StereoDto, UNITS, VanishingDto, ViewDto,
 };
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Pose;
@@ -58,7 +58,7 @@ fn device_to_dto(d: &Device, part: &'static str) -> Result<DeviceDto> {
     let distortion = d.model.distortion.to_array();
     finite(k.iter().chain(&distortion), part)?;
     if let Some(s) = &d.sigma {
-        finite([s.focal_px, s.cx_px, s.cy_px].iter().chain(&s.distortion), part)?;
+        finite([s.focal_px, s.cx_px, s.cy_px].iter().chain(&s.distortion).chain([&s.aspect]), part)?;
     }
     Ok(DeviceDto {
         width: d.model.width,
@@ -70,6 +70,7 @@ fn device_to_dto(d: &Device, part: &'static str) -> Result<DeviceDto> {
             cx_px: Some(s.cx_px),
             cy_px: Some(s.cy_px),
             distortion: Some(s.distortion),
+            aspect: Some(s.aspect),
         }),
     })
 }
@@ -91,6 +92,9 @@ fn view_to_dto(v: &View) -> Result<ViewDto> {
     let projector = v.projector_vanishing_points.as_ref().map(rows);
     finite(camera.iter().chain(projector.iter().flatten()).flatten(), "vanishing points")?;
     finite(v.corners_px.iter().flat_map(|c| c.coords.iter()), "corners")?;
+    if let Some(b) = &v.bend {
+        finite(b.shape.0.iter().chain(&b.sigma_mm).chain(&b.expected_mm), "bend")?;
+    }
     if let Some(r) = &v.rms_px {
         finite([&r.edges].into_iter().chain(&r.corners).chain(&r.projector), "rms")?;
     }
@@ -98,6 +102,12 @@ fn view_to_dto(v: &View) -> Result<ViewDto> {
         photo: v.photo.clone(),
         size_mm: Some([v.size.width_mm, v.size.height_mm]),
         camera_from_sheet: Some(pose_to_dto(&v.camera_from_sheet, "camera_from_sheet")?),
+        bend: v.bend.map(|b| BendDto {
+            coefficients_mm: b.shape.0,
+            sigma_mm: Some(b.sigma_mm),
+            expected_sigma_mm: Some(b.expected_mm),
+            sag_mm: Some(b.shape.sag_mm(v.size).0),
+        }),
         projector_from_sheet: v
             .projector_from_sheet
             .as_ref()
@@ -111,6 +121,7 @@ fn view_to_dto(v: &View) -> Result<ViewDto> {
 
 fn quality_to_dto(q: &Quality) -> Result<QualityDto> {
     let optional = q.focal_sigma_percent_projector.iter().chain(&q.expected_point_sigma_mm);
+    let optional = optional.chain(&q.depth_sigma_percent);
     finite(optional.chain([&q.focal_sigma_percent_camera]), "quality")?;
     Ok(QualityDto {
         verdict: Some(q.verdict),
@@ -118,6 +129,7 @@ fn quality_to_dto(q: &Quality) -> Result<QualityDto> {
             camera: Some(q.focal_sigma_percent_camera),
             projector: q.focal_sigma_percent_projector,
         }),
+        depth_sigma_percent: q.depth_sigma_percent,
         expected_point_sigma_mm: q.expected_point_sigma_mm,
         cause: q.cause.clone(),
         advice: q.advice.clone(),

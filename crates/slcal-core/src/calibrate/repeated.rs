@@ -34,6 +34,12 @@ fn firsts(observations: &Observations) -> Vec<usize> {
     (0..seen.len()).map(|j| (0..j).find(|&i| same(&seen[i], &seen[j])).unwrap_or(j)).collect()
 }
 
+/// How often each view's photograph was given.
+pub(crate) fn copies(observations: &Observations) -> Vec<usize> {
+    let firsts = firsts(observations);
+    firsts.iter().map(|first| firsts.iter().filter(|f| *f == first).count()).collect()
+}
+
 /// The observations with the σ of a photograph that is given n times √n times as large, so that all together weigh what one
 /// does; and a warning about the first repetition.
 pub(crate) fn counted_once(observations: &Observations) -> (Cow<'_, Observations>, Option<Warning>) {
@@ -41,9 +47,10 @@ pub(crate) fn counted_once(observations: &Observations) -> (Cow<'_, Observations
     let Some(j) = (0..firsts.len()).find(|&j| firsts[j] != j) else {
         return (Cow::Borrowed(observations), None);
     };
+    let copies = copies(observations);
     let mut all = observations.clone();
     for (view, first) in all.views.iter_mut().zip(&firsts) {
-        let times = (firsts.iter().filter(|f| *f == first).count() as f64).sqrt();
+        let times = (copies[*first] as f64).sqrt();
         let wider = |sigma: Option<f64>| sigma.map(|s| s * times);
         view.map_sigma(wider, wider);
     }
