@@ -36,10 +36,13 @@ impl RigSigma {
     /// no matrix of finite numbers.
     pub(super) fn of(rig: &Rig) -> Option<Self> {
         let covariance = rig.covariance.as_ref()?;
-        // Poses of the sheet play no part.
+        // Poses and bends of the sheet play no part.
         let all = Unknowns::all(0, false);
-        let shared =
-            covariance.parameters.iter().enumerate().filter(|(_, p)| !matches!(p, Parameter::View(..)));
+        let shared = covariance
+            .parameters
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| !matches!(p, Parameter::View(..) | Parameter::Bend(..)));
         let places: Vec<(usize, usize)> =
             shared.map(|(row, p)| Some((row, all.position(p)?))).collect::<Option<_>>()?;
         let mut matrix = Vec::with_capacity(places.len() * places.len());

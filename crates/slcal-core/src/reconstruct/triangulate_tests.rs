@@ -255,7 +255,7 @@ fn errors_on_planes_match_their_sigma() {
 
 /// All parameters with plausible σ, each correlated with all others, in another order than the library's own.
 fn with_covariance(mut rig: Rig) -> (Rig, DMatrix<f64>) {
-    let lens = [5.0, 4.0, 4.0, 3e-3, 3e-3, 2e-4, 2e-4, 1e-3];
+    let lens = [5.0, 4.0, 4.0, 3e-3, 3e-3, 2e-4, 2e-4, 1e-3, 2e-3];
     let pose = [2e-3, 2e-3, 2e-3, 1.5, 1.0, 2.0];
     let mut parameters = Vec::new();
     let mut sigma = Vec::new();
@@ -271,6 +271,8 @@ fn with_covariance(mut rig: Rig) -> (Rig, DMatrix<f64>) {
             sigma.push(s);
         }
     }
+    parameters.push(Parameter::Bend(0, 4));
+    sigma.push(0.3);
     let n = sigma.len();
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let mix = DMatrix::from_fn(n, n, |i, j| {
@@ -292,15 +294,16 @@ fn moved(rig: &Rig, d: &DVector<f64>) -> Rig {
         c.intrinsics.cx += d[1];
         c.intrinsics.cy += d[2];
         let mut k = c.distortion.to_array();
-        k.iter_mut().zip(&d[3..]).for_each(|(k, d)| *k += d);
+        k.iter_mut().zip(&d[3..8]).for_each(|(k, d)| *k += d);
         c.distortion = Distortion::from_array(k);
+        c.intrinsics.fy *= 1.0 + d[8];
     };
     let mut out = rig.clone();
     let pose = &mut out.projector.as_mut().unwrap().from_camera.pose;
     pose.rotation = Rotation3::new(Vector3::new(d[0], d[1], d[2])) * pose.rotation;
     pose.translation += Vector3::new(d[3], d[4], d[5]);
-    lens(&mut out.camera.model, &d.as_slice()[7..15]);
-    lens(&mut out.projector.as_mut().unwrap().device.model, &d.as_slice()[15..]);
+    lens(&mut out.camera.model, &d.as_slice()[7..16]);
+    lens(&mut out.projector.as_mut().unwrap().device.model, &d.as_slice()[16..25]);
     out
 }
 

@@ -26,6 +26,10 @@ const GEOMETRY_WARNINGS: [&str; 5] = [
 const FACE_ON: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Residuals this many times their σ mean that the model misses something (distortion, a bent sheet, wrong corners).
 const MISFIT: f64 = 3.0;
+/// Residuals this many times their σ are structure that σ does not cover.
+const STRUCTURED: f64 = 3.0 * MISFIT;
+/// A coefficient of a bend this many σ of the widest prior is beyond it.
+const FAR_BENT: f64 = 3.0;
 /// A vertical principal point known no better than this part of the panel's height is undetermined.
 const SHIFT_UNDETERMINED: f64 = 0.25;
 /// Known no better than this part, the focal length cannot be trusted either: the two trade off along a curve, which σ does not
@@ -166,8 +170,8 @@ pub(crate) fn assess(solution: &Solution, config: &CalibrateConfig) -> Assessmen
         assessment.worsen(verdict, &w);
         assessment.warnings.push(w);
     }
-    if let Some(w) = bent(solution) {
-        assessment.worsen(Verdict::Fair, &w);
+    if let Some((w, verdict)) = bent(solution) {
+        assessment.worsen(verdict, &w);
         assessment.warnings.push(w);
     }
     let shift = shift_undetermined(solution, config);
@@ -180,6 +184,11 @@ pub(crate) fn assess(solution: &Solution, config: &CalibrateConfig) -> Assessmen
     let against = far.iter().filter(|(_, against)| *against).map(|(w, _)| w);
     for w in misfits.iter().filter(|w| w.code == CORNERS_OFF).chain(against) {
         assessment.worsen(Verdict::Weak, w);
+    }
+    // σ is widened by what the residuals are too large by, as far as they are noise: what has a shape may be worse.
+    if let Some(w) = misfits.iter().find(|w| w.code.ends_with("-residuals-large")) {
+        let structured = [Kind::Edge, Kind::Pair].into_iter().any(|k| misfit(solution, k) > STRUCTURED);
+        assessment.worsen(if structured { Verdict::Weak } else { Verdict::Fair }, w);
     }
     let Assessment { verdict, cause, advice, warnings, .. } = &mut assessment;
     if *verdict >= Verdict::Weak {
@@ -221,8 +230,9 @@ fn implausible_focal(solution: &Solution) -> Option<(Warning, Verdict)> {
     })
 }
 
-/// A sheet that bends further than the prior on it was allowed to widen.
-fn bent(solution: &Solution) -> Option<Warning> {
+/// A sheet that bends further than the prior on it was allowed to widen, and the best verdict on it: beyond 3σ of the widest
+/// prior the bend is pulled flat and takes the pose with it.
+fn bent(solution: &Solution) -> Option<(Warning, Verdict)> {
     let limit = WIDEST * 0.99;
     if solution.bend_widths.iter().all(|w| *w < limit) {
         return None;
@@ -236,7 +246,7 @@ fn bent(solution: &Solution) -> Option<Warning> {
         part(at.x, sheet.size.width_mm, ["left", "centre", "right"])
     );
     let diagonal = sheet.size.width_mm.hypot(sheet.size.height_mm);
-    Some(Warning::new(
+    let warning = Warning::new(
         "sheet-bent",
         format!(
             "the sheet is bent: in photograph {} by {sag:.1} mm from valley to peak ({} of its diagonal), most at the {place}",
@@ -245,7 +255,11 @@ fn bent(solution: &Solution) -> Option<Warning> {
         ),
         "tape the sheet to a flat board or a wall and take the photographs again; σ covers the bend as far as it has the shape of a \
          smooth surface",
-    ))
+    );
+    let bends = solution.model().views.iter().zip(&solution.problem.priors.bends);
+    let off = bends.flat_map(|(v, sigmas)| v.bend.0.iter().zip(sigmas).map(|(c, s)| (c / s).abs()));
+    let beyond = off.fold(0.0, f64::max) > FAR_BENT;
+    Some((warning, if beyond { Verdict::Weak } else { Verdict::Fair }))
 }
 
 /// Whether a projector's lens shift is so uncertain that its focal length hangs in the air with it.
@@ -289,6 +303,12 @@ fn shift_undetermined(solution: &Solution, config: &CalibrateConfig) -> Option<W
     })
 }
 
+/// How far measurements of a kind lie from the model, in the σ that were stated and as points that count as independent.
+fn misfit(solution: &Solution, kind: Kind) -> f64 {
+    let learned = if kind == Kind::Edge { solution.edge_noise.inflation } else { 1.0 };
+    solution.fit.widened[kind as usize] * learned
+}
+
 /// Residuals that the noise does not explain, and measurements that were left out.
 fn misfits(solution: &Solution) -> Vec<Warning> {
     let mut warnings = Vec::new();
@@ -296,13 +316,13 @@ fn misfits(solution: &Solution) -> Vec<Warning> {
         [(Kind::Edge, "the sheet's edge points", "edge"), (Kind::Pair, "the projected corners", "corner")]
     {
         let [out, all] = solution.outliers(kind);
-        let learned = if kind == Kind::Edge { solution.edge_noise.inflation } else { 1.0 };
-        let widened = solution.fit.widened[kind as usize] * learned;
+        let widened = misfit(solution, kind);
         if widened > MISFIT {
             warnings.push(Warning::new(
                 &format!("{code}-residuals-large"),
                 format!("{name} lie {widened:.1} times further from the model than their noise explains"),
-                "is the sheet flat and its size right, does the lens distort, was the principal point given rightly?",
+                "is the sheet as flat as --flatness says and its size right, is a side covered or curled, was the lens's model or the principal \
+                 point given rightly?",
             ));
         }
         let share = out as f64 / all.max(1) as f64;
