@@ -49,7 +49,7 @@ def door(slcal, folder, tilt, picture, rig):
     for method in METHODS:
         rig = folder / f"{method}.json"
         photo, pattern = folder / "checker/photo.png", folder / "checker/pattern.json"
-        line = f"calibrate {photo} --size {SIZE} --pattern {pattern} --method {method} -o {rig} --force"
+        line = f"calibrate {photo} --size {SIZE} --pattern {pattern} --method {method} --flatness flat -o {rig} --force"
         if slcal(line, check=False).returncode:
             results[method], focal[method] = None, None
             continue

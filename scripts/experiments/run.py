@@ -51,7 +51,7 @@ PLANES = 10
 NOISE_PX = 0.1
 # A printed board of so many corners on the sheet, for the classic way only.
 BOARD = (10, 7)
-WAYS = ["two-vp, one", "ml, one", "ml, all", "classic, sheet", "classic, board"]
+WAYS = ["two-vp, one", "ml, one", "ml, all", "ml, all, told", "classic, sheet", "classic, board"]
 
 
 class Slcal:
@@ -142,11 +142,11 @@ def printed_boards(truth, size, seed):
     return boards
 
 
-def calibrate(slcal, folder, observations, method):
-    """The rig by slcal, or None and why not."""
+def calibrate(slcal, folder, observations, method, model=""):
+    """The rig by slcal, which is told that the sheet is flat, or None."""
     place = folder / "seen.json"
     place.write_text(json.dumps(observations))
-    line = f"calibrate --observations {place} --method {method} --allow-degenerate --json"
+    line = f"calibrate --observations {place} --method {method} --flatness flat {model} --allow-degenerate --json"
     run = slcal(line, check=False)
     return Rig.from_json(run.stdout) if run.returncode == 0 else None
 
@@ -174,6 +174,9 @@ def ten_planes(slcal, folder, options, seed):
         put("ml, one", calibrate(slcal, folder, one, "ml"), [view])
     put("ml, all", calibrate(slcal, folder, seen, "ml"), seen["views"])
     distorted = "--distortion" in options
+    # What the classic way is told, too.
+    told = f"--distortion {'k1k2' if distorted else 'none'} --projector-distortion none"
+    put("ml, all, told", calibrate(slcal, folder, seen, "ml", told), seen["views"])
     guess = 1.5 * seen["projector"]["width"]
     size = seen["views"][0]["size_mm"]
     for way, boards in [
