@@ -2,14 +2,14 @@
 //! photograph but its distance and can never be noticed; a wrong proportion can, where the principal point is held or
 //! several views agree on it.
 
-use super::misfit::{Misfit, misfit};
+use super::misfit::{LINEAR_BEYOND, Misfit, misfit};
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::maximum_likelihood::problem;
-use crate::estimate::robust::{RobustProblem as _, kept};
+use crate::estimate::robust::RobustProblem as _;
 use crate::estimate::{Model, Solution};
 use crate::observations::Observations;
 use crate::rig::Warning;
-use crate::solve::{Problem as _, Structure, predicted_decrease};
+use crate::solve::{Loss, Problem as _, Structure, predicted_decrease};
 use nalgebra::DMatrix;
 
 /// Distance from the given proportion, in σ, that is reported. By chance it is passed once in 16 000 photographs.
@@ -37,13 +37,12 @@ fn promised(sheet: &Observations, config: &CalibrateConfig, from: &Solution) -> 
     let here = problem.at(&model)?;
     let residuals = |change| problem.at(&with_proportion(&model, change)).map(|at| at.residuals);
     let by_change = (residuals(NEAR)? - residuals(-NEAR)?) / (2.0 * NEAR);
+    // The same loss as in the misfits that are compared: a wrong proportion makes outliers of good points.
     let norms = problem.norms_px(&model)?;
     let mut weights = Vec::new();
-    for ((m, keep), block) in
-        problem.measurements.iter().zip(kept(&problem.measurements, &norms)).zip(&problem.blocks)
-    {
-        debug_assert_eq!(block.len, m.rows());
-        weights.resize(weights.len() + block.len, if keep { 1.0 } else { 0.0 });
+    for (m, norm) in problem.measurements.iter().zip(norms) {
+        let weight = Loss::Huber(LINEAR_BEYOND).weight((norm / m.sigma_px).powi(2)).sqrt();
+        weights.resize(weights.len() + m.rows(), weight);
     }
     weights.resize(here.residuals.len(), 1.0);
     let structure = problem.structure();

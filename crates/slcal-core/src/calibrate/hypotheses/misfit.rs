@@ -4,7 +4,7 @@ use crate::estimate::Solution;
 use crate::solve::Loss;
 
 /// Residuals beyond this many σ count linearly: a few outliers cannot decide, and a view that does not fit still shows.
-const LINEAR_BEYOND: f64 = 3.0;
+pub(super) const LINEAR_BEYOND: f64 = 3.0;
 
 /// χ² and the number of residuals in it.
 #[derive(Debug, Clone, Copy)]
