@@ -79,7 +79,7 @@ fn projected() -> CheckerPattern {
 }
 
 fn calibrated(views: Vec<Pose>) -> Rig {
-    calibrated_on(Flatness::Paper, views)
+    calibrated_on(Flatness::Flat, views)
 }
 
 fn calibrated_on(flatness: Flatness, views: Vec<Pose>) -> Rig {
