@@ -111,3 +111,21 @@ class Context:
             return None
         rest = self.score([s for s in SCENES if s not in STRIPED_SCENES])
         return None if rest is None else self.striped_scores + rest
+
+
+def photo_of(folder, name):
+    """NAME.png or NAME.jpg of a scene."""
+    path = folder / f"{name}.png"
+    return path if path.exists() else folder / f"{name}.jpg"
+
+
+def calibrate_scenes(ctx, scenes, screen=False, more=()):
+    """The rig of the scenes' photographs together, or None, and the exit code; with `screen` also from those without the pattern."""
+    folders = [ctx.rendered / s for s in scenes]
+    out = ctx.tmp / "scenes.json"
+    screens = [x for f in folders for x in ("--screen", photo_of(f, "screen"))] if screen else []
+    pattern = ["--pattern", folders[0] / "patterns/checker.json"]
+    photos = [photo_of(f, "checker") for f in folders]
+    size = size_of(ctx.truth_rig(scenes[0]))
+    r = run(ctx.slcal, "calibrate", *photos, "--size", size, "-o", out, "--force", *pattern, *screens, *more)
+    return (json.loads(out.read_text()) if r.returncode == 0 else None), r.returncode
