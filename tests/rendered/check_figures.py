@@ -5,9 +5,9 @@
 
 Uses the scorer that lies beside the data and measures what it does not: own clouds beside true surfaces, the same
 photographs noisier, blurred, miscoloured, turned and at other sizes, every estimate's error in units of its own sigma, input
-that must be refused, a 24-megapixel photograph within its memory, and real photographs of a sheet; figures/ has a module for
-each. A figure that is missed for a known reason (figures/shortfalls.py) is printed so and counted apart. Says so and passes
-where the data is not at hand.
+that must be refused, a 24-megapixel photograph within its memory, photographs with all that real ones have, and real
+photographs of a sheet; figures/ has a module for each. A figure that is missed for a known reason (figures/shortfalls.py) is
+printed so and counted apart. Says so and passes where the data is not at hand.
 """
 
 import argparse
@@ -17,12 +17,13 @@ import tempfile
 import time
 from pathlib import Path
 
-from figures import bad_input, calibration, memory, point_sigma, real, robustness, stripes, surfaces
+from figures import bad_input, calibration, effects, memory, point_sigma, real, robustness, stripes, surfaces
 from figures.common import Context, Table
 from figures.variants import VARIANTS
 
 CHECKS = {
     "calibration": calibration.check,
+    "effects": effects.check,
     "stripes": stripes.check,
     "surfaces": surfaces.check,
     "point_sigma": point_sigma.check,
