@@ -3,7 +3,8 @@
 # Figures that are missed, and why: printed as missed, counted apart, and no failure of the run. One that holds again is named,
 # so that its row here goes.
 KNOWN_SHORTFALLS = {
-    "real sheet 02: f_cam": "3.1 %: all five lie low by 0.6 to 3 %; the sheet bends in some, which no lens takes up",
+    "real_tang_a+real_tang_b: sigma of the projector's f": "0.117 %: the bound is that of ordinary rigs, and this projector is shifted sideways by 8 %; the camera's sigma is 0.107 %, and the error is 0.08 %",
+    "real_tang_a+real_tang_b, screen: sigma of the projector's f": "0.114 %: as without the dark photograph; the error is 0.02 %",
     "paper_tilted, plane_b, as rendered: errors within one sigma": "65.1 %: without noise, what sampling does to neighbouring stripes alike is left, and no scatter among them shows it",
     "strong + frames, the worst view: found": "92.8 %: one view of five, two crossings of a thousand short",
 }
