@@ -41,8 +41,8 @@ impl ExpectedView {
         let mut add = |seen, sigma_px, of| all.push(Measurement { view, seen, sigma_px, of });
         match self.sheet {
             ExpectedSheet::Corners(sigma_px) => {
-                for c in corners {
-                    add(see(c)?, sigma_px, Target::SheetCorner(c));
+                for (i, c) in corners.into_iter().enumerate() {
+                    add(see(c)?, sigma_px, Target::SheetCorner(i));
                 }
             }
             ExpectedSheet::Sides(sigmas) => {

@@ -26,8 +26,8 @@ pub(crate) struct Measurement {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Target {
     Edge(Side),
-    /// A corner of the sheet, mm.
-    SheetCorner(Point2<f64>),
+    /// A corner of the sheet: TL, TR, BR, BL.
+    SheetCorner(usize),
     /// A projector pixel.
     Pair(Point2<f64>),
 }
@@ -64,7 +64,7 @@ pub(crate) fn measurements(observations: &Observations) -> Vec<Measurement> {
                 }
             }
             SheetObservation::Corners { corners, sigma_px } => {
-                for (&seen, corner) in corners.iter().zip(o.size.corners()) {
+                for (corner, &seen) in corners.iter().enumerate() {
                     add(seen, *sigma_px, Target::SheetCorner(corner));
                 }
             }

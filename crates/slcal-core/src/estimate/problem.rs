@@ -60,7 +60,7 @@ impl BundleAdjustment {
         let (camera, sheet) = (&model.camera, model.views.get(m.view)?);
         match m.of {
             Target::Edge(side) => residual::edge(camera, sheet, side, m.seen),
-            Target::SheetCorner(corner) => residual::sheet_corner(camera, sheet, corner, m.seen),
+            Target::SheetCorner(i) => residual::sheet_corner(camera, sheet, sheet.size.corners()[i], m.seen),
             Target::Pair(q) => {
                 let projector = model.projector.as_ref()?;
                 let between = &model.projector_from_camera;

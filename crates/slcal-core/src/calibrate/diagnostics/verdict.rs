@@ -28,6 +28,8 @@ const FACE_ON: f64 = 15.0 * std::f64::consts::PI / 180.0;
 const MISFIT: f64 = 3.0;
 /// Residuals this many times their σ are structure that σ does not cover.
 const STRUCTURED: f64 = 3.0 * MISFIT;
+/// From this many times σ of the focal lengths on, σ of depth is named as what decides.
+const CLEARLY_MORE: f64 = 1.2;
 /// A coefficient of a bend this many σ of the widest prior is beyond it.
 const FAR_BENT: f64 = 3.0;
 /// A vertical principal point known no better than this part of the panel's height is undetermined.
@@ -133,7 +135,7 @@ fn cause(
             about_y.to_degrees()
         )
     };
-    if let Some(depth) = depth.filter(|d| *d > sigma.worst()) {
+    if let Some(depth) = depth.filter(|d| *d > CLEARLY_MORE * sigma.worst()) {
         return format!(
             "{seen}: σ of the depth of a point at the sheet's distance is {}, more than that of the focal lengths ({})",
             percent(depth),
