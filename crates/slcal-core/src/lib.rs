@@ -143,8 +143,8 @@ pub use pipeline::{
 };
 pub use rectify::{Rectification, rectify, rectify_checker, rectify_checker_picture, rectify_picture};
 pub use rig::{
-    Covariance, Device, DeviceSigma, Projector, Quality, Rig, StereoPose, Verdict, View, ViewBend, ViewRms,
-    Warning,
+    Covariance, Device, DeviceSigma, Projector, Quality, Rig, Sag, StereoPose, Verdict, View, ViewBend,
+    ViewRms, Warning,
 };
 
 // Their types are part of the interface: points, matrices and pictures.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Pose, RectangleSize, SheetBend};
 use crate::named::named;
-use crate::parameter::{Parameter, PoseParameter};
+use crate::parameter::{LensParameter, Parameter, PoseParameter};
 
 /// 1σ of a device's parameters; zero for what was held fixed.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -89,6 +89,27 @@ pub struct ViewBend {
     pub expected_mm: [f64; 12],
 }
 
+/// How far the sheet of a view bends out of its mean plane, and where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sag {
+    /// Height of the peak over the valley, mm.
+    pub sag_mm: f64,
+    /// 1σ of it, mm.
+    pub sigma_mm: f64,
+    /// The point of the sheet that lies furthest from the viewer, mm from its top left corner.
+    pub valley: Point2<f64>,
+    /// The point that lies nearest to the viewer.
+    pub peak: Point2<f64>,
+}
+
+impl Sag {
+    /// Whether the sheet is known to bend: two σ or more.
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        self.sag_mm >= 2.0 * self.sigma_mm
+    }
+}
+
 /// One pose of the sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
@@ -112,6 +133,25 @@ pub struct View {
     pub rms_px: Option<ViewRms>,
 }
 
+impl View {
+    /// The sheet's sides as the camera sees them, px: TL to TR, to BR, to BL and back to TL, each as `steps` + 1 points that follow
+    /// the sheet's bend and the lens's distortion. `None` where the camera cannot see them.
+    #[must_use]
+    pub fn sides_px(&self, camera: &Camera, steps: usize) -> Option<[Vec<Point2<f64>>; 4]> {
+        let corners = self.size.corners();
+        let shape = self.bend.map_or(SheetBend::FLAT, |b| b.shape);
+        let mut sides: [Vec<Point2<f64>>; 4] = Default::default();
+        for (i, side) in sides.iter_mut().enumerate() {
+            let (from, to) = (corners[i], corners[(i + 1) % 4]);
+            for k in 0..=steps.max(1) {
+                let at = from + (to - from) * (k as f64 / steps.max(1) as f64);
+                side.push(camera.project(&self.camera_from_sheet.transform(&shape.point(self.size, at)))?);
+            }
+        }
+        Some(sides)
+    }
+}
+
 /// Quality of a calibration in one word, from the worst of the σ of both focal lengths and of the depth of a point at the sheet's
 /// distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -128,7 +168,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Good below this relative σ of the focal length, the larger one of the two devices.
+    /// Good below this relative σ, the largest of the focal lengths and the depth.
     pub const GOOD_BELOW: f64 = 0.04;
     /// Fair below this one.
     pub const FAIR_BELOW: f64 = 0.10;
@@ -276,14 +316,48 @@ impl Rig {
         Some([sigma(Vector3::x())?, sigma(Vector3::y())?, sigma(Vector3::z())?])
     }
 
+    /// 1σ of fy, px, for each of the [`devices`](Self::devices): that of fx and of their ratio together. `None` where the rig has no
+    /// covariance, or the focal length was held fixed.
+    pub fn fy_sigmas_px(&self) -> impl Iterator<Item = Option<f64>> {
+        type Of = fn(LensParameter) -> Parameter;
+        let models = self.devices().map(|(_, d)| d.model.intrinsics);
+        models.zip([Parameter::Camera as Of, Parameter::Projector as Of]).map(|(k, of)| {
+            let known =
+                |p: &LensParameter| self.covariance.as_ref().is_some_and(|c| c.parameters.contains(&of(*p)));
+            let mut weights = vec![(of(LensParameter::Focal), k.fy / k.fx)];
+            weights.extend(Some((of(LensParameter::Aspect), k.fx)).filter(|_| known(&LensParameter::Aspect)));
+            self.sigma_along(&weights)
+        })
+    }
+
+    /// How far the sheet of view `i` bends, and where; `None` where it was taken for flat.
+    #[must_use]
+    pub fn sag(&self, i: usize) -> Option<Sag> {
+        let view = self.views.get(i)?;
+        let ViewBend { shape, sigma_mm, .. } = view.bend?;
+        let [valley, peak] = shape.valley_and_peak(view.size);
+        let at = |p: Point2<f64>| shape.height(view.size, p);
+        let ((low, _, of_low), (high, _, of_high)) = (at(valley), at(peak));
+        let weights = of_low - of_high;
+        let named: Vec<_> = weights.iter().enumerate().map(|(k, w)| (Parameter::Bend(i, k), *w)).collect();
+        let alone = || weights.iter().zip(sigma_mm).map(|(w, s)| (w * s).powi(2)).sum::<f64>().sqrt();
+        let sigma_mm = self.sigma_along(&named).unwrap_or_else(alone);
+        Some(Sag { sag_mm: low - high, sigma_mm, valley, peak })
+    }
+
     /// √(uᵀ C u) with C the covariance of t and of the rotation between the devices, and u the given weights.
     fn stereo_sigma(&self, of_t: &Vector3<f64>, of_rotation: &Vector3<f64>) -> Option<f64> {
+        let weights = PoseParameter::ALL.into_iter().zip(of_rotation.iter().chain(of_t));
+        let named: Vec<_> = weights.map(|(p, w)| (Parameter::ProjectorFromCamera(p), *w)).collect();
+        self.sigma_along(&named)
+    }
+
+    /// √(uᵀ C u) with u the given weights of parameters; `None` where one of them has no covariance.
+    fn sigma_along(&self, weights: &[(Parameter, f64)]) -> Option<f64> {
         let covariance = self.covariance.as_ref()?;
-        let weights = of_rotation.iter().chain(of_t);
         let mut u = Vec::new();
-        for (parameter, weight) in PoseParameter::ALL.into_iter().zip(weights).filter(|(_, w)| **w != 0.0) {
-            let wanted = Parameter::ProjectorFromCamera(parameter);
-            u.push((covariance.parameters.iter().position(|p| *p == wanted)?, *weight));
+        for (wanted, weight) in weights.iter().filter(|(_, w)| *w != 0.0) {
+            u.push((covariance.parameters.iter().position(|p| p == wanted)?, *weight));
         }
         let c = |i: usize, j: usize| covariance.matrix.get((i, j)).copied().unwrap_or(f64::NAN);
         let variance: f64 = u.iter().flat_map(|(i, a)| u.iter().map(move |(j, b)| a * b * c(*i, *j))).sum();
@@ -368,6 +442,86 @@ mod tests {
         assert!((rig.rotation_sigma_rad().unwrap() - 3e-3).abs() < 1e-15);
         rig.projector.as_mut().unwrap().from_camera.pose = pose;
         assert_eq!(rig.rotation_sigma_rad(), None);
+    }
+
+    fn bent_view(coefficient: f64) -> View {
+        let mut shape = SheetBend::FLAT;
+        shape.0[0] = coefficient;
+        View {
+            photo: None,
+            size: RectangleSize { width_mm: 200.0, height_mm: 100.0 },
+            camera_from_sheet: Pose { translation: Vector3::new(-100.0, -50.0, 500.0), ..Pose::identity() },
+            bend: Some(ViewBend { shape, sigma_mm: [0.1; 12], expected_mm: [1.0; 12] }),
+            projector_from_sheet: None,
+            camera_vanishing_points: [Vector3::x(), Vector3::y()],
+            projector_vanishing_points: None,
+            corners_px: [Point2::origin(); 4],
+            rms_px: None,
+        }
+    }
+
+    fn rig_with(view: View) -> Rig {
+        let model = Camera {
+            width: 640,
+            height: 480,
+            intrinsics: Intrinsics::square(800.0, Point2::new(319.5, 239.5)),
+            distortion: Distortion::default(),
+        };
+        Rig {
+            camera: model.into(),
+            projector: None,
+            views: vec![view],
+            method: "ml".into(),
+            quality: None,
+            covariance: None,
+        }
+    }
+
+    #[test]
+    fn the_sag_has_its_sigma_and_its_places() {
+        let mut rig = rig_with(bent_view(2.0));
+        // P2 is 1 at both ends and -1/2 in the middle: the ends lie further away.
+        let sag = rig.sag(0).unwrap();
+        assert!((sag.sag_mm - 3.0).abs() < 1e-12 && sag.is_known());
+        assert!([0.0, 200.0].contains(&sag.valley.x) && sag.peak.x == 100.0);
+        assert!(sag.sigma_mm >= 0.15);
+        // A covariance knows that the other terms are exact.
+        let mut matrix = DMatrix::zeros(12, 12);
+        matrix[(0, 0)] = 0.04;
+        let parameters = (0..12).map(|k| Parameter::Bend(0, k)).collect();
+        rig.covariance = Some(Covariance { parameters, matrix });
+        assert!((rig.sag(0).unwrap().sigma_mm - 0.3).abs() < 1e-12);
+        rig.views[0].bend = None;
+        assert!(rig.sag(0).is_none() && rig.sag(1).is_none());
+    }
+
+    #[test]
+    fn sides_follow_the_bend() {
+        let rig = rig_with(bent_view(20.0));
+        let camera = &rig.camera.model;
+        let bent = rig.views[0].sides_px(camera, 8).unwrap();
+        let flat = bent_view(0.0).sides_px(camera, 8).unwrap();
+        // Its middle is nearer to the camera, its ends are further away.
+        let off = |k: usize| bent[0][k].y - flat[0][k].y;
+        assert!(off(4) < -1.0 && off(0) > 1.0 && off(8) > 1.0, "{} {} {}", off(0), off(4), off(8));
+        assert!(bent.iter().zip(bent.iter().cycle().skip(1)).all(|(a, b)| a[8] == b[0]));
+    }
+
+    #[test]
+    fn fy_has_the_sigma_of_fx_and_of_their_ratio() {
+        let mut rig = rig_with(bent_view(0.0));
+        assert_eq!(rig.fy_sigmas_px().collect::<Vec<_>>(), [None]);
+        let [focal, aspect] = [LensParameter::Focal, LensParameter::Aspect].map(Parameter::Camera);
+        // fy = fx · ratio: half of the error cancels.
+        let (f, a) = (2.0, -1.0 / 800.0);
+        rig.covariance = Some(Covariance {
+            parameters: vec![focal.clone(), aspect],
+            matrix: DMatrix::from_row_slice(2, 2, &[f * f, f * a, a * f, a * a]),
+        });
+        assert!((rig.fy_sigmas_px().next().unwrap().unwrap() - 1.0).abs() < 1e-9);
+        rig.covariance =
+            Some(Covariance { parameters: vec![focal], matrix: DMatrix::from_element(1, 1, 9.0) });
+        assert_eq!(rig.fy_sigmas_px().next().unwrap(), Some(3.0));
     }
 
     #[test]

@@ -40,7 +40,9 @@ fn advice_record<'py>(py: Python<'py>, advice: slcal_core::Result<Advice>) -> Py
 /// projector_pp : {"shift", "prior", "centre", "free"} or (float, float), default "shift"
 ///     What will be known of the projector's.
 /// distortion : {"auto", "none", "k1", "k1k2", "full"}, default "auto"
-///     Which distortion of the camera will be estimated; "auto" plans with none.
+///     Which distortion of the camera will be estimated, as for `calibrate`.
+/// flatness : {"paper", "board", "flat"}, str or float, default "paper"
+///     How flat the sheet is, as for `calibrate`.
 ///
 /// Returns
 /// -------
@@ -62,8 +64,9 @@ fn advice_record<'py>(py: Python<'py>, advice: slcal_core::Result<Advice>) -> Py
 /// True
 #[pyfunction]
 #[pyo3(
-    signature = (camera, size_mm, *, projector=None, distance_mm=None, noise_px=0.05, camera_pp=None, projector_pp=None, distortion=None),
-    text_signature = "(camera, size_mm, *, projector=None, distance_mm=None, noise_px=0.05, camera_pp='prior', projector_pp='shift', distortion='auto')"
+    signature = (camera, size_mm, *, projector=None, distance_mm=None, noise_px=0.05, camera_pp=None, projector_pp=None, distortion=None,
+        flatness=None),
+    text_signature = "(camera, size_mm, *, projector=None, distance_mm=None, noise_px=0.05, camera_pp='prior', projector_pp='shift', distortion='auto', flatness='paper')"
 )]
 #[allow(clippy::too_many_arguments, reason = "they are named in Python")]
 fn advise<'py>(
@@ -75,12 +78,14 @@ fn advise<'py>(
     camera_pp: Option<&Bound<'py, PyAny>>,
     projector_pp: Option<&Bound<'py, PyAny>>,
     distortion: Option<&Bound<'py, PyAny>>,
+    flatness: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = size_mm.py();
     let config = CalibrateConfig {
         camera_pp: option::parsed_or(camera_pp, "camera_pp", PrincipalPointRule::Prior)?,
         projector_pp: option::parsed_or(projector_pp, "projector_pp", PrincipalPointRule::Shift)?,
         distortion: option::parsed_or(distortion, "distortion", DistortionModel::Auto)?,
+        flatness: option::flatness(flatness)?,
         ..CalibrateConfig::default()
     };
     config.validate().raise(py, Stage::Detect)?;

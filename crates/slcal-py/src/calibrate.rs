@@ -24,6 +24,7 @@ struct Options<'a, 'py> {
     projector_pp: Option<&'a Bound<'py, PyAny>>,
     distortion: Option<&'a Bound<'py, PyAny>>,
     projector_distortion: Option<&'a Bound<'py, PyAny>>,
+    flatness: Option<&'a Bound<'py, PyAny>>,
     method: Option<&'a Bound<'py, PyAny>>,
     allow_degenerate: bool,
 }
@@ -42,6 +43,7 @@ impl Options<'_, '_> {
                 "projector_distortion",
                 DistortionModel::Auto,
             )?,
+            flatness: option::flatness(self.flatness)?,
             allow_degenerate: self.allow_degenerate,
             known_camera: self.camera.map(|c| c.0.model),
             ..default
@@ -80,8 +82,11 @@ impl From<Calibration> for Rig {
 ///     What is known of the principal points. "prior": near the centre. "shift": its column near the centre, its row free
 ///     (lens shift). "centre": exactly the centre. "free": nothing. Two numbers: exactly this pixel.
 /// distortion, projector_distortion : {"auto", "none", "k1", "k1k2", "full"}
-///     Which coefficients are estimated. "auto" estimates k1 and k2 where the photographs determine them. Those of the
-///     projector need three photographs.
+///     Which coefficients are estimated. "auto" estimates all five, and the ratio of fy to fx, near what ordinary lenses have.
+///     The others take square pixels; those of the projector need three photographs.
+/// flatness : {"paper", "board", "flat"}, str or float
+///     How flat the sheet is. "paper" bends out of its plane by 0.2 % of its diagonal (1σ), "board" by 0.02 %, "flat" not at
+///     all. A length such as "0.5mm", or a number of millimetres, is 1σ itself. The bend is estimated: see `View.bend`.
 /// method : {"ml", "two-vp"}
 ///     Maximum likelihood, or the method of two vanishing points of R. Orghidan et al., "Structured light self-calibration
 ///     with vanishing points", Machine Vision and Applications 25:489-500 (2014).
@@ -122,9 +127,9 @@ impl From<Calibration> for Rig {
 #[pyfunction]
 #[pyo3(
     signature = (photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp=None, projector_pp=None,
-        distortion=None, projector_distortion=None, method=None, focal_35mm=None, gamma=None, allow_degenerate=false,
+        distortion=None, projector_distortion=None, flatness=None, method=None, focal_35mm=None, gamma=None, allow_degenerate=false,
         names=None, screen=None),
-    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', method='ml', focal_35mm=None, gamma='srgb', allow_degenerate=False, names=None, screen=None)"
+    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', flatness='paper', method='ml', focal_35mm=None, gamma='srgb', allow_degenerate=False, names=None, screen=None)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments are what a Python user expects")]
 fn calibrate(
@@ -138,6 +143,7 @@ fn calibrate(
     projector_pp: Option<&Bound<'_, PyAny>>,
     distortion: Option<&Bound<'_, PyAny>>,
     projector_distortion: Option<&Bound<'_, PyAny>>,
+    flatness: Option<&Bound<'_, PyAny>>,
     method: Option<&Bound<'_, PyAny>>,
     focal_35mm: Option<f64>,
     gamma: Option<&Bound<'_, PyAny>>,
@@ -152,6 +158,7 @@ fn calibrate(
         projector_pp,
         distortion,
         projector_distortion,
+        flatness,
         method,
         allow_degenerate,
     };
@@ -171,7 +178,7 @@ fn calibrate(
 /// observations : Observations or mapping
 ///     A mapping has the fields of the file (schema slcal-observations/1), with arrays or lists. A σ that is not given is
 ///     estimated from the residuals, or assumed where there are too few.
-/// camera, camera_pp, projector_pp, distortion, projector_distortion, method, focal_35mm, allow_degenerate
+/// camera, camera_pp, projector_pp, distortion, projector_distortion, flatness, method, focal_35mm, allow_degenerate
 ///     As for `calibrate`.
 ///
 /// Returns
@@ -189,8 +196,8 @@ fn calibrate(
 #[pyfunction]
 #[pyo3(
     signature = (observations, *, camera=None, camera_pp=None, projector_pp=None, distortion=None,
-        projector_distortion=None, method=None, focal_35mm=None, allow_degenerate=false),
-    text_signature = "(observations, *, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', method='ml', focal_35mm=None, allow_degenerate=False)"
+        projector_distortion=None, flatness=None, method=None, focal_35mm=None, allow_degenerate=false),
+    text_signature = "(observations, *, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', flatness='paper', method='ml', focal_35mm=None, allow_degenerate=False)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments are what a Python user expects")]
 fn calibrate_observations(
@@ -200,6 +207,7 @@ fn calibrate_observations(
     projector_pp: Option<&Bound<'_, PyAny>>,
     distortion: Option<&Bound<'_, PyAny>>,
     projector_distortion: Option<&Bound<'_, PyAny>>,
+    flatness: Option<&Bound<'_, PyAny>>,
     method: Option<&Bound<'_, PyAny>>,
     focal_35mm: Option<f64>,
     allow_degenerate: bool,
@@ -210,6 +218,7 @@ fn calibrate_observations(
         projector_pp,
         distortion,
         projector_distortion,
+        flatness,
         method,
         allow_degenerate,
     };

@@ -4,10 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use slcal_core::geometry::RectangleSize;
-use slcal_core::{DistortionModel, PrincipalPointRule};
+use slcal_core::{DistortionModel, Flatness, PrincipalPointRule};
 
 use super::headings::{INPUT, MODEL, OUTPUT, SETTINGS};
-use super::value::{choice, parse_camera_pp, parse_length, parse_pair, parse_projector_pp, parse_size};
+use super::value::{
+    choice, parse_camera_pp, parse_flatness, parse_length, parse_pair, parse_projector_pp, parse_size,
+};
 
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("known").required(true))]
@@ -74,10 +76,14 @@ pub(crate) struct AdviseArgs {
           default_value_t = PrincipalPointRule::Shift, allow_hyphen_values = true, conflicts_with = "rig",
           help_heading = MODEL)]
     pub(crate) projector_pp: PrincipalPointRule,
-    /// Distortion of the camera that will be estimated; auto plans with none.
+    /// Distortion of the camera that will be estimated, as for `slcal calibrate`.
     #[arg(long, value_parser = choice::<DistortionModel>(DistortionModel::NAMES), default_value_t,
           conflicts_with = "rig", help_heading = MODEL)]
     pub(crate) distortion: DistortionModel,
+    /// How flat the sheet is: paper, board, flat, or a length (as for `slcal calibrate`); a rig knows it.
+    #[arg(long, value_name = "paper|board|flat|LENGTH", value_parser = parse_flatness,
+          default_value_t = Flatness::Paper, allow_hyphen_values = true, conflicts_with = "rig", help_heading = MODEL)]
+    pub(crate) flatness: Flatness,
     /// Print the result as JSON instead of tables.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,

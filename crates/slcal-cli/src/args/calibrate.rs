@@ -88,7 +88,7 @@ pub(crate) struct CalibrateArgs {
     /// paper bends out of its plane by 0.2 % of its diagonal (1σ), a board by 0.02 %. flat takes the sheet for exactly flat; a
     /// length such as 0.5mm is 1σ itself. The bend is estimated from the sheet's outline and the projected corners.
     #[arg(long, value_name = "paper|board|flat|LENGTH", value_parser = parse_flatness,
-          default_value_t = Flatness::Paper, help_heading = MODEL)]
+          default_value_t = Flatness::Paper, allow_hyphen_values = true, help_heading = MODEL)]
     pub(crate) flatness: Flatness,
     /// Estimator: ml (maximum likelihood of all measurements) or two-vp (two vanishing points alone, as published).
     #[arg(long, value_parser = choice::<Method>(Method::NAMES), default_value_t, help_heading = MODEL)]

@@ -1,7 +1,7 @@
 //! The residuals of a calibration, enlarged, over the measured points.
 
 use nalgebra::{Point2, Vector2};
-use slcal_core::geometry::ProjectivePoint;
+use slcal_core::geometry::{Camera, ProjectivePoint};
 use slcal_core::{View, ViewObservation, ViewResiduals};
 
 use super::drawing::color::{GREEN, PINK, VERMILLION};
@@ -22,6 +22,8 @@ pub(crate) struct MeasuredView<'a> {
     pub(crate) observed: &'a ViewObservation,
     pub(crate) residuals: &'a ViewResiduals,
     pub(crate) view: &'a View,
+    /// The rig's camera.
+    pub(crate) camera: &'a Camera,
 }
 
 fn arrow_pen() -> Pen {
@@ -84,7 +86,7 @@ pub(crate) fn drawing(size: [u32; 2], name: &str, title: &str, fit: MeasuredView
 /// The measured points, their residuals enlarged by `factor`, outliers, and vanishing points near the frame.
 pub(crate) fn draw(drawing: &mut Drawing, fit: MeasuredView<'_>, factor: f64) {
     draw_vanishing_points(drawing, fit.view);
-    sheet::draw_sheet(drawing, fit.observed);
+    sheet::draw_expected(drawing, fit.view, fit.camera);
     let kept = fit.residuals.points().filter(|p| p.kept);
     let arrows: Vec<_> = kept.map(|p| (p.seen, p.seen + p.vector_px() * factor)).collect();
     drawing.arrows(arrows, arrow_pen());
@@ -192,13 +194,18 @@ mod tests {
         View {
             photo: None,
             size: RectangleSize::new(594.0, 420.0).unwrap(),
-            camera_from_sheet: Pose::identity(),
+            camera_from_sheet: Pose { translation: Vector3::new(-260.0, -210.0, 1100.0), ..Pose::identity() },
+            bend: None,
             projector_from_sheet: None,
             camera_vanishing_points: vanishing,
             projector_vanishing_points: None,
             corners_px: CORNERS.map(Point2::from),
             rms_px: Some(ViewRms { edges: 0.0512, corners: Some(0.5), projector: None }),
         }
+    }
+
+    fn camera() -> Camera {
+        Camera::pinhole([900, 600], 900.0).unwrap()
     }
 
     fn observed() -> ViewObservation {
@@ -239,8 +246,8 @@ mod tests {
 
     #[test]
     fn residuals_are_enlarged_and_outliers_crossed() {
-        let (observed, residuals, view) = (observed(), residuals(), view(FAR));
-        let fit = MeasuredView { observed: &observed, residuals: &residuals, view: &view };
+        let (observed, residuals, view, camera) = (observed(), residuals(), view(FAR), camera());
+        let fit = MeasuredView { observed: &observed, residuals: &residuals, view: &view, camera: &camera };
         let drawing = drawing([900, 600], "a/b.jpg", "b.jpg", fit);
         // 0.1 px becomes 20 of the 24 units that the longer ones are to have.
         assert_eq!(enlargement([fit], 1.0), 200.0);
@@ -261,10 +268,10 @@ mod tests {
 
     #[test]
     fn vanishing_points_that_are_near_are_pointed_at() {
-        let (observed, residuals) = (observed(), residuals());
+        let (observed, residuals, camera) = (observed(), residuals(), camera());
         // One to the right of the frame, one in it; then one that is too far, and one at infinity.
         let near = view([Vector3::new(1500.0, 320.0, 1.0), Vector3::new(-800.0, -40.0, -2.0)]);
-        let fit = MeasuredView { observed: &observed, residuals: &residuals, view: &near };
+        let fit = MeasuredView { observed: &observed, residuals: &residuals, view: &near, camera: &camera };
         let drawing = drawing([900, 600], "b.jpg", "", fit);
         let labels: Vec<_> = drawing
             .items
@@ -288,7 +295,7 @@ mod tests {
         let dashed = drawing.items.iter().filter(|i| i.pen.dashed).count();
         assert_eq!(dashed, 2);
         let far = view([Vector3::new(9000.0, 320.0, 1.0), FAR[0]]);
-        let fit = MeasuredView { observed: &observed, residuals: &residuals, view: &far };
+        let fit = MeasuredView { observed: &observed, residuals: &residuals, view: &far, camera: &camera };
         assert!(super::drawing([900, 600], "", "", fit).items.iter().all(|i| !i.pen.dashed));
     }
 }

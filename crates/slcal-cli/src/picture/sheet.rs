@@ -2,7 +2,8 @@
 
 use nalgebra::{Point2, Vector2};
 use slcal_core::detect::Detection;
-use slcal_core::{CornerPair, SheetObservation, ViewObservation};
+use slcal_core::geometry::Camera;
+use slcal_core::{CornerPair, SheetObservation, View, ViewObservation};
 
 use super::drawing::color::{ORANGE, PINK, SKY, WHITE, YELLOW};
 use super::drawing::legend::{Legend, Swatch};
@@ -14,6 +15,8 @@ const RING: f64 = 4.0;
 const RING_SHARE: f64 = 0.3;
 /// From a sheet's corner to its name, units.
 const NAME_DISTANCE: f64 = 18.0;
+/// Parts of a side that is drawn as a curve.
+const SIDE_STEPS: usize = 24;
 /// Points drawn on one row of the panel have the same ordinate but for rounding, px.
 const SAME_ROW_PX: f64 = 1e-6;
 
@@ -141,9 +144,22 @@ fn ring_radius(drawing: &Drawing, rows: &[Vec<Point2<f64>>]) -> f64 {
     RING.min(RING_SHARE * nearest / drawing.unit())
 }
 
+/// The sheet as a rig expects it, with its bend and the lens's distortion; its corners alone where the camera cannot see it.
+pub(crate) fn draw_expected(drawing: &mut Drawing, view: &View, camera: &Camera) {
+    let Some(sides) = view.sides_px(camera, SIDE_STEPS) else {
+        return draw_outline(drawing, &view.corners_px);
+    };
+    drawing.outline(&sides.concat(), sheet_pen());
+    name_corners(drawing, &sides.map(|side| side[0]));
+}
+
 /// An outline TL, TR, BR, BL with its corners named; the name of a corner outside the frame stands where the frame ends.
 pub(crate) fn draw_outline(drawing: &mut Drawing, corners: &[Point2<f64>; 4]) {
     drawing.outline(corners, sheet_pen());
+    name_corners(drawing, corners);
+}
+
+fn name_corners(drawing: &mut Drawing, corners: &[Point2<f64>; 4]) {
     drawing.keep_clear(corners);
     let unit = drawing.unit();
     let room = drawing.frame().grown(-NAME_DISTANCE * unit);

@@ -17,6 +17,7 @@ mod photographs;
 mod point_statistics;
 mod residuals;
 mod rig_page;
+mod sheet_bend;
 mod uncertainty_map;
 mod verdict;
 mod view_3d;
@@ -37,6 +38,7 @@ pub(crate) fn rig_html(page: &RigPage) -> Vec<u8> {
     let sections = [
         Some(parameters::section(page)),
         photographs::section(page),
+        sheet_bend::section(page),
         residuals::section(page, &mut figures),
         Some(view_3d::section(page.rig, page.cloud.as_ref(), &mut figures)),
         uncertainty_map::section(page, working, &mut figures),

@@ -15,11 +15,10 @@ pub(super) fn section(page: &RigPage) -> Section {
     let content = html! {
         div.scroll { table.parameters {
             thead { tr { th scope="col" { "Parameter" } th.number scope="col" { "Value" } th scope="col" { "Unit" } } }
-            (device("camera", "Camera", &rig.camera))
-            @if let Some(projector) = &rig.projector {
-                (device("projector", "Projector", &projector.device))
-                (position(rig, &projector.from_camera))
+            @for ((name, shown), fy_sigma) in rig.devices().zip(rig.fy_sigmas_px()) {
+                (device(name, if name == "camera" { "Camera" } else { "Projector" }, shown, fy_sigma))
             }
+            @if let Some(projector) = &rig.projector { (position(rig, &projector.from_camera)) }
         } }
         @if let Some(projector) = &rig.projector { (transform(&projector.from_camera)) }
         @if !rig.views.is_empty() { (poses(rig)) }
@@ -33,12 +32,22 @@ pub(super) fn section(page: &RigPage) -> Section {
     Section { id: "parameters", title: "Parameters", content }
 }
 
-fn device(path: &str, title: &str, device: &Device) -> Markup {
+fn device(path: &str, title: &str, device: &Device, fy_sigma: Option<f64>) -> Markup {
     let (model, sigma) = (&device.model, &device.sigma);
     let (k, size) = (&model.intrinsics, model.size());
     let at = |field: &str| format!("{path}.{field}");
     let focal = |axis: usize, value: f64| {
         measured(&at(&format!("K.{axis}.{axis}")), value, sigma.map(|s| (at("sigma.focal_px"), s.focal_px)))
+    };
+    let aspect = sigma.map(|s| s.aspect).filter(|s| *s > 0.0);
+    let vertical = || match fy_sigma.filter(|s| *s > 0.0 && aspect.is_some()) {
+        Some(s) => html! {
+            (field(&at("K.1.1"), k.fy, &fixed(k.fy, decimals_of(s)))) " ± " (derived(&at("fy_sigma_px"), s, &significant(s, 2)))
+        },
+        None => focal(1, k.fy),
+    };
+    let percent = |share: Option<f64>| {
+        html! { @if let Some(share) = share { span.aside { " (" (significant(share, 2)) " %)" } } }
     };
     let share = sigma.filter(|s| s.focal_px > 0.0).map(|s| 100.0 * s.focal_px / k.fx);
     // From edge to edge, to both sides of the principal point.
@@ -55,13 +64,17 @@ fn device(path: &str, title: &str, device: &Device) -> Markup {
                 (field(&at("width"), f64::from(size[0]), &size[0].to_string())) " × "
                 (field(&at("height"), f64::from(size[1]), &size[1].to_string()))
             }, "px"))
-            @if (k.fx - k.fy).abs() <= 1e-9 * k.fx {
-                (row("Focal length", &html! {
-                    (focal(0, k.fx)) @if let Some(share) = share { span.aside { " (" (significant(share, 2)) " %)" } }
-                }, "px"))
+            @if (k.fx - k.fy).abs() <= 1e-9 * k.fx && aspect.is_none() {
+                (row("Focal length", &html! { (focal(0, k.fx)) (percent(share)) }, "px"))
             } @else {
-                (row("Focal length, horizontal", &focal(0, k.fx), "px"))
-                (row("Focal length, vertical", &focal(1, k.fy), "px"))
+                (row("Focal length, horizontal", &html! { (focal(0, k.fx)) (percent(share)) }, "px"))
+                (row("Focal length, vertical", &vertical(), "px"))
+                @if let Some(s) = aspect {
+                    (row("Vertical to horizontal focal length", &html! {
+                        (derived(&at("aspect"), k.fy / k.fx, &fixed(k.fy / k.fx, decimals_of(s)))) " ± "
+                        (field(&at("sigma.aspect"), s, &significant(s, 2)))
+                    }, ""))
+                }
             }
             (row("Field of view", &html! {
                 (derived(&at("fov_x_deg"), fov[0], &fixed(fov[0], 1))) "° × "
@@ -134,19 +147,21 @@ fn transform(stereo: &StereoPose) -> Markup {
 
 /// A row for the sheet in each photograph.
 fn poses(rig: &Rig) -> Markup {
+    let bent = rig.views.iter().any(|v| v.bend.is_some());
     html! {
         h3 { "The sheet" }
         div.scroll { table {
             thead { tr {
                 th scope="col" { "Photograph" } th.number scope="col" { "given size, mm" } th.number scope="col" { "distance, mm" }
                 th.number scope="col" { "tilt, °" }
+                @if bent { th.number scope="col" { "bend, mm" } }
             } }
-            tbody { @for (i, view) in rig.views.iter().enumerate() { (pose(rig, i, view)) } }
+            tbody { @for (i, view) in rig.views.iter().enumerate() { (pose(rig, i, view, bent)) } }
         } }
     }
 }
 
-fn pose(rig: &Rig, i: usize, view: &View) -> Markup {
+fn pose(rig: &Rig, i: usize, view: &View, bent: bool) -> Markup {
     let at = |field: &str| format!("views.{i}.{field}");
     let distance = view_distance_mm(view);
     let tilt = rig.tilt_rad(i).map(f64::to_degrees);
@@ -158,6 +173,10 @@ fn pose(rig: &Rig, i: usize, view: &View) -> Markup {
         }
         td.number { (derived(&at("distance_mm"), distance, &fixed(distance, 0))) }
         td.number { @if let Some(tilt) = tilt { (derived(&at("tilt_deg"), tilt, &fixed(tilt, 1))) } }
+        @if bent { td.number { @if let Some(sag) = rig.sag(i) {
+            (field(&at("bend.sag_mm"), sag.sag_mm, &fixed(sag.sag_mm, decimals_of(sag.sigma_mm)))) " ± "
+            (derived(&at("bend_sigma_mm"), sag.sigma_mm, &significant(sag.sigma_mm, 2)))
+        } } }
     } }
 }
 

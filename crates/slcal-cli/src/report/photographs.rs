@@ -48,10 +48,10 @@ pub(super) fn section(page: &RigPage) -> Option<Section> {
 
 /// Observations and residuals of each view, where they are known.
 fn fits<'a>(page: &'a RigPage) -> Vec<Option<MeasuredView<'a>>> {
-    let residuals = page.residuals.as_ref().ok();
+    let (residuals, camera) = (page.residuals.as_ref().ok(), &page.rig.camera.model);
     let fit = |(i, view): (usize, &'a View)| {
         let observed = page.observations?.views.get(i)?;
-        Some(MeasuredView { observed, residuals: residuals?.get(i)?, view })
+        Some(MeasuredView { observed, residuals: residuals?.get(i)?, view, camera })
     };
     page.rig.views.iter().enumerate().map(fit).collect()
 }
@@ -74,7 +74,7 @@ fn shot(
     let mut drawing = drawing(rig, &format!("{name}: the sheet and the points measured on it"));
     match fit {
         Some(fit) => residual_drawing::draw(&mut drawing, fit, factor),
-        None => sheet::draw_outline(&mut drawing, &view.corners_px),
+        None => sheet::draw_expected(&mut drawing, view, &rig.camera.model),
     }
     let odd = fit.is_some_and(|f| f.residuals.is_odd());
     html! {

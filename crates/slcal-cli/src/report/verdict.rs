@@ -48,8 +48,11 @@ fn lead(rig: &Rig) -> String {
         Verdict::Degenerate if warned("focal-length-outlandish") => {
             "Do not use these numbers: the focal length is implausible for any ordinary lens."
         }
-        Verdict::Degenerate if of_sigma(quality) == Verdict::Degenerate => {
+        Verdict::Degenerate if of_focal(quality) == Verdict::Degenerate => {
             "Do not use these numbers: the photographs do not determine the focal length."
+        }
+        Verdict::Degenerate if of_depth(quality) == Some(Verdict::Degenerate) => {
+            "Do not use these numbers: the photographs do not determine the depth of points."
         }
         Verdict::Degenerate => "Do not use these numbers.",
     };
@@ -68,12 +71,17 @@ fn noise_alone(rig: &Rig) -> bool {
 }
 
 /// The verdict from the focal lengths' σ alone.
-fn of_sigma(quality: &Quality) -> Verdict {
+fn of_focal(quality: &Quality) -> Verdict {
     let worst = quality.focal_sigma_percent_projector.map_or(quality.focal_sigma_percent_camera, |p| {
         // NaN counts as worst.
         if p <= quality.focal_sigma_percent_camera { quality.focal_sigma_percent_camera } else { p }
     });
     Verdict::of_focal_sigma(worst / 100.0)
+}
+
+/// The verdict from the depth's σ alone.
+fn of_depth(quality: &Quality) -> Option<Verdict> {
+    quality.depth_sigma_percent.map(|percent| Verdict::of_focal_sigma(percent / 100.0))
 }
 
 /// The title of the page.
@@ -120,6 +128,12 @@ fn key_figures(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
                 li {
                     span.value { (measured("quality.focal_sigma_percent.projector", sigma, " %")) }
                     span.label { "focal length of the projector" }
+                }
+            }
+            @if let Some(sigma) = quality.depth_sigma_percent {
+                li {
+                    span.value { (measured("quality.depth_sigma_percent", sigma, " %")) }
+                    span.label { "depth at the sheet’s distance, by the uncertainty of the calibration alone" }
                 }
             }
             @if let Some(sigma) = quality.expected_point_sigma_mm {
@@ -173,7 +187,7 @@ fn meaning(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
                 (derived("length_across_sigma_mm", across, &significant(across, 2))) " mm across and ± "
                 (derived("length_along_sigma_mm", along, &significant(along, 2))) " mm along the line of sight. This is the largest value "
                 "around the sheet; how precisely the ends of the length can be located comes on top. "
-                @if !is_good(rig) { "Take it as rough: with a focal length this uncertain, the error may be several times larger. " }
+                @if !is_good(rig) { "Take it as rough: with a calibration this uncertain, the error may be several times larger. " }
             }
         }
         @if noise_alone(rig) {
@@ -240,17 +254,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_larger_sigma_decides_and_nan_is_degenerate() {
+    fn the_larger_sigma_of_the_focal_lengths_counts_and_nan_is_degenerate() {
         let quality = |projector: f64| Quality {
             verdict: Verdict::Weak,
             focal_sigma_percent_camera: 1.0,
             focal_sigma_percent_projector: Some(projector),
+            depth_sigma_percent: None,
             expected_point_sigma_mm: None,
             cause: String::new(),
             advice: String::new(),
             warnings: Vec::new(),
         };
-        let found = [0.5, 12.0, f64::NAN].map(|p| of_sigma(&quality(p)));
+        let found = [0.5, 12.0, f64::NAN].map(|p| of_focal(&quality(p)));
         assert_eq!(found, [Verdict::Good, Verdict::Weak, Verdict::Degenerate]);
     }
 }

@@ -2,9 +2,10 @@
 
 use std::collections::HashSet;
 
+use nalgebra::Point2;
 use slcal_core::{CalibrationReport, Device, Quality, Rig, Verdict, View};
 
-use super::number::rounded;
+use super::number::{rounded, unsigned};
 use super::verdict::verdict;
 use super::working_volume::{lengths, sheet_distance_mm, view_distance_mm, working_volume};
 use crate::output::{BOLD, FAIR, Table, TextLayout, sanitized, unbroken};
@@ -28,6 +29,7 @@ pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
     if let Some(first) = rig.views.first() {
         layout.gap();
         views(&mut layout, rig, first);
+        bends(&mut layout, rig);
     }
     layout.gap();
     for (style, label, sentence) in remarks(rig, report) {
@@ -56,6 +58,13 @@ fn judgement(layout: &mut TextLayout, quality: &Quality, cause: &str) {
 /// How far points and lengths are expected to be off at the sheet, and which part of that all points share.
 fn expected_uncertainty(layout: &mut TextLayout, rig: &Rig) {
     let Some(quality) = &rig.quality else { return };
+    if let Some(depth) = quality.depth_sigma_percent {
+        let percent = rounded(depth, 2);
+        layout.line(
+            "depth",
+            format!("± {percent} % at the sheet's distance, by the uncertainty of the calibration alone"),
+        );
+    }
     let Some(sigma) = quality.expected_point_sigma_mm else { return };
     let volume = working_volume(rig).ok().flatten();
     let common = volume.as_ref().is_some_and(|v| v.knows_rig && v.rig_mm() > v.sigma.noise_mm);
@@ -86,8 +95,8 @@ fn expected_uncertainty(layout: &mut TextLayout, rig: &Rig) {
 /// A row for each device.
 fn devices(layout: &mut TextLayout, rig: &Rig) {
     let mut table = Table::new(["", "focal length, px", ">", "principal point, px", "size, px"]);
-    let mut distorted = Vec::new();
-    for (name, device) in rig.devices() {
+    let (mut distorted, mut ratios) = (Vec::new(), Vec::new());
+    for ((name, device), fy_sigma) in rig.devices().zip(rig.fy_sigmas_px()) {
         let (model, k) = (&device.model, &device.model.intrinsics);
         let sigma = device.sigma.as_ref();
         let percent = sigma.filter(|s| s.focal_px > 0.0);
@@ -102,23 +111,45 @@ fn devices(layout: &mut TextLayout, rig: &Rig) {
             ),
             format!("{}x{}", model.width, model.height),
         ]);
-        if (k.fx - k.fy).abs() >= 1e-9 * k.fx {
+        if let Some(aspect) = sigma.map(|s| s.aspect).filter(|s| *s > 0.0) {
+            let ratio = value_and_sigma(k.fy / k.fx, aspect);
+            let fy = unbroken(&with_sigma(k.fy, fy_sigma));
+            ratios.push(format!("of the {name} {} (fy {fy} px)", unbroken(&ratio)));
+        } else if (k.fx - k.fy).abs() >= 1e-9 * k.fx {
             table.row(["", &format!("{:.1} vertically", k.fy)]);
         }
-        if model.distortion.to_array().iter().any(|&c| c != 0.0) {
+        let sigmas = sigma.map_or([0.0; 5], |s| s.distortion);
+        if model.distortion.to_array().iter().chain(&sigmas).any(|&c| c != 0.0) {
             distorted.push((name, device));
         }
     }
     layout.table(&table);
+    if !ratios.is_empty() {
+        layout.line("fy/fx", ratios.join(", "));
+    }
     for (name, device) in distorted {
         distortion(layout, name, device);
     }
 }
 
 fn distortion(layout: &mut TextLayout, name: &str, device: &Device) {
-    let terms = ["k1", "k2", "p1", "p2", "k3"].iter().zip(device.model.distortion.to_array());
-    let terms: Vec<String> = terms.map(|(name, value)| unbroken(&format!("{name} {value:.4}"))).collect();
+    let sigmas = device.sigma.map(|s| s.distortion);
+    let terms = ["k1", "k2", "p1", "p2", "k3"].iter().zip(device.model.distortion.to_array()).enumerate();
+    let terms = terms.filter_map(|(i, (name, value))| match sigmas.map(|s| s[i]) {
+        Some(s) if s > 0.0 => Some(format!("{name} {}", value_and_sigma(value, s))),
+        // A model by name has no others.
+        Some(_) if value == 0.0 => None,
+        Some(_) => Some(format!("{name} {value:.4} (fixed)")),
+        None => Some(format!("{name} {value:.4}")),
+    });
+    let terms: Vec<String> = terms.map(|term| unbroken(&term)).collect();
     layout.line("distortion", format!("of the {name}: {}", terms.join(", ")));
+}
+
+/// A value to the last digit that counts, with two digits of its σ: "0.0133 ± 0.0045".
+fn value_and_sigma(value: f64, sigma: f64) -> String {
+    let decimals = (1.0 - sigma.log10().floor()).clamp(1.0, 9.0) as usize;
+    format!("{:.decimals$} ± {sigma:.decimals$}", unsigned(value, decimals))
 }
 
 /// "1536.0 ± 34.2", or what was not estimated as "639.5 (fixed)".
@@ -166,6 +197,25 @@ fn views(layout: &mut TextLayout, rig: &Rig, first: &View) {
         table.row(row);
     }
     layout.table(&table);
+}
+
+/// How far the sheet bends in each photograph, where it was not taken for flat.
+fn bends(layout: &mut TextLayout, rig: &Rig) {
+    let mut table = Table::new(["", ">bend, mm", "nearest to the camera", "furthest from it"]);
+    let mut any = false;
+    for (i, view) in rig.views.iter().enumerate() {
+        let Some(sag) = rig.sag(i) else { continue };
+        any = true;
+        // Where a sheet lies that may be flat means nothing.
+        let place = |at: Point2<f64>| if sag.is_known() { view.size.place_in_words(at) } else { "-" };
+        let bend = format!("{} ± {}", rounded(sag.sag_mm, 2), rounded(sag.sigma_mm, 2));
+        table.row([format!("view {}", i + 1), bend, place(sag.peak).into(), place(sag.valley).into()]);
+    }
+    if any {
+        layout.gap();
+        layout.line("flatness", "how far the sheet bends, from its valley to its peak");
+        layout.table(&table);
+    }
 }
 
 /// What must not change after the calibration.

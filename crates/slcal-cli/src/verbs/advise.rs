@@ -31,6 +31,7 @@ fn plan(args: &AdviseArgs) -> Outcome<CameraPlan> {
         camera_pp: args.camera_pp,
         projector_pp: args.projector_pp,
         distortion: args.distortion,
+        flatness: args.flatness,
         ..CalibrateConfig::default()
     };
     config.validate()?;

@@ -115,7 +115,8 @@ fn draw_sheet(
     let size = [photo.width(), photo.height()];
     let drawing = match (rig.views.first(), misses.first()) {
         (Some(view), Some(residuals)) => {
-            let fit = MeasuredView { observed: &found.observation, residuals, view };
+            let fit =
+                MeasuredView { observed: &found.observation, residuals, view, camera: &rig.camera.model };
             residual_drawing::drawing(size, "sheet.jpg", &format!("sheet.jpg: {}", fit.in_words()), fit)
         }
         _ => sheet::found(size, "sheet.jpg", found),

@@ -98,6 +98,18 @@ impl RectangleSize {
         Point2::new(self.width_mm / 2.0, self.height_mm / 2.0)
     }
 
+    /// The part of the sheet in which a point (mm from its top left corner) lies: "top left", "middle", "right".
+    #[must_use]
+    pub fn place_in_words(&self, at: Point2<f64>) -> &'static str {
+        const PLACES: [[&str; 3]; 3] = [
+            ["top left", "top", "top right"],
+            ["left", "middle", "right"],
+            ["bottom left", "bottom", "bottom right"],
+        ];
+        let third = |x: f64, length: f64| ((3.0 * x / length) as usize).min(2);
+        PLACES[third(at.y, self.height_mm)][third(at.x, self.width_mm)]
+    }
+
     /// The names of papers that [`FromStr`] knows; each of them may be followed by `-landscape` or `-portrait`.
     pub fn paper_names() -> impl Iterator<Item = &'static str> {
         PAPERS.iter().map(|paper| paper.0)
@@ -221,6 +233,16 @@ mod tests {
             assert!(message.contains("594x420mm") && message.contains(text), "{message}");
         }
         assert!("594x420".parse::<RectangleSize>().unwrap_err().to_string().ends_with("without a unit"));
+    }
+
+    #[test]
+    fn places_are_named_as_they_are_seen() {
+        let sheet = RectangleSize { width_mm: 300.0, height_mm: 200.0 };
+        let named = |x: f64, y: f64| sheet.place_in_words(Point2::new(x, y));
+        assert_eq!(
+            [named(0.0, 0.0), named(150.0, 100.0), named(300.0, 100.0), named(150.0, 200.0)],
+            ["top left", "middle", "right", "bottom"]
+        );
     }
 
     #[test]

@@ -169,20 +169,31 @@ impl SheetBend {
         Point3::new(at.x + x.0, at.y + y.0, self.height(size, at).0)
     }
 
-    /// How far the sheet bends from valley to peak, mm, and the point of the sheet (mm) that lies furthest from its mean plane.
+    /// The deepest and the highest points of the sheet, mm on the sheet: the valley lies furthest from the viewer, the peak
+    /// nearest.
     #[must_use]
-    pub fn sag_mm(&self, size: RectangleSize) -> (f64, Point2<f64>) {
-        let (mut low, mut high, mut furthest) = (f64::MAX, f64::MIN, (0.0, size.centre()));
+    pub fn valley_and_peak(&self, size: RectangleSize) -> [Point2<f64>; 2] {
+        let mut found = [(f64::MIN, size.centre()), (f64::MAX, size.centre())];
         for i in 0..GRID * GRID {
             let part = |k: usize| k as f64 / (GRID - 1) as f64;
             let at = Point2::new(size.width_mm * part(i % GRID), size.height_mm * part(i / GRID));
             let z = self.height(size, at).0;
-            (low, high) = (z.min(low), z.max(high));
-            if z.abs() > furthest.0 {
-                furthest = (z.abs(), at);
+            if z > found[0].0 {
+                found[0] = (z, at);
+            }
+            if z < found[1].0 {
+                found[1] = (z, at);
             }
         }
-        (high - low, furthest.1)
+        found.map(|(_, at)| at)
+    }
+
+    /// How far the sheet bends from valley to peak, mm, and the point of the sheet (mm) that lies furthest from its mean plane.
+    #[must_use]
+    pub fn sag_mm(&self, size: RectangleSize) -> (f64, Point2<f64>) {
+        let [low, high] = self.valley_and_peak(size).map(|at| (self.height(size, at).0, at));
+        let furthest = if low.0.abs() > high.0.abs() { low.1 } else { high.1 };
+        (low.0 - high.0, furthest)
     }
 }
 

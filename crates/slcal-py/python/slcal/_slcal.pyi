@@ -17,6 +17,7 @@ from .reports import (
     SceneReport,
     SphereFit,
     Verification,
+    ViewBend,
     ViewRms,
 )
 
@@ -70,6 +71,8 @@ _File: TypeAlias = _Path | IO[bytes] | IO[str]
 _Gamma: TypeAlias = Literal["srgb", "linear"] | float
 _PrincipalPoint: TypeAlias = Literal["prior", "shift", "centre", "free"] | tuple[float, float]
 _Distortion: TypeAlias = Literal["auto", "none", "k1", "k1k2", "full"]
+#: A length such as "0.5mm" is any text to a type checker; a number is millimetres.
+_Flatness: TypeAlias = Literal["paper", "board", "flat"] | str | float
 _Cull: TypeAlias = Literal["auto", "off"] | float
 _Frame: TypeAlias = Literal["camera", "plane"]
 
@@ -754,6 +757,7 @@ def calibrate(
     projector_pp: _PrincipalPoint = "shift",
     distortion: _Distortion = "auto",
     projector_distortion: _Distortion = "auto",
+    flatness: _Flatness = "paper",
     method: Literal["ml", "two-vp"] = "ml",
     focal_35mm: float | None = None,
     gamma: _Gamma = "srgb",
@@ -833,6 +837,7 @@ def calibrate_observations(
     projector_pp: _PrincipalPoint = "shift",
     distortion: _Distortion = "auto",
     projector_distortion: _Distortion = "auto",
+    flatness: _Flatness = "paper",
     method: Literal["ml", "two-vp"] = "ml",
     focal_35mm: float | None = None,
     allow_degenerate: bool = False,
@@ -1048,6 +1053,9 @@ class View:
     @property
     def camera_from_sheet(self) -> Pose:
         """X_camera = R · X_sheet + t, mm; the sheet's origin is its top-left corner, x along its top side."""
+    @property
+    def bend(self) -> ViewBend | _MaybeNone:
+        """How the sheet bends out of its mean plane; None where it was taken for flat."""
     @property
     def projector_from_sheet(self) -> Pose | _MaybeNone:
         """X_projector = R · X_sheet + t, mm; None without a projector."""
@@ -1619,6 +1627,7 @@ def advise(
     camera_pp: _PrincipalPoint = "prior",
     projector_pp: _PrincipalPoint = "shift",
     distortion: _Distortion = "auto",
+    flatness: _Flatness = "paper",
 ) -> Advice:
     """Plans the first photographs: how to hold the sheet, and the expected σ of the focal lengths against its tilt.
 

@@ -81,6 +81,8 @@ class DeviceSigma(Report):
     cy_px: float
     #: k1, k2, p1, p2, k3.
     distortion: tuple[float, ...]
+    #: Of the ratio of fy to fx.
+    aspect: float
 
 
 @dataclass(frozen=True)
@@ -109,10 +111,12 @@ class Quality(Report):
 
     verdict: Literal["good", "fair", "weak", "degenerate"]
     focal_sigma_percent: FocalSigma
+    #: 1σ of the depth of a point at the sheet's distance that the uncertainty of the rig itself causes, per cent.
+    depth_sigma_percent: float | None
     #: Expected 1σ of a reconstructed point at the sheet's distance, mm.
     expected_point_sigma_mm: float | None
-    #: The reason for the verdict: the pose of the sheet and the resulting σ of the focal length, or a misfit where that made the
-    #: verdict worse. Empty where the rig's file has none.
+    #: The reason for the verdict: the pose of the sheet and the resulting σ of the focal length or of the depth, or a misfit where
+    #: that made the verdict worse. Empty where the rig's file has none.
     cause: str
     #: How to improve it, with predicted numbers. Empty where the rig's file has none.
     advice: str
@@ -126,6 +130,24 @@ class ViewRms(Report):
     edges: float
     corners: float | None
     projector: float | None
+
+
+@dataclass(frozen=True)
+class ViewBend(Report):
+    """How the sheet of one view bends out of its mean plane.
+
+    With u and v from −1 to 1 along width and height, its height away from the viewer is the sum of ``coefficients_mm`` times P2(u), u·v,
+    P2(v), P3(u), P2(u)·v, u·P2(v), P3(v), P4(u), P4(v), P3(u)·v, u·P3(v), P2(u)·P2(v); P are the Legendre polynomials.
+    """
+
+    #: Coefficients of the twelve terms, mm.
+    coefficients_mm: tuple[float, ...]
+    #: 1σ of them, mm.
+    sigma_mm: tuple[float, ...]
+    #: 1σ that was expected of each before the photograph, around zero, mm.
+    expected_sigma_mm: tuple[float, ...]
+    #: From valley to peak, mm.
+    sag_mm: float
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ use std::str::FromStr;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
-use slcal_core::Error;
 use slcal_core::geometry::RectangleSize;
+use slcal_core::{Error, Flatness};
 
 use crate::errors::{self, Raise as _, Stage, raised};
 
@@ -51,6 +51,20 @@ pub(crate) fn parsed_or<T: FromStr<Err = Error>>(
     default: T,
 ) -> PyResult<T> {
     value.map_or(Ok(default), |v| parsed(v, what))
+}
+
+/// How flat a sheet is: what the core parses, or a number of millimetres.
+pub(crate) fn flatness(value: Option<&Bound<'_, PyAny>>) -> PyResult<Flatness> {
+    let Some(value) = value else { return Ok(Flatness::default()) };
+    let number = (!value.is_instance_of::<PyBool>()).then(|| value.extract::<f64>().ok()).flatten();
+    match number {
+        Some(mm) if mm.is_finite() && mm >= 0.0 => Ok(Flatness::Sigma(mm)),
+        Some(_) => {
+            let wanted = "a number of millimetres that is not negative";
+            Err(errors::invalid(value.py(), "flatness", wanted, &repr_of(value)))
+        }
+        None => parsed(value, "flatness"),
+    }
 }
 
 /// One of several names that only Python has.

@@ -175,6 +175,7 @@ impl Camera {
         let json = |s: &DeviceSigma| {
             serde_json::json!({
                 "focal_px": s.focal_px, "cx_px": s.cx_px, "cy_px": s.cy_px, "distortion": s.distortion,
+                "aspect": s.aspect,
             })
         };
         self.0.sigma.as_ref().map(|s| record(py, "DeviceSigma", &json(s))).transpose()
@@ -244,7 +245,8 @@ impl Camera {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, CameraState)> {
         let model = &self.0.model;
         let k = &model.intrinsics;
-        let sigma = self.0.sigma.as_ref().map(|s| ([s.focal_px, s.cx_px, s.cy_px], s.distortion));
+        let sigma =
+            self.0.sigma.as_ref().map(|s| (vec![s.focal_px, s.cx_px, s.cy_px, s.aspect], s.distortion));
         let state = (self.size(), [k.fx, k.fy, k.skew, k.cx, k.cy], model.distortion.to_array(), sigma);
         Ok((py.get_type::<Self>().getattr("_restored")?, state))
     }
@@ -254,17 +256,22 @@ impl Camera {
         size: (u32, u32),
         k: [f64; 5],
         distortion: [f64; 5],
-        sigma: Option<([f64; 3], [f64; 5])>,
+        sigma: Option<(Vec<f64>, [f64; 5])>,
     ) -> Self {
         let [fx, fy, skew, cx, cy] = k;
         let intrinsics = Intrinsics { fx, fy, skew, cx, cy };
         let (width, height) = size;
         let distortion = Distortion::from_array(distortion);
-        let sigma = sigma.map(|([focal_px, cx_px, cy_px], distortion)| DeviceSigma {
-            focal_px,
-            cx_px,
-            cy_px,
-            distortion,
+        let sigma = sigma.map(|(numbers, distortion)| {
+            // Pickles of earlier versions have no aspect.
+            let number = |i: usize| numbers.get(i).copied().unwrap_or_default();
+            DeviceSigma {
+                focal_px: number(0),
+                cx_px: number(1),
+                cy_px: number(2),
+                distortion,
+                aspect: number(3),
+            }
         });
         Self(Device { model: geometry::Camera { width, height, intrinsics, distortion }, sigma })
     }
@@ -279,7 +286,7 @@ impl Camera {
     }
 }
 
-type CameraState = ((u32, u32), [f64; 5], [f64; 5], Option<([f64; 3], [f64; 5])>);
+type CameraState = ((u32, u32), [f64; 5], [f64; 5], Option<(Vec<f64>, [f64; 5])>);
 
 /// All results, or the first item that has no finite one.
 fn each<const N: usize, const K: usize>(

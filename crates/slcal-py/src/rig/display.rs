@@ -13,6 +13,7 @@ pub(super) fn quality(q: &Quality) -> Value {
             "camera": q.focal_sigma_percent_camera,
             "projector": q.focal_sigma_percent_projector,
         },
+        "depth_sigma_percent": q.depth_sigma_percent,
         "expected_point_sigma_mm": q.expected_point_sigma_mm,
         "cause": q.cause,
         "advice": q.advice,

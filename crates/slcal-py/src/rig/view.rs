@@ -37,6 +37,18 @@ impl View {
         self.0.camera_from_sheet.into()
     }
 
+    /// How the sheet bends out of its mean plane; None where it was taken for flat.
+    #[getter]
+    fn bend<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let json = |b: &slcal_core::ViewBend| {
+            serde_json::json!({
+                "coefficients_mm": b.shape, "sigma_mm": b.sigma_mm, "expected_sigma_mm": b.expected_mm,
+                "sag_mm": b.shape.sag_mm(self.0.size).0,
+            })
+        };
+        self.0.bend.as_ref().map(|b| record(py, "ViewBend", &json(b))).transpose()
+    }
+
     /// X_projector = R · X_sheet + t, mm; None without a projector.
     #[getter]
     fn projector_from_sheet(&self) -> Option<Pose> {

@@ -90,7 +90,8 @@ impl Gallery {
 /// Views with their observations and residuals; none when their numbers differ.
 fn fits<'a>(c: &'a Calibration, misses: &'a [ViewResiduals]) -> Vec<MeasuredView<'a>> {
     let views = c.rig.views.iter().zip(&c.observations.views).zip(misses);
-    views.map(|((view, observed), residuals)| MeasuredView { observed, residuals, view }).collect()
+    let camera = &c.rig.camera.model;
+    views.map(|((view, observed), residuals)| MeasuredView { observed, residuals, view, camera }).collect()
 }
 
 impl Shot {

@@ -241,12 +241,7 @@ fn bent(solution: &Solution) -> Option<(Warning, Verdict)> {
     }
     let sags = solution.model().views.iter().map(|v| (v, v.bend.sag_mm(v.size)));
     let (i, (sheet, (sag, at))) = sags.enumerate().max_by(|a, b| a.1.1.0.total_cmp(&b.1.1.0))?;
-    let part = |x: f64, length: f64, names: [&'static str; 3]| names[((3.0 * x / length) as usize).min(2)];
-    let place = format!(
-        "{} {}",
-        part(at.y, sheet.size.height_mm, ["top", "middle", "bottom"]),
-        part(at.x, sheet.size.width_mm, ["left", "centre", "right"])
-    );
+    let place = sheet.size.place_in_words(at);
     let diagonal = sheet.size.width_mm.hypot(sheet.size.height_mm);
     let warning = Warning::new(
         "sheet-bent",
