@@ -325,7 +325,8 @@ impl Rig {
             let known =
                 |p: &LensParameter| self.covariance.as_ref().is_some_and(|c| c.parameters.contains(&of(*p)));
             let mut weights = vec![(of(LensParameter::Focal), k.fy / k.fx)];
-            weights.extend(Some((of(LensParameter::Aspect), k.fx)).filter(|_| known(&LensParameter::Aspect)));
+            // Its ratio to fx is relative.
+            weights.extend(Some((of(LensParameter::Aspect), k.fy)).filter(|_| known(&LensParameter::Aspect)));
             self.sigma_along(&weights)
         })
     }

@@ -41,7 +41,7 @@ pub(super) fn section(page: &RigPage) -> Option<Section> {
         p {
             "Sheets are not flat. How far the sheet bends in each photograph is estimated together with the devices, and every ± on this \
              page contains it. The figures show the sheet lying on its back, its top side behind; up is towards the camera. Heights are \
-             drawn " (derived("bend_exaggeration", scale, &significant(scale, 3))) " times larger than widths."
+             drawn " (derived("bend_exaggeration", scale, &scale.to_string())) " times larger than widths."
         }
         div.photos.bends { @for (i, view, sag) in &bends { (figure(rig, *i, view, sag, scale)) } }
     };

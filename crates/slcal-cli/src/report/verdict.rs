@@ -133,7 +133,7 @@ fn key_figures(rig: &Rig, working: Option<&WorkingVolume>) -> Markup {
             @if let Some(sigma) = quality.depth_sigma_percent {
                 li {
                     span.value { (measured("quality.depth_sigma_percent", sigma, " %")) }
-                    span.label { "depth at the sheet’s distance, by the uncertainty of the calibration alone" }
+                    span.label { "depth at the sheet, by the calibration alone" }
                 }
             }
             @if let Some(sigma) = quality.expected_point_sigma_mm {
