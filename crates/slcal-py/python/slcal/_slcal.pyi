@@ -789,8 +789,11 @@ def calibrate(
         What is known of the principal points. "prior": near the centre. "shift": its column near the centre, its row free
         (lens shift). "centre": exactly the centre. "free": nothing. Two numbers: exactly this pixel.
     distortion, projector_distortion : {"auto", "none", "k1", "k1k2", "full"}
-        Which coefficients are estimated. "auto" estimates k1 and k2 where the photographs determine them. Those of the
-        projector need three photographs.
+        Which coefficients are estimated. "auto" estimates all five, and the ratio of fy to fx, near what ordinary lenses have.
+        The others take square pixels; those of the projector need three photographs.
+    flatness : {"paper", "board", "flat"}, str or float
+        How flat the sheet is. "paper" bends out of its plane by 0.2 % of its diagonal (1σ), "board" by 0.02 %, "flat" not at
+        all. A length such as "0.5mm", or a number of millimetres, is 1σ itself. The bend is estimated: see `View.bend`.
     method : {"ml", "two-vp"}
         Maximum likelihood, or the method of two vanishing points of R. Orghidan et al., "Structured light self-calibration
         with vanishing points", Machine Vision and Applications 25:489-500 (2014).
@@ -849,7 +852,7 @@ def calibrate_observations(
     observations : Observations or mapping
         A mapping has the fields of the file (schema slcal-observations/1), with arrays or lists. A σ that is not given is
         estimated from the residuals, or assumed where there are too few.
-    camera, camera_pp, projector_pp, distortion, projector_distortion, method, focal_35mm, allow_degenerate
+    camera, camera_pp, projector_pp, distortion, projector_distortion, flatness, method, focal_35mm, allow_degenerate
         As for `calibrate`.
 
     Returns
@@ -1649,7 +1652,9 @@ def advise(
     projector_pp : {"shift", "prior", "centre", "free"} or (float, float), default "shift"
         What will be known of the projector's.
     distortion : {"auto", "none", "k1", "k1k2", "full"}, default "auto"
-        Which distortion of the camera will be estimated; "auto" plans with none.
+        Which distortion of the camera will be estimated, as for `calibrate`.
+    flatness : {"paper", "board", "flat"}, str or float, default "paper"
+        How flat the sheet is, as for `calibrate`.
 
     Returns
     -------
