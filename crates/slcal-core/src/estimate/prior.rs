@@ -7,8 +7,10 @@ use super::residual::BEND;
 use super::unknowns::Unknowns;
 use crate::parameter::LensParameter;
 
-/// From this many σ on a principal point contradicts its prior. Draws from the prior do so once in 400.
+/// From this many σ on a principal point contradicts its prior (draws from the prior do so once in 400), as with a lens that is
+/// shifted by more than was expected; beyond the second the photographs themselves do not fit, and the prior stands.
 const CONTRADICTED: f64 = 3.0;
+const ABSURD: f64 = 6.0;
 
 /// A lens parameter that is known to be `mean` ± `sigma` (the focal length and the aspect as logarithms).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +39,8 @@ impl LensPrior {
     pub(crate) fn reconciled(&self, model: &Model) -> Self {
         let principal_point = matches!(self.parameter, LensParameter::Cx | LensParameter::Cy);
         let off = self.stated_residual(model).map_or(0.0, f64::abs);
-        let widened = if principal_point && off > CONTRADICTED { off } else { 1.0 };
+        let shifted = off > CONTRADICTED && (off < ABSURD || self.widened > 1.0);
+        let widened = if principal_point && shifted { off } else { 1.0 };
         Self { sigma: self.sigma / self.widened * widened, widened, ..*self }
     }
 
