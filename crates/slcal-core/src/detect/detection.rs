@@ -8,6 +8,7 @@ use crate::geometry::{RectangleSize, Warp};
 use crate::observations::{CornerPair, SheetObservation, ViewObservation};
 use crate::pattern::CheckerPattern;
 use crate::photo::{Encoding, LinearPhoto, PhotoView};
+use crate::rig::Warning;
 
 use super::board::Board;
 use super::downsampled::Downsampled;
@@ -56,6 +57,9 @@ pub struct Detection {
     pub pattern_corners: usize,
     /// Remarks for the user: parts that are not visible, corners taken from the user.
     pub notes: Vec<String>,
+    /// Parts of the sheet's outline that are not the plain edge of a sheet, and what was done about them:
+    /// `side-face`, `side-covered`, `side-curled`.
+    pub warnings: Vec<Warning>,
 }
 
 /// The projected corners, on the sheet or beside it.
@@ -107,9 +111,10 @@ pub fn observe(
         ));
     }
     let Some(pattern) = pattern else {
-        let SheetDetection { observation: sheet, notes } = find_sheet(plain.unwrap_or(photo), config)?;
+        let SheetDetection { observation: sheet, notes, warnings } =
+            find_sheet(plain.unwrap_or(photo), config)?;
         let observation = ViewObservation { photo: None, size, sheet, pairs: Vec::new() };
-        return Ok(Detection { observation, pattern_corners: 0, notes });
+        return Ok(Detection { observation, pattern_corners: 0, notes, warnings });
     };
     let photo = LinearPhoto::new(photo, config.encoding);
     let downsampled = Downsampled::new(&photo);
@@ -131,11 +136,12 @@ pub fn observe(
     };
     let projected =
         ProjectedEdges { footprint: &footprint, lens: &board.lens, board: Some((&board, pattern)) };
-    let SheetDetection { observation: sheet, mut notes } =
+    let SheetDetection { observation: sheet, mut notes, warnings } =
         sheet::find(&photo, &downsampled, &projected, config.corners)?;
     let pattern_corners = board.expected;
     let pairs = on_panel(on_sheet(board, &sheet, &mut notes)?.pairs, config);
-    Ok(Detection { observation: ViewObservation { photo: None, size, sheet, pairs }, pattern_corners, notes })
+    let observation = ViewObservation { photo: None, size, sheet, pairs };
+    Ok(Detection { observation, pattern_corners, notes, warnings })
 }
 
 /// Detects the sheet alone, of any size: the brightest large quadrilateral with straight sides, or the sides near the

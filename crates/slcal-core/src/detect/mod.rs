@@ -21,6 +21,8 @@ mod quad;
 mod rough_undistort;
 mod sheet;
 #[cfg(test)]
+mod side_tests;
+#[cfg(test)]
 mod tests;
 
 pub use detection::Detection;

@@ -62,6 +62,17 @@ impl ProjectedEdges<'_> {
         self.footprint.distance_px(self.lens.undistort(p)).min(self.square_distance_px(p))
     }
 
+    /// Whether a point of the sheet, seen at `p`, lies in the projector footprint; true without a projector.
+    pub(super) fn lights(&self, p: Point2<f64>) -> bool {
+        let p = self.lens.undistort(p);
+        let Some((board, _)) = self.board else { return true };
+        let n = board.pairs.len() as f64;
+        let middle = board.pairs.iter().fold(Vector2::zeros(), |sum, q| sum + q.camera.coords / n);
+        let middle = self.lens.undistort(middle.into());
+        let borders = &self.footprint.borders;
+        borders.iter().all(|l| l.signed_distance_px(p) * l.signed_distance_px(middle) > 0.0)
+    }
+
     /// Whether a side of the sheet at `p` is further than `reach_px` from all of these edges.
     ///
     /// The border of the footprint counts on the sheet only, towards `inward`: beyond the side no surface lies in the

@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Vector2};
 
 use super::downsampled::Downsampled;
-use super::edge::measure_side;
+use super::edge::{MeasuredSide, measure_side};
 use super::edge_map::{DistortedEdges, Edgel};
 use super::lines::find_lines;
 use super::projector_footprint::{ProjectedEdges, ProjectorFootprint};
@@ -12,6 +12,7 @@ use super::rough_undistort::RoughLens;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::observations::SheetObservation;
 use crate::photo::LinearPhoto;
+use crate::rig::Warning;
 
 /// Standard deviation of corners given by hand, as a part of the frame's diagonal.
 const HAND_SIGMA: f64 = 0.002;
@@ -30,6 +31,8 @@ pub struct SheetDetection {
     pub observation: SheetObservation,
     /// Remarks for the user: corners taken from the user.
     pub notes: Vec<String>,
+    /// Parts of the outline that are not the plain edge of a sheet, and what was done about them.
+    pub warnings: Vec<Warning>,
 }
 
 /// Checks corners given by hand.
@@ -71,7 +74,7 @@ pub(super) fn find(
                 HAND_REACH * diagonal,
                 projected,
             ) {
-                Ok(observation) => SheetDetection { observation, notes: Vec::new() },
+                Ok(sides) => sides.into(),
                 Err(i) => SheetDetection {
                     observation: SheetObservation::Corners { corners, sigma_px: Some(HAND_SIGMA * diagonal) },
                     notes: vec![format!(
@@ -79,6 +82,7 @@ pub(super) fn find(
                         SIDES[i],
                         HAND_SIGMA * diagonal
                     )],
+                    warnings: Vec::new(),
                 },
             },
         );
@@ -104,13 +108,13 @@ pub(super) fn find(
         return Err(along.map_or_else(|| not_found(outcome.seen), border));
     };
     let projected = ProjectedEdges { lens: &outcome.lens, ..*projected };
-    let observation = measure(photo, corners, outcome.uncertainty_px, &projected).map_err(|i| {
+    let sides = measure(photo, corners, outcome.uncertainty_px, &projected).map_err(|i| {
         if along_border(i, &corners, outcome.uncertainty_px, &projected) {
             return border(i);
         }
         not_found(format!("a quadrilateral was seen, but its {} side is not a clean edge", SIDES[i]))
     })?;
-    Ok(SheetDetection { observation, notes: Vec::new() })
+    Ok(sides.into())
 }
 
 /// Coefficients tried when there is no board to estimate the lens from (r = 1 at half the diagonal). The values for barrel
@@ -204,22 +208,81 @@ fn named(corners: [Point2<f64>; 4]) -> [Point2<f64>; 4] {
 /// The sides in the order of the corners.
 const SIDES: [&str; 4] = ["top", "right", "bottom", "left"];
 
+/// The four sides as they were measured.
+struct Sides([MeasuredSide; 4]);
+
 /// Measures the four sides between undistorted corners. The error is the first side that is not visible.
 fn measure(
     photo: &LinearPhoto<'_>,
     corners: [Point2<f64>; 4],
     uncertainty_px: f64,
     projected: &ProjectedEdges<'_>,
-) -> std::result::Result<SheetObservation, usize> {
-    /// Enough to follow the curvature by a lens.
-    const PATH_POINTS: u32 = 17;
-    let mut sides: [Vec<_>; 4] = Default::default();
-    for i in 0..4 {
+) -> std::result::Result<Sides, usize> {
+    let side = |i: usize, with_face: bool| {
+        /// Enough to follow the curvature by a lens.
+        const PATH_POINTS: u32 = 17;
         let (a, d) = (corners[i], corners[(i + 1) % 4] - corners[i]);
         let on = |k: u32| projected.lens.distort(a + d * (f64::from(k) / f64::from(PATH_POINTS - 1)));
         let path: Vec<Point2<f64>> = (0..PATH_POINTS).map(on).collect();
         let inward = Vector2::new(-d.y, d.x);
-        sides[i] = measure_side(photo, &path, inward, uncertainty_px, projected).ok_or(i)?;
+        // A face that cannot be measured leaves the side as it is without one.
+        let measured = |with_face| measure_side(photo, &path, inward, uncertainty_px, projected, with_face);
+        measured(with_face).or_else(|| with_face.then(|| measured(false)).flatten()).ok_or(i)
+    };
+    let mut sides = [side(0, true)?, side(1, true)?, side(2, true)?, side(3, true)?];
+    // Of a board at most two neighbouring side faces are turned towards the camera. Lines along opposite sides are printed,
+    // or the border of something else.
+    let has_face = [0, 1, 2, 3].map(|i: usize| sides[i].face_px.is_some());
+    if (has_face[0] && has_face[2]) || (has_face[1] && has_face[3]) {
+        for i in (0..4).filter(|&i| has_face[i]) {
+            sides[i] = side(i, false)?;
+        }
     }
-    Ok(SheetObservation::Edges(sides))
+    Ok(Sides(sides))
+}
+
+impl From<Sides> for SheetDetection {
+    fn from(Sides(sides): Sides) -> Self {
+        let warnings = sides.iter().zip(SIDES).flat_map(|(side, name)| remarks(side, name)).collect();
+        let observation = SheetObservation::Edges(sides.map(|side| side.points));
+        Self { observation, notes: Vec::new(), warnings }
+    }
+}
+
+/// What the user should know about a side.
+fn remarks(side: &MeasuredSide, name: &str) -> Vec<Warning> {
+    let mut remarks = Vec::new();
+    if let Some([least, most]) = side.face_px {
+        remarks.push(Warning::new(
+            "side-face",
+            format!(
+                "the {name} side of the sheet shows two parallel edges, {least:.1} to {most:.1} px apart, as the front and the side \
+                 face of a thick board do; the inner one was taken for the edge of the sheet"
+            ),
+            "look whether that is so; a thin sheet, or side faces painted black, leave no doubt",
+        ));
+    }
+    let percent = |share: f64| (100.0 * share).max(1.0);
+    if side.covered > 0.0 {
+        remarks.push(Warning::new(
+            "side-covered",
+            format!(
+                "{:.0} % of the {name} side of the sheet is not seen as an edge: something covers it or shades it, or it \
+                 bends away; that part is left out",
+                percent(side.covered)
+            ),
+            "keep clips, tape, fingers and hard shadows away from the sides of the sheet",
+        ));
+    }
+    if side.bent > 0.0 {
+        remarks.push(Warning::new(
+            "side-curled",
+            format!(
+                "the end of the {name} side of the sheet bends away from the rest of it; the last {:.0} % are left out",
+                percent(side.bent)
+            ),
+            "press the corners of the sheet flat, or fasten it to a board",
+        ));
+    }
+    remarks
 }

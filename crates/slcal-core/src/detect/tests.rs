@@ -12,7 +12,7 @@ use crate::pattern::{CheckerPattern, SquareColor};
 use crate::photo::{Encoding, PhotoView, Samples};
 use crate::solve::homography_from_points;
 
-fn pattern() -> CheckerPattern {
+pub(super) fn pattern() -> CheckerPattern {
     CheckerPattern {
         projector: [1024, 768],
         squares: [11, 8],
@@ -24,22 +24,22 @@ fn pattern() -> CheckerPattern {
 }
 
 /// `camera_from_projector` of a panel whose corners are seen at the given pixels.
-fn from_panel(corners: [Point2<f64>; 4]) -> Homography {
+pub(super) fn from_panel(corners: [Point2<f64>; 4]) -> Homography {
     let border = [(-0.5, -0.5), (1023.5, -0.5), (1023.5, 767.5), (-0.5, 767.5)];
     let pairs: Vec<_> = border.iter().map(|b| Point2::new(b.0, b.1)).zip(corners).collect();
     homography_from_points(&pairs).unwrap()
 }
 
 /// A drawn photograph: a sheet and the pattern's light on it, and nothing else.
-struct Drawn {
-    size: [u32; 2],
-    sheet: [Point2<f64>; 4],
-    camera_from_projector: Option<Homography>,
+pub(super) struct Drawn {
+    pub(super) size: [u32; 2],
+    pub(super) sheet: [Point2<f64>; 4],
+    pub(super) camera_from_projector: Option<Homography>,
 }
 
 impl Drawn {
     /// A tilted sheet with the whole pattern on it, scaled to a photograph `width` pixels wide.
-    fn tilted(width: u32) -> Self {
+    pub(super) fn tilted(width: u32) -> Self {
         let s = f64::from(width) / 640.0;
         let p = |x: f64, y: f64| Point2::new(x * s, y * s);
         let panel = [p(120.0, 40.0), p(640.0, 30.0), p(635.0, 440.0), p(165.0, 400.0)];
@@ -63,7 +63,7 @@ impl Drawn {
         }
     }
 
-    fn light(&self, p: Point2<f64>, projector_from_camera: Option<&Homography>) -> f64 {
+    pub(super) fn light(&self, p: Point2<f64>, projector_from_camera: Option<&Homography>) -> f64 {
         if !sheet::contains(&self.sheet, p) {
             return 0.02;
         }

@@ -358,7 +358,7 @@ class SheetDetection:
         """1σ of corners given by hand that are used unchanged, px; None where the sides were measured."""
     @property
     def notes(self) -> list[str]:
-        """Notes for the user, such as corners that were given by hand."""
+        """Notes for the user, such as corners that were given by hand or parts of a side that are covered."""
     def __eq__(self, other: object, /) -> bool: ...
 
 @final
@@ -395,7 +395,9 @@ class Detection:
         """Sheet and corners as an observation for calibration."""
     @property
     def notes(self) -> list[str]:
-        """Notes for the user: corners that were not found or lie outside the sheet, corners that were given by hand."""
+        """Notes for the user: corners that were not found or lie outside the sheet, corners that were given by hand, sides of
+        the sheet that are covered in part, or that show the side face of a board.
+        """
     def __eq__(self, other: object, /) -> bool: ...
 
 def detect(

@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use slcal_core::{CornerPair, SheetObservation, detect};
+use slcal_core::{CornerPair, SheetObservation, Warning, detect};
 
 use crate::convert::array::{rows, rows_of};
 use crate::view_observation::{ViewObservation, edge_sigma, edges, pair_sigma, sizeless};
@@ -47,10 +47,10 @@ impl SheetDetection {
         }
     }
 
-    /// Notes for the user, such as corners that were given by hand.
+    /// Notes for the user, such as corners that were given by hand or parts of a side that are covered.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.0.notes.clone()
+        with_warnings(&self.0.notes, &self.0.warnings)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (String, Vec<String>)>> {
@@ -61,7 +61,7 @@ impl SheetDetection {
     #[staticmethod]
     fn _restored(py: Python<'_>, view: &str, notes: Vec<String>) -> PyResult<Self> {
         let observation = ViewObservation::of_text(py, view)?.0.sheet;
-        Ok(Self(detect::SheetDetection { observation, notes }))
+        Ok(Self(detect::SheetDetection { observation, notes, warnings: Vec::new() }))
     }
 
     fn __repr__(&self) -> String {
@@ -152,7 +152,11 @@ impl Detection {
     #[getter]
     fn sheet(&self) -> SheetDetection {
         let observation = self.0.observation.sheet.clone();
-        SheetDetection(detect::SheetDetection { observation, notes: self.0.notes.clone() })
+        SheetDetection(detect::SheetDetection {
+            observation,
+            notes: self.0.notes.clone(),
+            warnings: self.0.warnings.clone(),
+        })
     }
 
     /// The corners of the pattern that were found on the sheet; none without a pattern.
@@ -168,10 +172,11 @@ impl Detection {
         self.as_view()
     }
 
-    /// Notes for the user: corners that were not found or lie outside the sheet, corners that were given by hand.
+    /// Notes for the user: corners that were not found or lie outside the sheet, corners that were given by hand, sides of
+    /// the sheet that are covered in part, or that show the side face of a board.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.0.notes.clone()
+        with_warnings(&self.0.notes, &self.0.warnings)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (String, usize, Vec<String>)>> {
@@ -182,7 +187,7 @@ impl Detection {
     #[staticmethod]
     fn _restored(py: Python<'_>, view: &str, pattern_corners: usize, notes: Vec<String>) -> PyResult<Self> {
         let observation = ViewObservation::of_text(py, view)?.0;
-        Ok(Self(detect::Detection { observation, pattern_corners, notes }))
+        Ok(Self(detect::Detection { observation, pattern_corners, notes, warnings: Vec::new() }))
     }
 
     fn __repr__(&self) -> String {
@@ -196,4 +201,10 @@ impl Detection {
         };
         format!("Detection({sheet}, {corners})")
     }
+}
+
+/// Notes and warnings as sentences. A pickle keeps them as notes.
+fn with_warnings(notes: &[String], warnings: &[Warning]) -> Vec<String> {
+    let warned = warnings.iter().map(|w| format!("{}; {}", w.message, w.advice));
+    notes.iter().cloned().chain(warned).collect()
 }

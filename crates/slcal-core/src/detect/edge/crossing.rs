@@ -12,7 +12,7 @@ const REJECT_SIGMAS: f64 = 3.5;
 const MAX_POINTS: usize = 48;
 /// Least standard deviation of a point, px: the effect of indirect light and shading on rendered sheets with exact ground
 /// truth.
-const FLOOR_SIGMA_PX: f64 = 0.004;
+pub(super) const FLOOR_SIGMA_PX: f64 = 0.004;
 
 /// One crossing of the side.
 #[derive(Debug, Clone, Copy)]
@@ -62,10 +62,12 @@ fn median_line(crossings: &[Crossing]) -> Option<Polynomial> {
     Polynomial::fit(&[middle(&crossings[..third])?, middle(&crossings[crossings.len() - third..])?], 1)
 }
 
-/// Means over runs of neighbouring crossings, with a σ that includes the correlation of neighbours.
+/// Means over runs of neighbouring crossings, with a σ that includes the correlation of neighbours. No run holds
+/// neighbours that are `separated`, by a part that was left out.
 pub(super) fn condense(
     scan: Scan,
     crossings: &[Crossing],
+    separated: impl Fn(&Crossing, &Crossing) -> bool,
     curve: &Polynomial,
     across: f64,
     common_sigma: f64,
@@ -73,6 +75,7 @@ pub(super) fn condense(
     let run = crossings.len().div_ceil(MAX_POINTS);
     let means: Vec<(f64, f64, f64)> = crossings
         .chunks(run)
+        .flat_map(|c| c.chunk_by(|a, b| !separated(a, b)))
         .map(|c| {
             let weight: f64 = c.iter().map(|c| c.sigma.powi(-2)).sum();
             let mean = |f: &dyn Fn(&Crossing) -> f64| {

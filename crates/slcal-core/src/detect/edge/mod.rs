@@ -2,11 +2,14 @@
 //!
 //! A steep side is measured once per image row, a flat one once per column (`scan`). It is located roughly, and then by a
 //! fit of a blurred step to the light across it (`profile`, `step_model`). Consistent crossings are reduced to points
-//! (`crossing`).
+//! (`crossing`). The side face of a thick board shows as a second step (`side_face`); parts of a side that something covers
+//! or that bend away are left out (`coverage`).
 
+mod coverage;
 mod crossing;
 mod profile;
 mod scan;
+mod side_face;
 mod step_model;
 
 use std::ops::RangeInclusive;
@@ -18,9 +21,11 @@ use crate::detect::erf::ErfTable;
 use crate::observations::EdgePoint;
 use crate::photo::LinearPhoto;
 use crate::solve::Polynomial;
+use coverage::Coverage;
 use crossing::{CURVE_DEGREE, Crossing, condense, robust_curve};
 use profile::Profiles;
 use scan::Scan;
+use side_face::SideFace;
 use step_model::Common;
 
 /// Part of a side next to each corner that is ignored: the blur of the adjacent side affects it.
@@ -41,6 +46,8 @@ const MOST_BEYOND: f64 = 0.05;
 /// Fewest crossings of a side, and their least share of the attempts.
 const MIN_CROSSINGS: usize = 12;
 const MIN_SHARE: f64 = 0.3;
+/// Blurs from the middle of a step to where it is flat.
+const BLURS: f64 = 3.0;
 /// The transition between the plateaus is at least this far wide on each side: a sharp edge across a pixel, slanted by
 /// up to 45°, ends within it.
 const MIN_HALF_TRANSITION_PX: f64 = 1.5;
@@ -50,35 +57,66 @@ const PLATEAU_PX: f64 = 4.0;
 /// The same next to the border of the frame.
 const NARROW_PLATEAU_PX: f64 = 2.0;
 
+/// A side face is searched for within this many times the uncertainty of the side. Edges further apart than that are two
+/// lines in the downsampled image, and the inner one is chosen there.
+const FACE_REACH: f64 = 3.0;
+/// The sheet's edge beside a face is uneven by this many times as much as other edges are.
+const FACE_UNEVENNESS: f64 = 3.0;
+
+/// A side that was measured.
+#[derive(Debug, Clone)]
+pub(super) struct MeasuredSide {
+    /// Points on the sheet's own edge.
+    pub(super) points: Vec<EdgePoint>,
+    /// The narrowest and the widest part of the side face beside it, px, if there is one.
+    pub(super) face_px: Option<[f64; 2]>,
+    /// The part of the side that something covers. It is left out.
+    pub(super) covered: f64,
+    /// The part of the side, at an end, that bends away from the rest. It is left out.
+    pub(super) bent: f64,
+}
+
 /// Measures the side that runs along `path` (a few points from corner to corner), known to within `uncertainty_px`, with
-/// the sheet on the side of `inward`. `None` when too little of it is visible.
+/// the sheet on the side of `inward`. A side face is looked for if `with_face`. `None` when too little of it is visible.
 pub(super) fn measure_side(
     photo: &LinearPhoto<'_>,
     path: &[Point2<f64>],
     inward: Vector2<f64>,
     uncertainty_px: f64,
     projected: &ProjectedEdges<'_>,
-) -> Option<Vec<EdgePoint>> {
+    with_face: bool,
+) -> Option<MeasuredSide> {
     let scan = Scan::new(inward);
     let search = Search { photo, scan, uncertainty_px, projected };
     let lines = search.scan_lines(path)?;
     // In a large photograph a subset of the lines gives the position and the width of the side.
-    let some: Vec<(usize, f64)> = lines.iter().copied().step_by(lines.len().div_ceil(COARSE_LINES)).collect();
+    let stride = lines.len().div_ceil(COARSE_LINES);
+    let some: Vec<(usize, f64)> = lines.iter().copied().step_by(stride).collect();
     let (coarse, mut supported) = search.localise(&some)?;
-    let transition = search.half_transition(&some, &coarse);
-    let plateau = search.plateau(&some, &coarse, transition);
-    let clearance = transition + plateau + 1.0;
     let toward_sheet = inward.normalize();
+    let face = with_face.then(|| search.side_face(&some, &coarse, &supported, toward_sheet)).flatten();
+    let (coarse, transition, start) = if let Some(f) = &face {
+        let transition = (BLURS * f.blur).max(MIN_HALF_TRANSITION_PX) + 1.0;
+        (f.edge.clone(), transition, Common { blur: f.blur, slopes: [0.0; 2] })
+    } else {
+        let transition = search.half_transition(&some, &coarse);
+        (coarse, transition, Common::start(transition))
+    };
+    let plateau = search.plateau(&some, &coarse, transition);
+    let width = face.as_ref().map_or(0.0, |f| f.widths[1]);
+    let transition = transition + width.ceil();
+    let clearance = transition + plateau + 1.0;
     let erf = ErfTable::new();
     let mut curve = coarse;
-    let (mut crossings, mut tried, mut common_sigma) = (Vec::new(), 0, 0.0);
-    let mut common = Common::start(transition);
+    let (mut crossings, mut tried, mut common_sigma, mut span) = (Vec::new(), 0, 0.0, 0.0);
+    let (mut common, mut located_all) = (start, Vec::new());
     // The second pass starts from the position and the common parameters of the first one.
     for (lines, rounds, average) in [(&some, FIRST_ROUNDS, false), (&lines, ROUNDS, true)] {
         let clear =
             |line: f64| projected.leaves_clear(scan.join(line, curve.value(line)), toward_sheet, clearance);
         // Beyond the crossings the curve may leave the path, where the side is not visible.
-        let near = |line: f64, expected: f64| (curve.value(line) - expected).abs() <= uncertainty_px + 1.0;
+        let near =
+            |line: f64, expected: f64| (curve.value(line) - expected).abs() <= uncertainty_px + width + 1.0;
         let seen: Vec<(usize, f64)> = lines
             .iter()
             .filter(|&&(line, _)| supported.contains(&(line as f64)))
@@ -86,10 +124,17 @@ pub(super) fn measure_side(
             .map(|&(line, _)| (line, curve.value(line as f64)))
             .collect();
         let together = if average { averaged(&seen, common.blur) } else { 1 };
-        let located = Profiles::take(photo, scan, &seen, [transition, plateau], together)
-            .locate(&erf, &curve, common, rounds)?;
+        let located = Profiles::take(photo, scan, &seen, [transition, plateau], together).locate(
+            &erf,
+            &curve,
+            common,
+            rounds,
+            face.as_ref(),
+        )?;
         (crossings, tried, common_sigma) = (located.crossings, located.tried, located.common_sigma);
         common = located.common;
+        span = 0.5 * (together * located.together * if average { 1 } else { stride }) as f64 + 1.0;
+        located_all.clone_from(&crossings);
         curve = robust_curve(&mut crossings)?;
         supported = support(&crossings)?;
     }
@@ -97,7 +142,25 @@ pub(super) fn measure_side(
         return None;
     }
     let across = if scan.along_x { inward.x.abs() } else { inward.y.abs() } / inward.norm();
-    Some(condense(scan, &crossings, &curve, across, common_sigma))
+    let expected = search.lines_to_be_seen(&lines, &curve, toward_sheet, [clearance, width]);
+    // The width of a face is known to some hundredths of the blur, and moves the edge by as much.
+    let evenness = common.blur * if face.is_some() { FACE_UNEVENNESS } else { 1.0 };
+    let mut coverage =
+        Coverage::of(&expected, [&crossings, &located_all], &curve, span, [evenness, transition]);
+    if !coverage.left_out.is_empty() {
+        let mut rest: Vec<Crossing> = crossings.iter().copied().filter(|c| coverage.leaves(c.line)).collect();
+        match robust_curve(&mut rest).filter(|_| rest.len() >= MIN_CROSSINGS) {
+            Some(through) => (crossings, curve) = (rest, through),
+            None => coverage = Coverage::default(),
+        }
+    }
+    let separated = |a: &Crossing, b: &Crossing| coverage.separates(a, b);
+    Some(MeasuredSide {
+        points: condense(scan, &crossings, separated, &curve, across, common_sigma),
+        face_px: face.map(|f| f.widths.map(|w| w * across)),
+        covered: coverage.covered,
+        bent: coverage.bent,
+    })
 }
 
 /// How many neighbouring lines of a side may be averaged. Shifted by whole pixels they spread it by at most one, and by
@@ -171,6 +234,50 @@ impl Search<'_> {
             found.into_iter().map(|(line, position)| Crossing { line, position, sigma: 1.0 }).collect();
         let curve = robust_curve(&mut crossings)?;
         Some((curve, support(&crossings)?))
+    }
+
+    /// The lines on which nothing but a cover can hide the side that lies on `curve`: it is in the frame and lit, and clear
+    /// of the projected edges.
+    fn lines_to_be_seen(
+        &self,
+        lines: &[(usize, f64)],
+        curve: &Polynomial,
+        toward_sheet: Vector2<f64>,
+        [clearance, face_px]: [f64; 2],
+    ) -> Vec<f64> {
+        let Self { photo, scan, uncertainty_px, projected } = *self;
+        let seen = |&&(line, expected): &&(usize, f64)| {
+            let position = curve.value(line as f64);
+            let at = scan.join(line as f64, position);
+            let inside = |p: f64| scan.pixel(photo, line, p as isize).is_some();
+            (position - expected).abs() <= uncertainty_px + face_px + 1.0
+                && inside(position - clearance)
+                && inside(position + clearance)
+                && projected.lights(at)
+                && projected.leaves_clear(at, toward_sheet, clearance)
+        };
+        lines.iter().filter(seen).map(|l| l.0 as f64).collect()
+    }
+
+    /// The side face of a board along the side.
+    fn side_face(
+        &self,
+        lines: &[(usize, f64)],
+        curve: &Polynomial,
+        supported: &RangeInclusive<f64>,
+        toward_sheet: Vector2<f64>,
+    ) -> Option<SideFace> {
+        let Self { photo, scan, uncertainty_px, projected } = *self;
+        let reach = FACE_REACH * uncertainty_px;
+        let clear: Vec<(usize, f64)> = lines
+            .iter()
+            .map(|l| (l.0, curve.value(l.0 as f64)))
+            .filter(|l| supported.contains(&(l.0 as f64)))
+            .filter(|&(line, position)| {
+                projected.leaves_clear(scan.join(line as f64, position), toward_sheet, reach)
+            })
+            .collect();
+        SideFace::find(photo, scan, &clear, reach)
     }
 
     /// Half the width of the transition, px: where the mean profile across the side becomes flat.

@@ -6,6 +6,7 @@
 
 use super::crossing::Crossing;
 use super::scan::Scan;
+use super::side_face::SideFace;
 use super::step_model::{Common, Equations, MIN_BLUR_PX, Noise, Profile, State, Summary};
 use crate::detect::erf::ErfTable;
 use crate::photo::LinearPhoto;
@@ -40,6 +41,8 @@ pub(super) struct Located {
     pub(super) crossings: Vec<Crossing>,
     /// Number of crossings tried.
     pub(super) tried: usize,
+    /// Number of profiles of a crossing.
+    pub(super) together: usize,
     /// What the crossings have in common.
     pub(super) common: Common,
     /// Common 1σ of all crossings, px: by the uncertainty of blur and slopes.
@@ -96,8 +99,10 @@ impl Profiles {
         }
     }
 
-    fn profile(&self, i: usize) -> Profile<'_> {
-        Profile { light: self.light(i), middle: self.half as f64, expected: self.lines[i][1] }
+    fn profile(&self, i: usize, face: Option<&SideFace>) -> Profile<'_> {
+        let [line, expected] = self.lines[i];
+        let face_px = face.map_or(0.0, |f| f.width(line));
+        Profile { light: self.light(i), middle: self.half as f64, expected, face_px }
     }
 
     fn light(&self, i: usize) -> &[f64] {
@@ -118,6 +123,21 @@ impl Profiles {
         curve: &Polynomial,
         start: Common,
         rounds: usize,
+        face: Option<&SideFace>,
+    ) -> Option<Located> {
+        match face {
+            None => self.locate_with::<3>(erf, curve, start, rounds, None),
+            Some(_) => self.locate_with::<4>(erf, curve, start, rounds, face),
+        }
+    }
+
+    fn locate_with<const N: usize>(
+        &self,
+        erf: &ErfTable,
+        curve: &Polynomial,
+        start: Common,
+        rounds: usize,
+        face: Option<&SideFace>,
     ) -> Option<Located> {
         let mut steps: Vec<f64> =
             (0..self.lines.len()).map(|i| self.levels(i)).map(|(low, high)| high - low).collect();
@@ -133,20 +153,23 @@ impl Profiles {
             .collect();
         let noise = self.noise(&usable, typical_step)?;
         let mut shared = start;
-        let bundles: Vec<&[usize]> = usable.chunks(bundle_size(&noise, shared.blur, usable.len())).collect();
+        let bundle = bundle_size(&noise, shared.blur, usable.len());
+        let bundles: Vec<&[usize]> = usable.chunks(bundle).collect();
+        let share = face.map_or(0.0, |f| f.share);
         let mut states: Vec<State> = bundles
             .iter()
             .map(|b| {
                 let mean = |f: &dyn Fn(usize) -> f64| b.iter().map(|&i| f(i)).sum::<f64>() / b.len() as f64;
                 let dark = mean(&|i| self.levels(i).0);
-                State { offset: 0.0, dark, step: mean(&|i| self.levels(i).1) - dark }
+                let step = mean(&|i| self.levels(i).1) - dark;
+                State { offset: 0.0, dark, step: step * (1.0 - share), face: step * share }
             })
             .collect();
-        let mut own = vec![Equations::default(); bundles.len()];
+        let mut own = vec![Equations::<N>::default(); bundles.len()];
         let mut summary = Summary::default();
         for _ in 0..rounds {
             for ((equations, state), bundle) in own.iter_mut().zip(&states).zip(&bundles) {
-                let profiles = bundle.iter().map(|&i| self.profile(i));
+                let profiles = bundle.iter().map(|&i| self.profile(i, face));
                 *equations = Equations::of(erf, profiles, state, &shared, &noise);
             }
             summary = Summary::of(&own)?;
@@ -167,6 +190,7 @@ impl Profiles {
         Some(Located {
             crossings,
             tried: self.lines.len().min(bundles.len()),
+            together: bundle,
             common: shared,
             common_sigma: summary.common_sigma,
         })
@@ -198,7 +222,13 @@ impl Profiles {
         Some(Noise { dark: variance(&mut dark)?, bright: variance(&mut bright)?, typical_step })
     }
 
-    fn update(&self, shared: &mut Common, states: &mut [State], own: &[Equations], summary: &Summary) {
+    fn update<const N: usize>(
+        &self,
+        shared: &mut Common,
+        states: &mut [State],
+        own: &[Equations<N>],
+        summary: &Summary,
+    ) {
         let step = summary.step;
         let reach = (self.half - self.plateau) as f64;
         shared.blur = (shared.blur + step.x)
@@ -208,10 +238,11 @@ impl Profiles {
             let Some(inverse) = e.own_inverse else { continue };
             let change = -(inverse * (e.own_gradient + e.cross * step));
             if change.iter().all(|x| x.is_finite()) {
-                state.offset = (state.offset + change.x.clamp(-shared.blur - 0.5, shared.blur + 0.5))
+                state.offset = (state.offset + change[0].clamp(-shared.blur - 0.5, shared.blur + 0.5))
                     .clamp(-reach, reach);
-                state.dark += change.y;
-                state.step += change.z;
+                state.dark += change[1];
+                state.step += change[2];
+                state.face += if N > 3 { change[3] } else { 0.0 };
             }
         }
     }

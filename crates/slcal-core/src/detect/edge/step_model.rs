@@ -1,6 +1,9 @@
 //! The least squares of a blurred step: D + S·(B + a·d·(1 − B) + b·d·B), see [`super::profile`].
+//!
+//! Along the side face of a board a second step F·B(d + w) is added, where w is the width of the face. Its height F is a
+//! fourth unknown of the crossing.
 
-use nalgebra::{Matrix3, RowVector3, Vector3};
+use nalgebra::{Matrix3, RowVector3, SMatrix, SVector, Vector3};
 
 use crate::detect::erf::ErfTable;
 use crate::solve::median;
@@ -19,6 +22,8 @@ pub(super) struct Profile<'a> {
     pub(super) middle: f64,
     /// Where the side is expected, from there, px.
     pub(super) expected: f64,
+    /// Width of the side face of the board beside it, px; zero without.
+    pub(super) face_px: f64,
 }
 
 /// The common parameters of a side's crossings.
@@ -28,12 +33,13 @@ pub(super) struct Common {
     pub(super) slopes: [f64; 2],
 }
 
-/// A crossing: its offset from where it is expected, towards the sheet; dark level; step.
+/// A crossing: its offset from where it is expected, towards the sheet; dark level; step; the step of the side face.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct State {
     pub(super) offset: f64,
     pub(super) dark: f64,
     pub(super) step: f64,
+    pub(super) face: f64,
 }
 
 /// Variance of a pixel in the dark and beside the typical step.
@@ -75,22 +81,38 @@ impl Boundary {
     }
 }
 
-/// Normal equations of one crossing: its own unknowns (offset, dark, step), the common ones (blur, slopes), and both.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Equations {
-    pub(super) own: Matrix3<f64>,
-    pub(super) cross: Matrix3<f64>,
+/// Normal equations of one crossing: its own N unknowns (offset, dark, step; the step of the side face, if N is 4), the
+/// common ones (blur, slopes), and both.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Equations<const N: usize> {
+    pub(super) own: SMatrix<f64, N, N>,
+    pub(super) cross: SMatrix<f64, N, 3>,
     common: Matrix3<f64>,
-    pub(super) own_gradient: Vector3<f64>,
+    pub(super) own_gradient: SVector<f64, N>,
     pub(super) common_gradient: Vector3<f64>,
-    pub(super) own_inverse: Option<Matrix3<f64>>,
+    pub(super) own_inverse: Option<SMatrix<f64, N, N>>,
     /// Σ variance·J·Jᵀ of its own unknowns.
-    scatter: Matrix3<f64>,
+    scatter: SMatrix<f64, N, N>,
     /// Root of χ² per degree of freedom.
     chi: f64,
 }
 
-impl Equations {
+impl<const N: usize> Default for Equations<N> {
+    fn default() -> Self {
+        Self {
+            own: SMatrix::zeros(),
+            cross: SMatrix::zeros(),
+            common: Matrix3::zeros(),
+            own_gradient: SVector::zeros(),
+            common_gradient: Vector3::zeros(),
+            own_inverse: None,
+            scatter: SMatrix::zeros(),
+            chi: 0.0,
+        }
+    }
+}
+
+impl<const N: usize> Equations<N> {
     /// The least squares of one crossing. All pixels have equal weights although bright ones are noisier: then a
     /// symmetric difference between the true blur and the model does not bias the crossing.
     pub(super) fn of<'a>(
@@ -100,13 +122,15 @@ impl Equations {
         shared: &Common,
         noise: &Noise,
     ) -> Self {
-        let bright = noise.beside(state.step);
+        let bright = noise.beside(state.step + state.face);
         let mut e = Self::default();
         let (mut cost, mut count) = (0.0, 0.0);
         for profile in profiles {
             let side = profile.middle + state.offset + profile.expected;
             let boundary = |k: usize| Boundary::at(erf, k as f64 - side, shared.blur);
+            let outer = |k: usize| Boundary::at(erf, k as f64 - side + profile.face_px, shared.blur);
             let mut before = boundary(0);
+            let mut outer_before = (N > 3).then(|| outer(0));
             for (k, light) in profile.light.iter().enumerate() {
                 let after = boundary(k + 1);
                 let (b, slope) = (after.integral - before.integral, after.value - before.value);
@@ -116,12 +140,21 @@ impl Equations {
                 let [low, high] = shared.slopes;
                 let shape = b + d * (low * (1.0 - b) + high * b);
                 let variance = noise.dark + (bright - noise.dark) * b;
-                let residual = state.dark + state.step * shape - light;
+                let mut residual = state.dark + state.step * shape - light;
                 let bend = 1.0 + d * (high - low);
                 let by_side = -state.step * (slope * bend + low * (1.0 - b) + high * b);
-                let own = Vector3::new(by_side, 1.0, shape);
-                let common =
+                let mut own = SVector::<f64, N>::zeros();
+                (own[0], own[1], own[2]) = (by_side, 1.0, shape);
+                let mut common =
                     Vector3::new(state.step * by_blur * bend, state.step * d * (1.0 - b), state.step * d * b);
+                if let Some(before) = &mut outer_before {
+                    let after = outer(k + 1);
+                    own[3] = after.integral - before.integral;
+                    residual += state.face * own[3];
+                    own[0] -= state.face * (after.value - before.value);
+                    common.x += state.face * (after.by_blur - before.by_blur);
+                    *before = after;
+                }
                 e.own += own * own.transpose();
                 e.scatter += own * own.transpose() * variance;
                 e.cross += own * common.transpose();
@@ -132,7 +165,7 @@ impl Equations {
                 count += 1.0;
             }
         }
-        e.chi = (cost / (count - 3.0_f64).max(1.0)).sqrt();
+        e.chi = (cost / (count - N as f64).max(1.0)).sqrt();
         e.own_inverse = e.own.try_inverse();
         e
     }
@@ -152,7 +185,7 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    pub(super) fn of(all: &[Equations]) -> Option<Self> {
+    pub(super) fn of<const N: usize>(all: &[Equations<N>]) -> Option<Self> {
         let mut chis: Vec<f64> = all.iter().map(|e| e.chi).collect();
         let limit = MAX_CHI * median(&mut chis)?;
         let (mut normal, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
