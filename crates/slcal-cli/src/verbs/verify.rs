@@ -6,7 +6,7 @@ use image::DynamicImage;
 use slcal_core::detect::Detection;
 use slcal_core::photo::PhotoView;
 use slcal_core::verify::Verification;
-use slcal_core::{PhotoVerifier, Rig, VerifiedPhoto, VerifyPhotoConfig};
+use slcal_core::{PhotoVerifier, Rig, VerifiedPhoto, VerifyPhotoConfig, Warning};
 
 use crate::args::VerifyArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
@@ -44,6 +44,9 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     drop(busy);
     for note in &found.notes {
         printer.note(format!("{}: {note}", input_name(&args.photo)));
+    }
+    for Warning { message, advice, .. } in &found.warnings {
+        printer.note(format!("{}: {message}; {advice}", input_name(&args.photo)));
     }
     if let Some(place) = overlay {
         let seen = for_display(photo, config.encoding);

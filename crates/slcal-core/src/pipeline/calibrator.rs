@@ -9,6 +9,7 @@ use crate::geometry::RectangleSize;
 use crate::observations::Observations;
 use crate::pattern::CheckerPattern;
 use crate::photo::{Encoding, PhotoView};
+use crate::rig::Warning;
 
 /// A photograph of the sheet and what is known about it.
 #[derive(Debug, Clone)]
@@ -154,7 +155,7 @@ impl Calibrator {
     /// size than its twin, and corners that are no convex quadrilateral.
     pub fn add<'a>(&mut self, photo: impl Into<SheetPhoto<'a>>) -> Result<&Detection> {
         let SheetPhoto { view, name, plain, corners, focal_35mm } = photo.into();
-        let title = name.clone().unwrap_or_else(|| format!("photograph {}", self.detections.len() + 1));
+        let title = name.clone().unwrap_or_else(|| title(self.detections.len()));
         let size = [view.width() as u32, view.height() as u32];
         self.check_size(size)?;
         if let Some(mm) = focal_35mm {
@@ -230,8 +231,29 @@ impl Calibrator {
     /// [`Error::Invalid`] when no photograph was added; otherwise as
     /// [`calibrate_observations`](crate::calibrate_observations).
     pub fn calibrate(&self) -> Result<Calibration> {
-        calibrate_observations(&self.observations()?, &self.config)
+        let mut calibration = calibrate_observations(&self.observations()?, &self.config)?;
+        if let Some(quality) = &mut calibration.rig.quality {
+            quality.warnings.extend(self.warnings());
+        }
+        Ok(calibration)
     }
+
+    /// What detection warns of in the photographs so far, each with the photograph's name. [`calibrate`](Self::calibrate)
+    /// adds it to the rig's warnings.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<Warning> {
+        let named = |(i, found): (usize, &Detection)| {
+            let title = found.observation.photo.clone().unwrap_or_else(|| title(i));
+            let prefixed = |w: &Warning| Warning { message: format!("{title}: {}", w.message), ..w.clone() };
+            found.warnings.iter().map(prefixed).collect::<Vec<_>>()
+        };
+        self.detections.iter().enumerate().flat_map(named).collect()
+    }
+}
+
+/// Stands for the name of a photograph that has none.
+fn title(index: usize) -> String {
+    format!("photograph {}", index + 1)
 }
 
 #[cfg(test)]
@@ -270,5 +292,28 @@ mod tests {
         assert_eq!(calibrator.detections().len(), 2);
         let views = calibrator.observations().unwrap().views;
         assert_eq!((views[0].photo.as_deref(), views[1].photo.as_deref()), (Some("a.jpg"), None));
+    }
+
+    #[test]
+    fn warnings_about_a_side_name_the_photograph() {
+        let mut image = photograph(640, 480).into_rgb8();
+        // A clip over a sixth of the upper side.
+        for (x, y) in (200..260).flat_map(|x| (80..112).map(move |y| (x, y))) {
+            image.put_pixel(x, y, image::Rgb([90; 3]));
+        }
+        let image = DynamicImage::ImageRgb8(image);
+        let mut calibrator = Calibrator::new("594x420mm".parse().unwrap());
+        for name in [Some("first.jpg"), None] {
+            let shot = SheetPhoto::new(PhotoView::try_from(&image).unwrap());
+            calibrator.add(name.map_or(shot.clone(), |name| shot.name(name))).unwrap();
+        }
+        let warnings = calibrator.warnings();
+        assert_eq!(warnings.len(), 2, "{warnings:?}");
+        for (warning, name) in warnings.iter().zip(["first.jpg", "photograph 2"]) {
+            assert_eq!(warning.code, "side-covered");
+            assert!(
+                warning.message.starts_with(&format!("{name}: ")) && warning.message.contains("top side")
+            );
+        }
     }
 }

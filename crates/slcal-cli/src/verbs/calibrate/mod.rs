@@ -87,6 +87,7 @@ fn calibrate(
         Some(path) => Some((path, load_camera(path)?)),
         None => None,
     };
+    let mut warnings = Vec::new();
     let observations = if let Some(path) = &args.observations {
         let given = load_observations(path)?;
         if let Some((path, known)) = &known {
@@ -97,6 +98,7 @@ fn calibrate(
         let known = known.as_ref().map(|(path, camera)| (*path, camera));
         let calibrator = observe_all(args, config, known, gallery, printer)?;
         config = calibrator.config().clone();
+        warnings = calibrator.warnings();
         calibrator.observations()?
     };
     if let Some((path, camera)) = &known {
@@ -113,8 +115,11 @@ fn calibrate(
     }
     let inputs = args.observations.iter().chain(&args.photos).map(|p| input_name(p)).collect::<Vec<_>>();
     let busy = printer.busy("calibrating");
-    let done = calibrate_observations(&observations, &config).in_file(Path::new(&inputs.join(", ")))?;
+    let mut done = calibrate_observations(&observations, &config).in_file(Path::new(&inputs.join(", ")))?;
     drop(busy);
+    if let Some(quality) = &mut done.rig.quality {
+        quality.warnings.extend(warnings);
+    }
     for noise in done.noise() {
         printer.note(noise_in_words(noise));
     }
