@@ -208,7 +208,7 @@ fn bar(text: &mut String, to: &Projection, [x, top]: Spot) {
     let per_mm = to.scale * unit(to.size);
     let length = round_down(0.6 * HEIGHT / per_mm);
     let end = top + length * per_mm;
-    let [left, right, beside, middle] = [x - 4.0, x + 4.0, x + 8.0, (top + end) / 2.0 + 5.0];
+    let [left, right, beside, middle] = [x - 4.0, x + 4.0, x + 8.0, f64::midpoint(top, end) + 5.0];
     put(
         text,
         format_args!(

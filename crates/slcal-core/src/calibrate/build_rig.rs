@@ -39,7 +39,7 @@ pub(crate) fn view(
     camera: &Camera,
     projector: Option<&Projector>,
     sheet: &Sheet,
-    bend: Option<ViewBend>,
+    bend: Option<&ViewBend>,
     rms_px: ViewRms,
 ) -> View {
     let pose = &sheet.pose;
@@ -48,7 +48,7 @@ pub(crate) fn view(
         photo: None,
         size: sheet.size,
         camera_from_sheet: *pose,
-        bend,
+        bend: bend.copied(),
         projector_from_sheet,
         camera_vanishing_points: camera.vanishing_points(pose),
         projector_vanishing_points: projector
@@ -78,7 +78,7 @@ pub(crate) fn rig(solution: &Solution, assessment: &Assessment) -> Rig {
         Projector { device: device(p, Lens::Projector, solution), from_camera }
     });
     let views = model.views.iter().enumerate().map(|(i, sheet)| {
-        view(&model.camera, projector.as_ref(), sheet, bend(solution, i), view_rms(solution, i))
+        view(&model.camera, projector.as_ref(), sheet, bend(solution, i).as_ref(), view_rms(solution, i))
     });
     let point_sigmas = solution.depth_sigmas().map(|s| s.total());
     let percent = |s: f64| 100.0 * s;

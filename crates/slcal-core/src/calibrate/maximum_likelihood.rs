@@ -20,7 +20,9 @@ pub(crate) fn problem(
     let mut priors = Priors::new(&assumptions, &unknowns, model);
     // Copies of a photograph show one bend, not several.
     for (bend, copies) in priors.bends.iter_mut().zip(copies(observations)) {
-        bend.iter_mut().for_each(|sigma| *sigma *= (copies as f64).sqrt());
+        for sigma in bend {
+            *sigma *= (copies as f64).sqrt();
+        }
     }
     let all: Vec<Measurement> =
         measurements(observations).into_iter().filter(|m| with_projector || m.kind() != Kind::Pair).collect();

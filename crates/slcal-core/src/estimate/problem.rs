@@ -56,7 +56,7 @@ impl BundleAdjustment {
         self.blocks.iter().map(|b| b.len).sum()
     }
 
-    fn residual(&self, model: &Model, m: &Measurement) -> Option<Residual> {
+    fn residual(model: &Model, m: &Measurement) -> Option<Residual> {
         let (camera, sheet) = (&model.camera, model.views.get(m.view)?);
         match m.of {
             Target::Edge(side) => residual::edge(camera, sheet, side, m.seen),
@@ -70,13 +70,13 @@ impl BundleAdjustment {
     }
 
     /// Lines do not distinguish front from behind: the sheet's corners do.
-    fn in_front(&self, model: &Model) -> bool {
+    fn in_front(model: &Model) -> bool {
         model.views.iter().all(|sheet| sheet.size.corners().into_iter().all(|c| sheet.lift(c).z > 0.0))
     }
 
     /// How far every measurement is from the model, as camera px from where it was seen to where it is expected.
     pub(crate) fn misses_px(&self, model: &Model) -> Option<Vec<Vector2<f64>>> {
-        self.measurements.iter().map(|m| Some(self.residual(model, m)?.miss)).collect()
+        self.measurements.iter().map(|m| Some(Self::residual(model, m)?.miss)).collect()
     }
 
     /// Residuals and derivatives at a model; `None` where it is not defined.
@@ -129,13 +129,13 @@ impl Problem for BundleAdjustment {
     }
 
     fn linearise(&self, model: &Model, to: &mut Linearised) -> Option<()> {
-        if !self.in_front(model) {
+        if !Self::in_front(model) {
             return None;
         }
         to.jacobian.fill(0.0);
         let mut at = 0;
         for m in &self.measurements {
-            self.put(to, at, m.rows(), &self.residual(model, m)?, 1.0 / m.sigma_px);
+            self.put(to, at, m.rows(), &Self::residual(model, m)?, 1.0 / m.sigma_px);
             at += m.rows();
         }
         for (sigmas, sheet) in self.priors.bends.iter().zip(&model.views) {
@@ -166,7 +166,7 @@ impl RobustProblem for BundleAdjustment {
     }
 
     fn norms_px(&self, model: &Model) -> Option<Vec<f64>> {
-        self.measurements.iter().map(|m| Some(self.residual(model, m)?.value.norm())).collect()
+        self.measurements.iter().map(|m| Some(Self::residual(model, m)?.value.norm())).collect()
     }
 
     fn renormalise(model: &mut Model) {

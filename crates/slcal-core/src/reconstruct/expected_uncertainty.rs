@@ -69,7 +69,7 @@ impl ExpectedUncertainty {
 mod tests {
     use super::*;
     use crate::calibrate::tests::scene::{calibrated, size};
-    use crate::geometry::Pose;
+    use crate::geometry::{Distortion, Intrinsics, Pose};
 
     #[test]
     fn the_middle_of_the_sheet_has_the_sigma_that_the_calibration_expects() {
@@ -111,6 +111,9 @@ mod tests {
         // Light from above: rows of the panel tell depths, and move along the image's columns alone. A pixel with a whole
         // column and a row between two would pass for a stripe that was measured across its column.
         let mut rig = calibrated();
+        let k = rig.camera.model.intrinsics;
+        rig.camera.model.intrinsics = Intrinsics::square(k.fx, k.principal_point());
+        rig.camera.model.distortion = Distortion::NONE;
         let mut projector = rig.projector.unwrap();
         projector.device.model = rig.camera.model;
         rig.projector = Some(projector);

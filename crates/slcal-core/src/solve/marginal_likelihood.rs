@@ -108,7 +108,7 @@ mod tests {
         let s = Structure { shared: 2, width: 2, groups: &groups, more: 0 };
         // Columns: two of the own group, two shared; every row some irregular numbers.
         let jacobian = DMatrix::from_fn(9, 4, |i, j| ((3 * i + 5 * j * j + i * j) as f64 * 0.7).sin());
-        let residuals: Vec<f64> = (0..9).map(|i| (i as f64 * 1.3).cos()).collect();
+        let residuals: Vec<f64> = (0..9).map(|i| (f64::from(i) * 1.3).cos()).collect();
         let weights: Vec<f64> = (0..9).map(|i| 0.5 + 0.2 * f64::from(i)).collect();
         let own = |view: usize, c: usize| (c == 1).then_some((2.0 + view as f64, 0.3));
 

@@ -143,7 +143,9 @@ fn wrong_corners_by_hand_are_not_called_good() {
     };
     let c = calibrate_observations(&o, &CalibrateConfig { allow_degenerate: true, ..ideal() }).unwrap();
     written(&c);
-    assert!(codes(&c).contains(&"sheet-corners-off"), "{:?}", codes(&c));
+    // Either the corners do not fit, or they do with a principal point that no camera has.
+    let told = ["sheet-corners-off", "principal-point-far"];
+    assert!(codes(&c).iter().any(|c| told.contains(c)), "{:?}", codes(&c));
     let quality = c.rig.quality.unwrap();
     assert!(quality.verdict >= Verdict::Weak);
     assert_eq!((c.report.cause, c.report.advice), (quality.cause, quality.advice));

@@ -140,7 +140,7 @@ pub(super) fn import(files: &[NamedBytes<'_>], notes: &mut Vec<String>) -> Resul
         );
     }
     notes.push("lengths are taken to be in mm: models of COLMAP have no unit".into());
-    let mut rig = plain_rig(device(camera), Some((device(projector), pose)), ExchangeFormat::Colmap);
+    let mut rig = plain_rig(device(camera), Some(&(device(projector), pose)), ExchangeFormat::Colmap);
     if let Some(points) = text("points3D.txt")? {
         rig.views = views(points, first, &rig)?;
     }

@@ -46,10 +46,10 @@ pub(super) fn pose_of(r: &Matrix3<f64>, t: Vector3<f64>, expecting: Expecting, p
 }
 
 /// A rig of imported devices without further information.
-pub(super) fn plain_rig(camera: Device, projector: Option<(Device, Pose)>, format: ExchangeFormat) -> Rig {
+pub(super) fn plain_rig(camera: Device, projector: Option<&(Device, Pose)>, format: ExchangeFormat) -> Rig {
     Rig {
         camera,
-        projector: projector.map(|(device, pose)| Projector { device, from_camera: pose.into() }),
+        projector: projector.map(|&(device, pose)| Projector { device, from_camera: pose.into() }),
         views: Vec::new(),
         method: format.name().to_owned(),
         quality: None,

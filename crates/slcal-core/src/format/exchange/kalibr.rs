@@ -70,7 +70,7 @@ pub(super) fn import(bytes: &[u8], notes: &mut Vec<String>) -> Result<Rig> {
     }
     let camera = device(first, "cam0")?;
     let projector = root.get("cam1").map(|node| Ok((device(node, "cam1")?, pose(node)?))).transpose()?;
-    Ok(plain_rig(camera, projector, ExchangeFormat::Kalibr))
+    Ok(plain_rig(camera, projector.as_ref(), ExchangeFormat::Kalibr))
 }
 
 /// Numbers of one camera of the chain.

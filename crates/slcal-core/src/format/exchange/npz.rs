@@ -19,6 +19,7 @@
 //! | `view_bend` | (V, 3, 12) | mm: the coefficients of the sheet's bend, their 1σ, and that expected beforehand |
 //! | `verdict`, `verdict_cause`, `verdict_advice` | () | |
 //! | `focal_sigma_percent`, `expected_point_sigma_mm`, `warnings` | (2,), (), (W, 3) | warnings: code, message, advice |
+//! | `depth_sigma_percent` | () | |
 //! | `covariance`, `covariance_parameters` | (P, P), (P,) | |
 //! | `method` | () | |
 //!
@@ -90,6 +91,7 @@ pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
         let focal = vec![q.focal_sigma_percent_camera, optional(q.focal_sigma_percent_projector)];
         arrays.push(("focal_sigma_percent", numbers(&[2], focal)));
         arrays.push(("expected_point_sigma_mm", numbers(&[], vec![optional(q.expected_point_sigma_mm)])));
+        arrays.extend(q.depth_sigma_percent.map(|s| ("depth_sigma_percent", numbers(&[], vec![s]))));
         let words = q.warnings.iter().flat_map(|w| [w.code.clone(), w.message.clone(), w.advice.clone()]);
         arrays.push(("warnings", Array::Words(vec![q.warnings.len(), 3], words.collect())));
     }
@@ -281,6 +283,7 @@ fn read_extras(arrays: &Arrays<'_>) -> Result<Map<String, Value>> {
             "cause": arrays.word("verdict_cause")?.unwrap_or_default(),
             "advice": arrays.word("verdict_advice")?.unwrap_or_default(),
             "focal_sigma_percent": {"camera": focal[0], "projector": focal[1]},
+            "depth_sigma_percent": one("depth_sigma_percent", &[])?,
             "expected_point_sigma_mm": one("expected_point_sigma_mm", &[])?,
             "warnings": warnings,
         });

@@ -111,7 +111,7 @@ pub(super) fn devices(
             Ok((device, pose(root, expecting)?))
         })
         .transpose()?;
-    Ok(plain_rig(camera, projector, format))
+    Ok(plain_rig(camera, projector.as_ref(), format))
 }
 
 fn pose(root: &Node, expecting: Expecting) -> Result<Pose> {

@@ -107,7 +107,7 @@ pub(super) fn import(
         notes
             .push("this is a projector's file; it is taken for the camera, as no other one was given".into());
     }
-    Ok(plain_rig(camera, projector, ExchangeFormat::Ros))
+    Ok(plain_rig(camera, projector.as_ref(), ExchangeFormat::Ros))
 }
 
 fn of_projector(root: &Node) -> bool {

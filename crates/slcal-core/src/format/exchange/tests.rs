@@ -24,7 +24,7 @@ fn device(size: [u32; 2], k: [f64; 5], distortion: [f64; 5]) -> Device {
         focal_px: 1.5,
         cx_px: 1.0 / 3.0,
         cy_px: 1e-7,
-        distortion: [0.1; 5],
+        distortion: [1e-6; 5],
         aspect: 0.002,
     });
     Device { model, sigma }

@@ -83,6 +83,7 @@ pub(super) struct RmsDto {
 }
 
 #[derive(Serialize, Deserialize)]
+#[expect(clippy::struct_field_names, reason = "the keys of the file")]
 pub(super) struct BendDto {
     pub(super) coefficients_mm: [f64; 12],
     pub(super) sigma_mm: Option<[f64; 12]>,
