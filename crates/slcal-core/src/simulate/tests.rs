@@ -6,6 +6,7 @@ use super::{
     BendConfig, BentSheet, Cube, Draws, NoiseModel, PoseConfig, RigConfig, Scene, SpreadConfig, bound,
     spread_poses,
 };
+use crate::calibrate::tests::scene::ideal;
 use crate::calibrate::{CalibrateConfig, PrincipalPointRule, calibrate_observations};
 use crate::error::Error;
 use crate::geometry::RectangleSize;
@@ -143,7 +144,7 @@ fn the_bound_is_proportional_to_noise_and_equals_the_estimators_covariance() {
         view.map_sigma(|_| Some(0.1), |_| Some(0.1));
     }
     let centre = PrincipalPointRule::Centre;
-    let config = CalibrateConfig { camera_pp: centre, projector_pp: centre, ..CalibrateConfig::default() };
+    let config = CalibrateConfig { camera_pp: centre, projector_pp: centre, ..ideal() };
     let rig = calibrate_observations(&seen, &config).unwrap().rig;
     // The robust loss may cost 5 % of the variance.
     let near = |a: f64, b: f64| assert!((0.999..1.027).contains(&(a / b)), "{a} {b}");

@@ -25,10 +25,8 @@ pub struct SceneReport {
     /// Light, lens and sensor.
     pub render: RenderConfig,
     /// The bend of the sheet, where it has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bend: Option<BendReport>,
     /// The thickness of the sheet, mm, where it has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub thickness_mm: Option<f64>,
 }
 
