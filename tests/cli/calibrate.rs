@@ -5,7 +5,7 @@ use std::io::Cursor;
 use image::{DynamicImage, ImageFormat, RgbImage};
 use serde_json::Value;
 use slcal_core::pattern::{CheckerConfig, CheckerPattern};
-use slcal_tests::{Bench, Scene};
+use slcal_tests::{Bench, IDEAL, Scene};
 
 use crate::bench;
 
@@ -45,7 +45,7 @@ fn focal_error(rig: &Value, device: &str, truth: f64) -> f64 {
 fn one_photograph_gives_a_rig() {
     let scene = Scene::default();
     let bench = with_photo(&scene);
-    let run = bench.run(&format!("{LINE} --overlay seen.png")).ok();
+    let run = bench.run(&format!("{LINE} {IDEAL} --overlay seen.png")).ok();
     let rig = json(&bench.text("rig.json"));
     assert_eq!(rig["schema"], "slcal-rig/1");
     assert_eq!(rig["views"][0]["photo"], "photo.png");
@@ -142,7 +142,9 @@ fn gamma_says_how_light_is_encoded() {
         image::Rgb(srgb.get_pixel(x, y).0.map(|c| (light(c) * 65535.0).round() as u16))
     });
     DynamicImage::ImageRgb16(linear).save(bench.path("linear.png")).unwrap();
-    let line = LINE.replace("photo.png", "linear.png").replace("-o rig.json", "--json --gamma linear");
+    let line = LINE
+        .replace("photo.png", "linear.png")
+        .replace("-o rig.json", &format!("--json --gamma linear {IDEAL}"));
     let rig = json(&bench.run(&line).ok().text());
     assert!(focal_error(&rig, "camera", scene.camera_focal_px) < 0.1, "{}", focal(&rig, "camera"));
 }
@@ -157,7 +159,8 @@ fn a_sheet_seen_face_on_is_refused_and_written_only_when_allowed() {
     assert!(run.words().contains("degenerate"), "{}", run.text());
     assert_eq!(json(&bench.text("rig.json"))["quality"]["verdict"], "degenerate");
     // With exact principal points the same photograph does.
-    let exact = bench.run(&format!("{LINE} --force --camera-pp centre --projector-pp 511.5,383.5")).ok();
+    let exact =
+        bench.run(&format!("{LINE} {IDEAL} --force --camera-pp centre --projector-pp 511.5,383.5")).ok();
     assert!(exact.words().contains("good") || exact.words().contains("fair"), "{}", exact.text());
 }
 
@@ -171,7 +174,8 @@ fn several_photographs_are_solved_together() {
     for (name, scene) in [("a.png", first), ("b.png", second)] {
         bench.put(name, encoded(scene.photograph(None), ImageFormat::Png));
     }
-    let run = bench.run("calibrate a.png b.png --size A2-landscape -o rig.json --json").ok();
+    let run =
+        bench.run(&format!("calibrate a.png b.png --size A2-landscape -o rig.json --json {IDEAL}")).ok();
     let rig = json(&run.text());
     assert_eq!(rig["views"].as_array().map(Vec::len), Some(2));
     assert_eq!(rig["views"][1]["photo"], "b.png");
@@ -215,9 +219,9 @@ fn corners_by_hand_and_a_photograph_without_the_pattern_are_used() {
     let scene = Scene::default();
     let bench = with_photo(&scene);
     bench.put("plain.png", encoded(scene.photograph(None), ImageFormat::Png));
-    let with_plain = bench.run(&format!("{LINE} --plain plain.png --json")).ok();
+    let with_plain = bench.run(&format!("{LINE} {IDEAL} --plain plain.png --json")).ok();
     // The former name of the option.
-    let former = bench.run(&format!("{LINE} --screen plain.png --json --force")).ok();
+    let former = bench.run(&format!("{LINE} {IDEAL} --screen plain.png --json --force")).ok();
     assert_eq!(with_plain.stdout, former.stdout);
     assert!(!bench.run("calibrate --help").ok().text().contains("--screen"));
     let with_plain = json(&with_plain.text());

@@ -3,7 +3,7 @@
 use std::fs;
 
 use serde_json::Value;
-use slcal_tests::{Bench, repository};
+use slcal_tests::{Bench, IDEAL, repository};
 
 use crate::bench;
 
@@ -40,7 +40,7 @@ fn files_are_read_and_give_the_same_points() {
     let bench = with_files();
     let _ = bench.run("triangulate --rig rig.json matches.csv -o again.ply").ok();
     assert_eq!(fs::read(bench.path("again.ply")).unwrap(), fs::read(bench.path("cloud.ply")).unwrap());
-    let _ = bench.run("calibrate --observations observations.json -o new.json").ok();
+    let _ = bench.run(&format!("calibrate --observations observations.json -o new.json {IDEAL}")).ok();
     let focal = |name: &str| -> [f64; 2] {
         let rig: Value = serde_json::from_str(&bench.text(name)).unwrap();
         ["camera", "projector"].map(|device| rig[device]["K"][0][0].as_f64().unwrap())

@@ -3,7 +3,7 @@
 use image::{DynamicImage, ImageFormat};
 use serde_json::{Value, json};
 use slcal_core::pattern::{CheckerConfig, CheckerPattern};
-use slcal_tests::{Bench, Scene};
+use slcal_tests::{Bench, IDEAL, Scene};
 
 use crate::bench;
 
@@ -58,7 +58,7 @@ fn rig_of(bench: &Bench) -> Value {
 fn corners_and_pairs_give_a_rig_without_a_photograph() {
     let scene = Scene::default();
     let bench = with(|_| {});
-    let run = bench.run(LINE).ok();
+    let run = bench.run(&format!("{LINE} {IDEAL}")).ok();
     let rig = rig_of(&bench);
     assert!((focal(&rig, "camera") / scene.camera_focal_px - 1.0).abs() < 0.002);
     assert!((focal(&rig, "projector") / scene.projector_focal_px - 1.0).abs() < 0.002);
@@ -73,10 +73,11 @@ fn corners_and_pairs_give_a_rig_without_a_photograph() {
         v["sheet_sigma_px"] = json!(0.1);
         v["pair_sigma_px"] = json!(0.05);
     });
-    let run = bench.run(LINE).ok();
+    let run = bench.run(&format!("{LINE} {IDEAL}")).ok();
     assert!(!run.stderr.contains("noise"), "{}", run.stderr);
     // From stdin, and as JSON.
-    let args: Vec<&str> = "calibrate --observations - --json".split(' ').collect();
+    let line = format!("calibrate --observations - --json {IDEAL}");
+    let args: Vec<&str> = line.split(' ').collect();
     let piped = bench.run_args(&args, bench.text("seen.json").as_bytes()).ok();
     assert_eq!(serde_json::from_str::<Value>(&piped.text()).unwrap(), rig_of(&bench));
     let published = bench.run(&format!("{LINE} --force --method two-vp --projector-pp centre")).ok();
@@ -221,7 +222,7 @@ fn two_points_on_each_side_do() {
         v.as_object_mut().unwrap().remove("sheet_corners_px");
         v["sheet_edges_px"] = json!({"top": side(0), "right": side(1), "bottom": side(2), "left": side(3)});
     });
-    let _ = bench.run(LINE).ok();
+    let _ = bench.run(&format!("{LINE} {IDEAL}")).ok();
     assert!((focal(&rig_of(&bench), "camera") / scene.camera_focal_px - 1.0).abs() < 0.002);
 }
 
@@ -229,13 +230,13 @@ fn two_points_on_each_side_do() {
 fn a_wrong_pair_and_the_same_pairs_twice_do_no_harm() {
     let scene = Scene::default();
     let bench = with(|v| v["pairs"][20][0] = json!(100.0));
-    let _ = bench.run(LINE).ok();
+    let _ = bench.run(&format!("{LINE} {IDEAL}")).ok();
     assert!((focal(&rig_of(&bench), "projector") / scene.projector_focal_px - 1.0).abs() < 0.002);
     let bench = with(|v| {
         let pairs = v["pairs"].as_array_mut().unwrap();
         pairs.extend(pairs.clone());
     });
-    let _ = bench.run(LINE).ok();
+    let _ = bench.run(&format!("{LINE} {IDEAL}")).ok();
     assert!((focal(&rig_of(&bench), "projector") / scene.projector_focal_px - 1.0).abs() < 0.002);
 }
 

@@ -3,7 +3,7 @@
 use std::fs;
 
 use serde_json::Value;
-use slcal_tests::{Bench, repository};
+use slcal_tests::{Bench, IDEAL, repository};
 
 use crate::bench;
 
@@ -42,14 +42,14 @@ fn lens_shift_is_found_from_one_photograph() {
 
 #[test]
 fn half_the_size_gives_half_the_focal_length() {
-    let rig = calibrate(&with_photo("fixtures/tilted_half.jpg"), "");
+    let rig = calibrate(&with_photo("fixtures/tilted_half.jpg"), IDEAL);
     let [camera, projector] = focal_errors(&rig, 768.0, 1638.4);
     assert!(camera < 0.3 && projector < 0.4, "{camera} {projector}");
 }
 
 #[test]
 fn the_right_sheet_is_found_in_the_dark_among_others() {
-    let rig = calibrate(&with_photo("fixtures/dark_clutter.jpg"), "");
+    let rig = calibrate(&with_photo("fixtures/dark_clutter.jpg"), IDEAL);
     let [camera, projector] = focal_errors(&rig, 1920.0, 1638.4);
     assert!(camera < 0.3 && projector < 0.6, "{camera} {projector}");
 }
@@ -59,7 +59,7 @@ fn a_sheet_seen_face_on_needs_exact_principal_points() {
     let bench = with_photo("fixtures/near_frontal.jpg");
     let line = "calibrate photo.jpg --size 594x420mm --pattern checker.json -o rig.json";
     bench.run(line).fails(5, &["photo.jpg", "face-on"]);
-    let rig = calibrate(&bench, "--camera-pp 639.5,479.5 --projector-pp 511.5,383.5");
+    let rig = calibrate(&bench, &format!("{IDEAL} --camera-pp 639.5,479.5 --projector-pp 511.5,383.5"));
     let [camera, _] = focal_errors(&rig, 1536.0, 1638.4);
     assert!(camera < 1.0, "{camera}");
 }

@@ -370,5 +370,5 @@ fn bent_boards_are_rendered_and_told() {
     assert_eq!(photo("again"), photo("board"));
     let flat = bench.run(&format!("simulate scene {SMALL} --surface sheet --out flat --json")).ok();
     let json: Value = serde_json::from_slice(&flat.stdout).unwrap();
-    assert!(json.get("bend").is_none() && json.get("thickness_mm").is_none());
+    assert!(json["bend"].is_null() && json["thickness_mm"].is_null());
 }

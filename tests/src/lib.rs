@@ -9,6 +9,9 @@ use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
 
+/// What simulated and rendered scenes of ideal lenses and flat sheets are: with it the estimator is exact on them.
+pub const IDEAL: &str = "--flatness flat --distortion none --projector-distortion none";
+
 pub use scene::Scene;
 
 /// A fresh folder in which a binary runs; removed at the end.

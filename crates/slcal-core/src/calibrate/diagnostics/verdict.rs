@@ -318,7 +318,7 @@ fn misfits(solution: &Solution) -> Vec<Warning> {
             warnings.push(Warning::new(
                 &format!("{code}-residuals-large"),
                 format!("{name} lie {widened:.1} times further from the model than their noise explains"),
-                "is the sheet as flat as --flatness says and its size right, is a side covered or curled, was the lens's model or the principal \
+                "is the sheet as flat as was said and its size right, is a side covered or curled, was the lens's model or the principal \
                  point given rightly?",
             ));
         }
