@@ -118,7 +118,8 @@ fn on_sheet(sheet: &Sheet, at: Point2<f64>) -> OnSheet {
 /// Part of a side's length at which its image is nearest to a pixel, and the direction of the side's image there.
 ///
 /// The chord of the image gives the start: along a straight line the image of a part s lies at s·z1/((1 − s)·z0 + s·z1) of it, with
-/// z0 and z1 the depths of its ends. Gauss–Newton steps follow.
+/// z0 and z1 the depths of its ends. Gauss–Newton steps follow. Of a point far from the side, or beyond its corners, the last step
+/// stands: its distance from that place of the side is still one that falls as the side comes nearer.
 fn nearest(camera: &Camera, sheet: &Sheet, side: Side, p: Point2<f64>) -> Option<(f64, Vector2<f64>)> {
     let corners = sheet.size.corners();
     let (from, to) = (corners[side as usize], corners[(side as usize + 1) % 4]);
@@ -127,7 +128,8 @@ fn nearest(camera: &Camera, sheet: &Sheet, side: Side, p: Point2<f64>) -> Option
     let chord = b - a;
     let part = ((p - a).dot(&chord) / chord.norm_squared()).clamp(-BEYOND, 1.0 + BEYOND);
     let [z0, z1] = ends.map(|e| e.z);
-    let mut s = part * z0 / (z1 - part * (z1 - z0));
+    let mut s = (part * z0 / (z1 - part * (z1 - z0))).clamp(-BEYOND, 1.0 + BEYOND);
+    let mut last = None;
     let along = to - from;
     // How the sheet shortens changes slowly along the side: it is taken where the side is nearest without it.
     let mut shortened = sheet.bend.is_flat();
@@ -144,9 +146,10 @@ fn nearest(camera: &Camera, sheet: &Sheet, side: Side, p: Point2<f64>) -> Option
         if !step.is_finite() {
             return None;
         }
+        last = Some((s, tangent.normalize()));
         if step.abs() * tangent.norm() < NEAREST_PX {
             if shortened {
-                return Some((s, tangent.normalize()));
+                return last;
             }
             let [x, y] = sheet.bend.shortening(sheet.size, at);
             (shift, by_place) = (Vector2::new(x.0, y.0), sheet.bend.shortening_by_place(sheet.size, at));
@@ -154,7 +157,7 @@ fn nearest(camera: &Camera, sheet: &Sheet, side: Side, p: Point2<f64>) -> Option
         }
         s = (s + step).clamp(-BEYOND, 1.0 + BEYOND);
     }
-    None
+    last
 }
 
 /// Signed distance of an edge point from the image of a side, expected minus seen, px. At the nearest point of the image the

@@ -117,7 +117,7 @@ pub(super) struct FocalSigmaDto {
 pub(super) struct QualityDto {
     pub(super) verdict: Option<Verdict>,
     pub(super) focal_sigma_percent: Option<FocalSigmaDto>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub(super) depth_sigma_percent: Option<f64>,
     pub(super) expected_point_sigma_mm: Option<f64>,
     #[serde(default, skip_serializing_if = "String::is_empty")]
