@@ -40,6 +40,7 @@ def test_records_are_read_from_what_the_extension_says():
     said = {
         "verdict": "good",
         "focal_sigma_percent": {"camera": 1.5, "projector": None},
+        "depth_sigma_percent": None,
         "expected_point_sigma_mm": None,
         "cause": "seen flat",
         "advice": "tilt it",

@@ -251,7 +251,7 @@ def test_the_kind_of_change_is_reported(checker):
     scene = {"pattern": checker, "camera": (1000, 750), "focal": 1200, "lens_shift": 0.5}
     tilts = [(25, 28), (-25, -28), (20, -25)]
     made = [simulate.scene("sheet", tilt=tilt, **scene) for tilt in tilts]
-    rig = slcal.calibrate([m.photo for m in made], SIZE, checker)
+    rig = slcal.calibrate([m.photo for m in made], SIZE, checker, **IDEAL)
     truth = made[0].rig
     said = rig.verify(made[1].photo, checker, as_drawn=True)
     assert not said.rig.moved
