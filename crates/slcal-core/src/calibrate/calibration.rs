@@ -1,7 +1,7 @@
 //! Observations → rig, in one call.
 
 use super::config::{CalibrateConfig, Method};
-use super::maximum_likelihood::solve;
+use super::maximum_likelihood::solve_in_steps;
 use super::report::{Calibration, CalibrationReport};
 use super::variance_components::{measure_noise, warning};
 use super::{build_rig, diagnostics, hypotheses, repeated, two_vp, validate};
@@ -74,12 +74,12 @@ fn maximum_likelihood(
     config: &CalibrateConfig,
 ) -> Result<(Rig, CalibrationReport)> {
     let (observations, repetition) = repeated::counted_once(observations);
-    let stated = match solve(&observations, config) {
+    let (camera, stated) = match solve_in_steps(&observations, config) {
         Ok(solved) => solved,
         Err(error) => return Err(hypotheses::transposed::explain(error, &observations, config)),
     };
     // What is assumed of the observations is tested with the σ that they state.
-    let doubt = hypotheses::transposed::hint(&observations, config)
+    let doubt = hypotheses::transposed::hint(&observations, config, Some(&camera))
         .or_else(|| hypotheses::contradiction::hint(&observations, config, &stated))
         .or_else(|| hypotheses::aspect::hint(&observations, config, &stated));
     let solution = &stated.with_learned_weights();

@@ -75,5 +75,15 @@ pub(crate) fn add_projector(
 
 /// Camera, poses and, when the observations have one, the projector.
 pub(crate) fn solve(observations: &Observations, config: &CalibrateConfig) -> Result<Solution> {
-    add_projector(observations, config, &solve_camera(observations, config)?)
+    solve_in_steps(observations, config).map(|(_, all)| all)
+}
+
+/// The camera and the poses alone, and everything together.
+pub(crate) fn solve_in_steps(
+    observations: &Observations,
+    config: &CalibrateConfig,
+) -> Result<(Solution, Solution)> {
+    let camera = solve_camera(observations, config)?;
+    let all = add_projector(observations, config, &camera)?;
+    Ok((camera, all))
 }

@@ -19,6 +19,8 @@ const FEWEST_EDGES: usize = 40;
 const LENGTHS: [f64; 9] = [0.0, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0, 6.0, 9.0];
 /// The independent model stands unless another one is this much more likely (ln): chance gains as much once in 20 times.
 const LEAST_GAIN: f64 = 1.9;
+/// Longer lengths are not tried when one is less likely than the best by this (ln).
+const PAST_THE_BEST: f64 = 4.0;
 /// Most rounds towards the scale of the noise; two suffice unless it is far off.
 const SCALE_ROUNDS: usize = 6;
 /// Widths of the priors on bends that are tried, in those expected: of order 2, which may only be widened, and of
@@ -130,6 +132,8 @@ pub(crate) fn edge_noise(problem: &BundleAdjustment, model: &Model, keep: &[bool
         let likelihood = likelihood + determinant - if length > 0.0 { LEAST_GAIN } else { 0.0 };
         if inflation.is_finite() && best.is_none_or(|(most, _)| likelihood > most) {
             best = Some((likelihood, EdgeNoise { inflation, length_px: length * spacing }));
+        } else if best.is_some_and(|(most, _)| likelihood < most - PAST_THE_BEST) {
+            break;
         }
     }
     best.map(|(_, noise)| noise)

@@ -1,7 +1,7 @@
 //! Whether the sheet's width and height were given the wrong way round.
 
 use crate::calibrate::config::CalibrateConfig;
-use crate::calibrate::maximum_likelihood::solve;
+use crate::calibrate::maximum_likelihood::{solve, solve_camera};
 use crate::error::Error;
 use crate::estimate::Solution;
 use crate::observations::Observations;
@@ -13,14 +13,17 @@ const CLEAR_SHARE: f64 = 0.25;
 /// Beyond this the ratio of residuals is no longer of interest.
 const MANY_TIMES: f64 = 1000.0;
 
-/// A suggestion to swap width and height when that fits the camera's view of the sheet clearly better; nothing is
-/// swapped. Without a misfit that noise does not explain nothing is tried.
-pub(crate) fn hint(observations: &Observations, config: &CalibrateConfig) -> Option<Warning> {
+/// A suggestion to swap width and height when that fits the camera's view of the sheet clearly better than `given`, the
+/// solution of the camera alone; nothing is swapped. Without a misfit that noise does not explain nothing is tried.
+pub(crate) fn hint(
+    observations: &Observations,
+    config: &CalibrateConfig,
+    given: Option<&Solution>,
+) -> Option<Warning> {
     let mut sheet_alone = observations.clone();
     sheet_alone.projector = None;
-    let given = solve(&sheet_alone, config).ok();
-    let cost = given.as_ref().map_or(f64::INFINITY, |s| s.fit.cost);
-    if given.as_ref().is_some_and(|s| cost < freedom(s) + CLEARLY_LESS * (1.0 + freedom(s).sqrt() / 2.0)) {
+    let cost = given.map_or(f64::INFINITY, |s| s.fit.cost);
+    if given.is_some_and(|s| cost < freedom(s) + CLEARLY_LESS * (1.0 + freedom(s).sqrt() / 2.0)) {
         return None;
     }
     for view in &mut sheet_alone.views {
@@ -30,7 +33,7 @@ pub(crate) fn hint(observations: &Observations, config: &CalibrateConfig) -> Opt
     let outliers = |s: &Solution| s.measured().filter(|(.., keep)| !keep).count();
     (other.fit.cost < CLEAR_SHARE * cost
         && cost - other.fit.cost > CLEARLY_LESS
-        && given.as_ref().is_none_or(|s| outliers(&other) <= outliers(s)))
+        && given.is_none_or(|s| outliers(&other) <= outliers(s)))
     .then(|| {
         let size = observations.views[0].size;
         let against = if cost.is_finite() {
@@ -58,7 +61,12 @@ pub(crate) fn hint(observations: &Observations, config: &CalibrateConfig) -> Opt
 /// The error of a calibration that failed, with the suggestion to swap where that would have made it succeed.
 pub(crate) fn explain(error: Error, observations: &Observations, config: &CalibrateConfig) -> Error {
     let geometric = matches!(error, Error::Degenerate { .. } | Error::ImaginaryFocal { .. });
-    let Some(hint) = geometric.then(|| hint(observations, config)).flatten() else { return error };
+    let Some(hint) = geometric
+        .then(|| hint(observations, config, solve_camera(observations, config).ok().as_ref()))
+        .flatten()
+    else {
+        return error;
+    };
     let advice = format!("{}: {}", hint.message, hint.advice);
     match error {
         Error::Degenerate { what, measure, limit, .. } => Error::Degenerate { what, measure, limit, advice },
