@@ -5,8 +5,14 @@ use crate::calibrate::initial_guess::{camera_starts, projector_starts};
 use crate::calibrate::repeated::copies;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::estimate::robust::RobustFit;
-use crate::estimate::{BundleAdjustment, Kind, Measurement, Model, Priors, Solution, Unknowns, measurements};
+use crate::estimate::{
+    BundleAdjustment, Kind, Measurement, Model, Priors, Sheet, Solution, Unknowns, measurements,
+};
 use crate::observations::Observations;
+
+/// A sheet that bends by more than this part of its diagonal from valley to peak is none: another size or wrong corners are
+/// explained by it.
+const MOST_BENT: f64 = 0.08;
 
 /// The problem that observations pose under a configuration; without a projector in the model, that of the camera alone.
 pub(crate) fn problem(
@@ -33,8 +39,18 @@ pub(crate) fn problem(
 fn best(observations: &Observations, config: &CalibrateConfig, starts: Vec<Model>) -> Option<Solution> {
     let solutions =
         starts.into_iter().filter_map(|start| Solution::refine(problem(observations, config, &start), start));
-    // Of those that tie, the first one.
-    solutions.min_by(|a, b| penalised_cost(&a.fit).total_cmp(&penalised_cost(&b.fit)))
+    // Of those that tie, the first one; one whose sheets are none only where there is no other.
+    let rank = |s: &Solution| (!s.model().views.iter().all(is_a_sheet), penalised_cost(&s.fit));
+    solutions.min_by(|a, b| {
+        let ((a_bent, a), (b_bent, b)) = (rank(a), rank(b));
+        a_bent.cmp(&b_bent).then(a.total_cmp(&b))
+    })
+}
+
+/// Whether a sheet bends no further than paper does that somebody takes for flat.
+fn is_a_sheet(sheet: &Sheet) -> bool {
+    let diagonal = sheet.size.width_mm.hypot(sheet.size.height_mm);
+    sheet.bend.is_flat() || sheet.bend.sag_mm(sheet.size).0 <= MOST_BENT * diagonal
 }
 
 /// What starts are compared by: outliers first lower a redescending cost, so those count as well.

@@ -10,6 +10,10 @@ use crate::rig::Warning;
 /// By how much χ² must fall, and to which part, before the other way round counts as clearly better.
 const CLEARLY_LESS: f64 = 16.0;
 const CLEAR_SHARE: f64 = 0.25;
+/// By how much it must fall instead where the other way round fits, with a χ² per degree of freedom below this: no lens and no
+/// paper is that far from what is expected of them.
+const FAR_LESS: f64 = 100.0;
+const FITS: f64 = 2.0;
 /// Beyond this the ratio of residuals is no longer of interest.
 const MANY_TIMES: f64 = 1000.0;
 
@@ -31,31 +35,37 @@ pub(crate) fn hint(
     }
     let other = solve(&sheet_alone, config).ok()?;
     let outliers = |s: &Solution| s.measured().filter(|(.., keep)| !keep).count();
-    (other.fit.cost < CLEAR_SHARE * cost
-        && cost - other.fit.cost > CLEARLY_LESS
-        && given.is_none_or(|s| outliers(&other) <= outliers(s)))
-    .then(|| {
-        let size = observations.views[0].size;
-        let against = if cost.is_finite() {
-            format!(
-                "fits far better than the one given (its residuals are over {:.0} times smaller)",
-                (cost / other.fit.cost).sqrt().min(MANY_TIMES).floor()
+    // A bend and a lens far from their priors can explain a wrong size: what is left of χ² is then no small part, but far less.
+    let fits = other.fit.cost < FITS * freedom(&other).max(1.0);
+    let clearly = other.fit.cost < CLEAR_SHARE * cost || fits && cost - other.fit.cost > FAR_LESS;
+    (clearly && cost - other.fit.cost > CLEARLY_LESS && given.is_none_or(|s| outliers(&other) <= outliers(s)))
+        .then(|| {
+            let size = observations.views[0].size;
+            let times = (cost / other.fit.cost).sqrt().min(MANY_TIMES).floor();
+            let against = if cost.is_finite() && times < 2.0 {
+                format!(
+                    "fits far better than the one given (χ² falls from {cost:.0} to {:.0})",
+                    other.fit.cost
+                )
+            } else if cost.is_finite() {
+                format!(
+                    "fits far better than the one given (its residuals are over {times:.0} times smaller)"
+                )
+            } else {
+                "has a real solution, the one given has none".into()
+            };
+            Warning::new(
+                "size-transposed",
+                format!(
+                    "width and height may be swapped: a sheet {}x{} mm {against}",
+                    size.height_mm, size.width_mm
+                ),
+                format!(
+                    "if the sheet's side along the image's x axis is {} mm, swap width and height",
+                    size.height_mm
+                ),
             )
-        } else {
-            "has a real solution, the one given has none".into()
-        };
-        Warning::new(
-            "size-transposed",
-            format!(
-                "width and height may be swapped: a sheet {}x{} mm {against}",
-                size.height_mm, size.width_mm
-            ),
-            format!(
-                "if the sheet's side along the image's x axis is {} mm, swap width and height",
-                size.height_mm
-            ),
-        )
-    })
+        })
 }
 
 /// The error of a calibration that failed, with the suggestion to swap where that would have made it succeed.
