@@ -43,7 +43,8 @@ pub struct CalibrateConfig {
     /// [`Method::TwoVp`], which knows none, refuses anything but `Auto` and `None`.
     pub distortion: DistortionModel,
     /// Distortion of the projector; default [`DistortionModel::Auto`]. It bends the same residuals as a wrong principal
-    /// point and the camera's own distortion, so that a model given by name asks for three photographs or more. Ignored without a projector; [`Method::TwoVp`] refuses it as for the camera.
+    /// point and the camera's own distortion, so that a model given by name asks for three photographs or
+    /// more. Ignored without a projector; [`Method::TwoVp`] refuses it as for the camera.
     pub projector_distortion: DistortionModel,
     /// How flat the sheet is; default [`Flatness::Paper`]. [`Method::TwoVp`] takes it for flat.
     pub flatness: Flatness,

@@ -31,15 +31,6 @@ const WIDTHS_OF_3: [f64; 11] = [1.0 / WIDEST, 0.42, 0.53, 0.66, 0.81, 1.0, 1.25,
 /// 1σ of ln(width): widths that nothing tells stay one.
 const WIDTH_SIGMA: f64 = 0.7;
 
-/// The noise of edge points, pooled over all sides.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct EdgeNoise {
-    /// By what σ is to be multiplied so that the points may count as independent.
-    pub(crate) inflation: f64,
-    /// Correlation length along a side, px; zero where the points are independent.
-    pub(crate) length_px: f64,
-}
-
 /// The linearised problem, outliers left out.
 struct Linear<'a> {
     problem: &'a BundleAdjustment,
@@ -96,10 +87,10 @@ fn neighbours(linear: &Linear) -> Vec<(usize, usize, f64)> {
     pairs
 }
 
-/// Variance and correlation length of the noise of edge points by restricted maximum likelihood; `None` where there are
-/// too few. The noise is that of a first-order autoregressive sequence along each side, whose inverse covariance has a
+/// By what the σ of edge points is to be multiplied so that they may count as independent, from the variance and the correlation
+/// length of their noise by restricted maximum likelihood, pooled over all sides; `None` where there are too few. The noise is that of a first-order autoregressive sequence along each side, whose inverse covariance has a
 /// bidiagonal root.
-pub(crate) fn edge_noise(problem: &BundleAdjustment, model: &Model, keep: &[bool]) -> Option<EdgeNoise> {
+pub(crate) fn edge_inflation(problem: &BundleAdjustment, model: &Model, keep: &[bool]) -> Option<f64> {
     let linear = Linear::new(problem, model, keep)?;
     let rows: Vec<usize> =
         linear.kept().filter(|(m, _)| m.kind() == Kind::Edge).map(|(_, row)| row).collect();
@@ -116,7 +107,7 @@ pub(crate) fn edge_noise(problem: &BundleAdjustment, model: &Model, keep: &[bool
         (others[row], edges[row]) = (0.0, 1.0);
     }
     let others = MarginalLikelihood::new(&structure, &linear.jacobian, linear.residuals.as_slice(), &others)?;
-    let mut best: Option<(f64, EdgeNoise)> = None;
+    let mut best: Option<(f64, f64)> = None;
     for length in LENGTHS {
         let correlation =
             |distance: f64| if length > 0.0 { (-distance / (length * spacing)).exp() } else { 0.0 };
@@ -131,12 +122,12 @@ pub(crate) fn edge_noise(problem: &BundleAdjustment, model: &Model, keep: &[bool
         let inflation = scale * ((1.0 + rho) / (1.0 - rho)).sqrt();
         let likelihood = likelihood + determinant - if length > 0.0 { LEAST_GAIN } else { 0.0 };
         if inflation.is_finite() && best.is_none_or(|(most, _)| likelihood > most) {
-            best = Some((likelihood, EdgeNoise { inflation, length_px: length * spacing }));
+            best = Some((likelihood, inflation));
         } else if best.is_some_and(|(most, _)| likelihood < most - PAST_THE_BEST) {
             break;
         }
     }
-    best.map(|(_, noise)| noise)
+    best.map(|(_, inflation)| inflation)
 }
 
 /// Rows of edge points made independent: each less what the one before tells, with ln of the determinant of that.

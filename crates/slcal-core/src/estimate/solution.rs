@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::assumptions::Lens;
 use super::covariance::posterior;
 use super::expected_view::{ExpectedSheet, ExpectedView, POINTS_PER_SIDE};
-use super::hyperparameters::{self, EdgeNoise};
+use super::hyperparameters;
 use super::measurement::{Kind, Measurement, Target};
 use super::model::Model;
 use super::prior::{LensPrior, Priors};
@@ -52,8 +52,8 @@ pub(crate) struct Solution {
     pub(crate) fit: RobustFit<Model>,
     /// Of the problem's unknowns, focal lengths as ln f.
     pub(crate) covariance: DMatrix<f64>,
-    /// What was learned of the noise of edge points, against the σ that were stated.
-    pub(crate) edge_noise: EdgeNoise,
+    /// By what the stated σ of edge points were multiplied because of their noise and its correlation.
+    pub(crate) edge_inflation: f64,
     /// By how much the priors on bends of order 2, and of orders 3 and 4, were widened.
     pub(crate) bend_widths: [f64; 2],
 }
@@ -63,8 +63,7 @@ impl Solution {
     pub(crate) fn refine(mut problem: BundleAdjustment, start: Model) -> Option<Self> {
         let fit = robust::fit(&mut problem, start, [0; 2])?;
         let covariance = posterior(&problem, &fit.state, &fit.inliers, fit.widened)?;
-        let edge_noise = EdgeNoise { inflation: 1.0, length_px: 0.0 };
-        Some(Self { problem, fit, covariance, edge_noise, bend_widths: [1.0; 2] })
+        Some(Self { problem, fit, covariance, edge_inflation: 1.0, bend_widths: [1.0; 2] })
     }
 
     /// The solution with the weights that it asks for itself: the noise of edge points with its correlation, and how far
@@ -73,23 +72,17 @@ impl Solution {
         let stated = self.problem.clone();
         let mut best = self;
         for _ in 0..LEARNING_ROUNDS {
-            let Solution { problem, fit, edge_noise, bend_widths, .. } = &best;
-            let noise = hyperparameters::edge_noise(problem, &fit.state, &fit.inliers);
-            let noise = noise.map_or(*edge_noise, |n| EdgeNoise {
-                inflation: (n.inflation * edge_noise.inflation).max(1.0),
-                ..n
-            });
+            let Solution { problem, fit, edge_inflation, bend_widths, .. } = &best;
+            let more = hyperparameters::edge_inflation(problem, &fit.state, &fit.inliers).unwrap_or(1.0);
+            let inflation = (more * edge_inflation).max(1.0);
             let mut expected = problem.clone();
             expected.priors.bends.clone_from(&stated.priors.bends);
             let widths =
                 hyperparameters::bend_widths(&expected, &fit.state, &fit.inliers).unwrap_or(*bend_widths);
             let lenses: Vec<LensPrior> =
                 problem.priors.lenses.iter().map(|p| p.reconciled(&fit.state)).collect();
-            let learned = [
-                noise.inflation / edge_noise.inflation,
-                widths[0] / bend_widths[0],
-                widths[1] / bend_widths[1],
-            ];
+            let learned =
+                [inflation / edge_inflation, widths[0] / bend_widths[0], widths[1] / bend_widths[1]];
             let widened = lenses.iter().zip(&problem.priors.lenses).map(|(new, old)| new.sigma / old.sigma);
             if learned.into_iter().chain(widened).all(|c| c.ln().abs() < LEARNED) {
                 break;
@@ -99,14 +92,14 @@ impl Solution {
                 p
             };
             let Some(next) = stated
-                .weighted(noise.inflation, widths)
+                .weighted(inflation, widths)
                 .map(with_lenses)
                 .and_then(|p| Self::refine(p, fit.state.clone()))
             else {
                 break;
             };
             let iterations = fit.iterations + next.fit.iterations;
-            best = Self { edge_noise: noise, bend_widths: widths, ..next };
+            best = Self { edge_inflation: inflation, bend_widths: widths, ..next };
             best.fit.iterations = iterations;
         }
         best

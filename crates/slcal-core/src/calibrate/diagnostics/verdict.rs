@@ -302,7 +302,7 @@ fn shift_undetermined(solution: &Solution, config: &CalibrateConfig) -> Option<W
 
 /// How far measurements of a kind lie from the model, in the σ that were stated and as points that count as independent.
 fn misfit(solution: &Solution, kind: Kind) -> f64 {
-    let learned = if kind == Kind::Edge { solution.edge_noise.inflation } else { 1.0 };
+    let learned = if kind == Kind::Edge { solution.edge_inflation } else { 1.0 };
     solution.fit.widened[kind as usize] * learned
 }
 

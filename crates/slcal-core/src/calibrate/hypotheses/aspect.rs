@@ -2,6 +2,8 @@
 //! photograph but its distance and can never be noticed; a wrong proportion can, where the principal point is held or
 //! several views agree on it.
 
+use nalgebra::DMatrix;
+
 use super::misfit::{LINEAR_BEYOND, Misfit, misfit};
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::maximum_likelihood::problem;
@@ -10,7 +12,6 @@ use crate::estimate::{Model, Solution};
 use crate::observations::Observations;
 use crate::rig::Warning;
 use crate::solve::{Loss, Problem as _, Structure, predicted_decrease};
-use nalgebra::DMatrix;
 
 /// Distance from the given proportion, in σ, that is reported. By chance it is passed once in 16 000 photographs.
 const DOUBTFUL: f64 = 4.0;
