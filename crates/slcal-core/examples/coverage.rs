@@ -233,6 +233,7 @@ struct Outcome {
     sigma_percent: f64,
     error_percent: f64,
     seed: u64,
+    warnings: Vec<String>,
 }
 
 fn one(o: &Options, seed: u64) -> Option<Outcome> {
@@ -257,6 +258,7 @@ fn one(o: &Options, seed: u64) -> Option<Outcome> {
         sigma_percent: quality.focal_sigma_percent_camera,
         error_percent: 100.0 * (found.rig.camera.model.intrinsics.fx / truth.camera.intrinsics.fx - 1.0),
         seed,
+        warnings: quality.warnings.iter().map(|w| w.code.clone()).collect(),
     })
 }
 
@@ -340,6 +342,13 @@ fn main() {
                 share(5.0)
             );
         }
+    }
+    let mut warned = std::collections::BTreeMap::<&str, Vec<u64>>::new();
+    for x in &found {
+        x.warnings.iter().for_each(|code| warned.entry(code).or_default().push(x.seed));
+    }
+    for (code, seeds) in &warned {
+        println!("warned {code}: {}, first by seeds {:?}", seeds.len(), &seeds[..seeds.len().min(5)]);
     }
     let mut worst: Vec<&Outcome> = found.iter().filter(|x| x.verdict <= Verdict::Fair).collect();
     worst.sort_by(|a, b| b.z[0].abs().total_cmp(&a.z[0].abs()));

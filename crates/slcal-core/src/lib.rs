@@ -111,6 +111,7 @@ pub mod simulate;
 mod solve;
 pub mod verify;
 
+mod assumption;
 mod cloud;
 mod error;
 #[cfg(test)]
@@ -121,9 +122,10 @@ mod observations;
 mod parameter;
 mod rig;
 
+pub use assumption::{Assumption, AssumptionStatus, Moves};
 pub use calibrate::{
-    CalibrateConfig, Calibration, DistortionModel, Flatness, FocalPrior, Method, PrincipalPointRule,
-    calibrate_observations,
+    CalibrateConfig, Calibration, DistortionModel, Flatness, FocalPrior, Method, PixelAspect,
+    PrincipalPointRule, calibrate_observations,
 };
 #[cfg(feature = "report")]
 pub use calibrate::{CalibrationReport, NoiseFound, PairResidual, PointResidual, ViewResiduals, residuals};

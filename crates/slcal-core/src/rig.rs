@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, Point2, Vector3};
 use serde::{Deserialize, Serialize};
 
+use crate::assumption::{Assumption, AssumptionStatus};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Pose, RectangleSize, SheetBend};
 use crate::named::named;
@@ -230,6 +231,24 @@ pub struct Quality {
     pub advice: String,
     /// Further problems.
     pub warnings: Vec<Warning>,
+    /// What the calibration takes for given, with what it would cost if it were otherwise; empty in rigs that do not state it.
+    pub assumptions: Vec<Assumption>,
+}
+
+impl Quality {
+    /// The assumptions that nothing confirms and that would cost more than the stated 1σ: what the verdict rests on.
+    pub fn rests_on(&self) -> impl Iterator<Item = &Assumption> {
+        let beyond = |moved: Option<f64>, sigma: Option<f64>| {
+            moved.zip(sigma).is_some_and(|(moved, sigma)| moved.abs() > sigma)
+        };
+        self.assumptions.iter().filter(move |a| {
+            let m = &a.moves_percent;
+            a.status == AssumptionStatus::Assumed
+                && (beyond(m.f_cam, Some(self.focal_sigma_percent_camera))
+                    || beyond(m.f_proj, self.focal_sigma_percent_projector)
+                    || beyond(m.baseline, self.depth_sigma_percent))
+        })
+    }
 }
 
 impl Warning {

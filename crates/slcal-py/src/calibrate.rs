@@ -24,6 +24,7 @@ struct Options<'a, 'py> {
     projector_pp: Option<&'a Bound<'py, PyAny>>,
     distortion: Option<&'a Bound<'py, PyAny>>,
     projector_distortion: Option<&'a Bound<'py, PyAny>>,
+    projector_pixel_aspect: Option<&'a Bound<'py, PyAny>>,
     flatness: Option<&'a Bound<'py, PyAny>>,
     method: Option<&'a Bound<'py, PyAny>>,
     allow_degenerate: bool,
@@ -43,6 +44,7 @@ impl Options<'_, '_> {
                 "projector_distortion",
                 DistortionModel::Auto,
             )?,
+            projector_pixel_aspect: option::pixel_aspect(self.projector_pixel_aspect)?,
             flatness: option::flatness(self.flatness)?,
             allow_degenerate: self.allow_degenerate,
             known_camera: self.camera.map(|c| c.0.model),
@@ -84,6 +86,8 @@ impl From<Calibration> for Rig {
 /// distortion, projector_distortion : {"auto", "none", "k1", "k1k2", "full"}
 ///     Which coefficients are estimated. "auto" estimates all five, and the ratio of fy to fx, near what ordinary lenses have.
 ///     The others take square pixels; those of the projector need three photographs.
+/// projector_pixel_aspect : {"auto", "square"} or float
+///     Width of a pixel of the projector over its height. "auto": 2 for the diamond pixels of 912×1140 and 608×684, else 1.
 /// flatness : {"paper", "board", "flat"}, str or float
 ///     How flat the sheet is. "paper" bends out of its plane by 0.2 % of its diagonal (1σ), "board" by 0.02 %, "flat" not at
 ///     all. A length such as "0.5mm", or a number of millimetres, is 1σ itself. The bend is estimated: see `View.bend`.
@@ -127,9 +131,9 @@ impl From<Calibration> for Rig {
 #[pyfunction]
 #[pyo3(
     signature = (photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp=None, projector_pp=None,
-        distortion=None, projector_distortion=None, flatness=None, method=None, focal_35mm=None, gamma=None, allow_degenerate=false,
+        distortion=None, projector_distortion=None, projector_pixel_aspect=None, flatness=None, method=None, focal_35mm=None, gamma=None, allow_degenerate=false,
         names=None, screen=None),
-    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', flatness='paper', method='ml', focal_35mm=None, gamma='srgb', allow_degenerate=False, names=None, screen=None)"
+    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', projector_pixel_aspect='auto', flatness='paper', method='ml', focal_35mm=None, gamma='srgb', allow_degenerate=False, names=None, screen=None)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments are what a Python user expects")]
 fn calibrate(
@@ -143,6 +147,7 @@ fn calibrate(
     projector_pp: Option<&Bound<'_, PyAny>>,
     distortion: Option<&Bound<'_, PyAny>>,
     projector_distortion: Option<&Bound<'_, PyAny>>,
+    projector_pixel_aspect: Option<&Bound<'_, PyAny>>,
     flatness: Option<&Bound<'_, PyAny>>,
     method: Option<&Bound<'_, PyAny>>,
     focal_35mm: Option<f64>,
@@ -158,6 +163,7 @@ fn calibrate(
         projector_pp,
         distortion,
         projector_distortion,
+        projector_pixel_aspect,
         flatness,
         method,
         allow_degenerate,
@@ -178,7 +184,7 @@ fn calibrate(
 /// observations : Observations or mapping
 ///     A mapping has the fields of the file (schema slcal-observations/1), with arrays or lists. A σ that is not given is
 ///     estimated from the residuals, or assumed where there are too few.
-/// camera, camera_pp, projector_pp, distortion, projector_distortion, flatness, method, focal_35mm, allow_degenerate
+/// camera, camera_pp, projector_pp, distortion, projector_distortion, projector_pixel_aspect, flatness, method, focal_35mm, allow_degenerate
 ///     As for `calibrate`.
 ///
 /// Returns
@@ -196,8 +202,8 @@ fn calibrate(
 #[pyfunction]
 #[pyo3(
     signature = (observations, *, camera=None, camera_pp=None, projector_pp=None, distortion=None,
-        projector_distortion=None, flatness=None, method=None, focal_35mm=None, allow_degenerate=false),
-    text_signature = "(observations, *, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', flatness='paper', method='ml', focal_35mm=None, allow_degenerate=False)"
+        projector_distortion=None, projector_pixel_aspect=None, flatness=None, method=None, focal_35mm=None, allow_degenerate=false),
+    text_signature = "(observations, *, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', projector_pixel_aspect='auto', flatness='paper', method='ml', focal_35mm=None, allow_degenerate=False)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments are what a Python user expects")]
 fn calibrate_observations(
@@ -207,6 +213,7 @@ fn calibrate_observations(
     projector_pp: Option<&Bound<'_, PyAny>>,
     distortion: Option<&Bound<'_, PyAny>>,
     projector_distortion: Option<&Bound<'_, PyAny>>,
+    projector_pixel_aspect: Option<&Bound<'_, PyAny>>,
     flatness: Option<&Bound<'_, PyAny>>,
     method: Option<&Bound<'_, PyAny>>,
     focal_35mm: Option<f64>,
@@ -218,6 +225,7 @@ fn calibrate_observations(
         projector_pp,
         distortion,
         projector_distortion,
+        projector_pixel_aspect,
         flatness,
         method,
         allow_degenerate,

@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args};
 use slcal_core::geometry::RectangleSize;
-use slcal_core::{DistortionModel, Flatness, Method, PrincipalPointRule};
+use slcal_core::{DistortionModel, Flatness, Method, PixelAspect, PrincipalPointRule};
 
 use super::headings::{INPUT, MODEL, OUTPUT};
 use super::photo::GammaArg;
 use super::value::{
-    Corners, choice, parse_camera_pp, parse_corners, parse_flatness, parse_projector_pp, parse_size,
+    Corners, choice, parse_camera_pp, parse_corners, parse_flatness, parse_pixel_aspect, parse_projector_pp,
+    parse_size,
 };
 
 #[derive(Debug, Args)]
@@ -83,6 +84,13 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_parser = choice::<DistortionModel>(DistortionModel::NAMES), default_value_t,
           help_heading = MODEL)]
     pub(crate) projector_distortion: DistortionModel,
+    /// Width of a pixel of the projector over its height: auto, square, or a ratio.
+    ///
+    /// auto: 2 for the panels of diamond pixels 912x1140 and 608x684, else 1 within 0.2 %; two photographs show another one. A
+    /// picture of 4:3 that is stretched over a panel of 16:10 has 1.2.
+    #[arg(long, value_name = "auto|square|R", value_parser = parse_pixel_aspect, default_value_t = PixelAspect::Auto,
+          help_heading = MODEL)]
+    pub(crate) projector_pixel_aspect: PixelAspect,
     /// How flat the sheet is: paper, board, flat, or a length.
     ///
     /// paper bends out of its plane by 0.2 % of its diagonal (1σ), a board by 0.02 %. flat takes the sheet for exactly flat; a

@@ -7,7 +7,7 @@ use nalgebra::Point2;
 use slcal_core::geometry::RectangleSize;
 use slcal_core::photo::Encoding;
 use slcal_core::reconstruct::CullRule;
-use slcal_core::{Error, Flatness, PrincipalPointRule};
+use slcal_core::{Error, Flatness, PixelAspect, PrincipalPointRule};
 
 use crate::similar::did_you_mean;
 
@@ -57,6 +57,11 @@ pub(super) fn parse_camera_pp(text: &str) -> Result<PrincipalPointRule, String> 
 
 /// Parses how flat a sheet is.
 pub(super) fn parse_flatness(text: &str) -> Result<Flatness, String> {
+    text.parse().map_err(|e: slcal_core::Error| e.to_string())
+}
+
+/// Parses the shape of a projector's pixels.
+pub(super) fn parse_pixel_aspect(text: &str) -> Result<PixelAspect, String> {
     text.parse().map_err(|e: slcal_core::Error| e.to_string())
 }
 

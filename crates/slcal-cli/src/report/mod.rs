@@ -4,6 +4,7 @@
 //! says in a line why it is not shown where something is missing. `working_volume` predicts uncertainty for `verdict` and
 //! `uncertainty_map`. `maud` escapes every text, `figure` every plot. The same page gives the same file.
 
+mod assumptions;
 mod cloud_report;
 mod command_line;
 mod decoding;
@@ -43,6 +44,7 @@ pub(crate) fn rig_html(page: &RigPage) -> Vec<u8> {
         Some(view_3d::section(page.rig, page.cloud.as_ref(), &mut figures)),
         uncertainty_map::section(page, working, &mut figures),
         next_steps::warnings(page),
+        assumptions::section(page),
         next_steps::commands(page),
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();

@@ -264,6 +264,7 @@ mod tests {
             cause: String::new(),
             advice: String::new(),
             warnings: Vec::new(),
+            assumptions: Vec::new(),
         };
         let found = [0.5, 12.0, f64::NAN].map(|p| of_focal(&quality(p)));
         assert_eq!(found, [Verdict::Good, Verdict::Weak, Verdict::Degenerate]);

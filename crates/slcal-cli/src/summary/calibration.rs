@@ -31,6 +31,9 @@ pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
         views(&mut layout, rig, first);
         bends(&mut layout, rig);
     }
+    if let Some(quality) = &rig.quality {
+        rests_on(&mut layout, quality);
+    }
     layout.gap();
     for (style, label, sentence) in remarks(rig, report) {
         layout.styled_line(style, label, sentence);
@@ -43,6 +46,9 @@ fn judgement(layout: &mut TextLayout, quality: &Quality, cause: &str) {
     layout.line(
         "verdict",
         match quality.verdict {
+            Verdict::Good if quality.rests_on().next().is_some() => {
+                format!("{word}, if what it assumes is true (below)")
+            }
             Verdict::Good => word,
             Verdict::Fair => format!("{word}: lengths may be off by several per cent"),
             Verdict::Weak => format!("{word}: lengths are rough"),
@@ -53,6 +59,18 @@ fn judgement(layout: &mut TextLayout, quality: &Quality, cause: &str) {
         layout.line("because", cause);
     }
     layout.line("", "(± and σ are one standard deviation)");
+}
+
+/// What nothing in the photographs confirms and would cost more than σ.
+fn rests_on(layout: &mut TextLayout, quality: &Quality) {
+    let mut label = "assumes";
+    for a in quality.rests_on() {
+        if label == "assumes" {
+            layout.gap();
+        }
+        layout.line(label, format!("{} ({}); {}", a.text, a.cost(), a.check()));
+        label = "";
+    }
 }
 
 /// How far points and lengths are expected to be off at the sheet, and which part of that all points share.

@@ -2,6 +2,7 @@
 
 use nalgebra::Point2;
 
+use crate::assumption::Assumption;
 use crate::calibrate::diagnostics::verdict::Assessment;
 use crate::estimate::{Kind, Lens, Sheet, Solution, Target, covariance};
 use crate::geometry::Camera;
@@ -69,7 +70,7 @@ fn bend(solution: &Solution, view: usize) -> Option<ViewBend> {
 }
 
 /// The rig of a maximum-likelihood solution.
-pub(crate) fn rig(solution: &Solution, assessment: &Assessment) -> Rig {
+pub(crate) fn rig(solution: &Solution, assessment: &Assessment, assumptions: Vec<Assumption>) -> Rig {
     let (model, unknowns) = (solution.model(), &solution.problem.unknowns);
     let projector = model.projector.zip(unknowns.projector_from_camera()).map(|(p, at)| {
         let sigma = |i: usize| std::array::from_fn(|k| solution.covariance[(at + i + k, at + i + k)].sqrt());
@@ -97,6 +98,7 @@ pub(crate) fn rig(solution: &Solution, assessment: &Assessment) -> Rig {
             cause: cause.to_owned(),
             advice: advice.to_owned(),
             warnings: assessment.warnings.clone(),
+            assumptions,
         }),
         covariance: Some(covariance::to_rig(&solution.covariance, unknowns, model)),
     }

@@ -1,14 +1,16 @@
 //! Observations → rig, in one call.
 
 use super::config::{CalibrateConfig, Method};
+use super::hypotheses::explain::explanations;
+use super::hypotheses::told::{Told, told};
 use super::maximum_likelihood::solve_in_steps;
 use super::report::{Calibration, CalibrationReport};
 use super::variance_components::{measure_noise, warning};
-use super::{build_rig, diagnostics, hypotheses, repeated, two_vp, validate};
+use super::{build_rig, diagnostics, hypotheses, repeated, sensitivity, two_vp, validate};
 use crate::error::Result;
-use crate::estimate::Kind;
+use crate::estimate::{Kind, Solution};
 use crate::observations::Observations;
-use crate::rig::Rig;
+use crate::rig::{Rig, Verdict, Warning};
 
 /// Calibrates camera and projector (the camera alone when `observations.projector` is `None`) from what was seen in one
 /// photograph or several.
@@ -79,14 +81,14 @@ fn maximum_likelihood(
         Err(error) => return Err(hypotheses::transposed::explain(error, &observations, config)),
     };
     // What is assumed of the observations is tested with the σ that they state.
-    let doubt = hypotheses::transposed::hint(&observations, config, Some(&camera))
-        .or_else(|| hypotheses::contradiction::hint(&observations, config, &stated))
-        .or_else(|| hypotheses::aspect::hint(&observations, config, &stated));
-    let solution = &stated.with_learned_weights();
+    let (solution, told) = explained(&observations, config, &camera, stated);
+    let solution = &solution.with_learned_weights();
     let mut assessment = diagnostics::verdict::assess(solution, config);
     assessment.warnings.extend(repetition);
-    if let Some(doubt) = doubt {
-        assessment.doubt(doubt);
+    match told {
+        None => {}
+        Some((warning, None)) => assessment.warnings.insert(0, warning),
+        Some((warning, Some(verdict))) => assessment.doubt(warning, verdict),
     }
     if assessment.is_refused() && !config.allow_degenerate {
         return Err(assessment.refusal());
@@ -103,5 +105,32 @@ fn maximum_likelihood(
         cause: cause.to_owned(),
         advice: advice.to_owned(),
     };
-    Ok((build_rig::rig(solution, &assessment), report))
+    Ok((build_rig::rig(solution, &assessment, sensitivity::assumptions(solution, config)), report))
+}
+
+/// The solution under the explanation that the photographs ask for, if any, with what is to be told and the best verdict that
+/// it allows.
+fn explained(
+    observations: &Observations,
+    config: &CalibrateConfig,
+    camera: &Solution,
+    stated: Solution,
+) -> (Solution, Option<(Warning, Option<Verdict>)>) {
+    if let Some(doubt) = hypotheses::transposed::hint(observations, config, Some(camera)) {
+        return (stated, Some((doubt, Some(Verdict::Weak))));
+    }
+    match told(explanations(observations, config, &stated)) {
+        Some(Told::MadeGood(solution, warning)) => (*solution, Some((warning, None))),
+        Some(Told::Contradiction(warning)) => (stated, Some((warning, Some(Verdict::Degenerate)))),
+        Some(Told::Doubt(warning)) => {
+            let proportion = hypotheses::aspect::hint(observations, config, &stated);
+            let warning = proportion.filter(|w| w.code == warning.code).unwrap_or(warning);
+            (stated, Some((warning, Some(Verdict::Weak))))
+        }
+        None => {
+            let doubt = hypotheses::contradiction::hint(observations, config, &stated)
+                .or_else(|| hypotheses::aspect::hint(observations, config, &stated));
+            (stated, doubt.map(|doubt| (doubt, Some(Verdict::Weak))))
+        }
+    }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 use crate::estimate::Flatness;
 use crate::estimate::assumptions::{
-    Assumptions, DistortionModel, FocalPrior, LensAssumptions, PrincipalPointRule,
+    Assumptions, DistortionModel, FocalPrior, LensAssumptions, PixelAspect, PrincipalPointRule,
 };
 use crate::geometry::Camera;
 use crate::named::named;
@@ -46,6 +46,8 @@ pub struct CalibrateConfig {
     /// point and the camera's own distortion, so that a model given by name asks for three photographs or
     /// more. Ignored without a projector; [`Method::TwoVp`] refuses it as for the camera.
     pub projector_distortion: DistortionModel,
+    /// Shape of the projector's pixels; default [`PixelAspect::Auto`]. [`Method::TwoVp`] takes them for square.
+    pub projector_pixel_aspect: PixelAspect,
     /// How flat the sheet is; default [`Flatness::Paper`]. [`Method::TwoVp`] takes it for flat.
     pub flatness: Flatness,
     /// The camera's focal length as it is expected, uncertain; default none. Ignored when the camera is known;
@@ -71,6 +73,7 @@ impl Default for CalibrateConfig {
             method: Method::Ml,
             distortion: DistortionModel::Auto,
             projector_distortion: DistortionModel::Auto,
+            projector_pixel_aspect: PixelAspect::Auto,
             flatness: Flatness::Paper,
             focal_prior: None,
             known_camera: None,
@@ -101,6 +104,11 @@ impl CalibrateConfig {
             if !(sigma.is_finite() && sigma > 0.0) {
                 return Err(Error::invalid(name, "a positive number", sigma));
             }
+        }
+        if let PixelAspect::Ratio(ratio) = self.projector_pixel_aspect
+            && !(ratio.is_finite() && ratio > 0.0)
+        {
+            return Err(Error::invalid("projector_pixel_aspect", "a ratio above zero", ratio));
         }
         if let Flatness::Sigma(mm) = self.flatness
             && !(mm.is_finite() && mm >= 0.0)
@@ -139,12 +147,14 @@ impl CalibrateConfig {
             principal_point: self.camera_pp,
             distortion: self.distortion,
             focal: self.focal_prior,
+            pixel_aspect: PixelAspect::Auto,
         };
         let projector = LensAssumptions {
             known: false,
             principal_point: self.projector_pp,
             distortion: self.projector_distortion,
             focal: None,
+            pixel_aspect: self.projector_pixel_aspect,
         };
         Assumptions {
             lenses: [camera, projector],

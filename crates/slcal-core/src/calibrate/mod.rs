@@ -15,11 +15,12 @@ mod initial_guess;
 mod maximum_likelihood;
 mod repeated;
 mod report;
+mod sensitivity;
 mod two_vp;
 mod validate;
 mod variance_components;
 
-pub use crate::estimate::assumptions::{DistortionModel, FocalPrior, PrincipalPointRule};
+pub use crate::estimate::assumptions::{DistortionModel, FocalPrior, PixelAspect, PrincipalPointRule};
 pub use crate::estimate::flatness::Flatness;
 pub use calibration::calibrate_observations;
 pub use config::{CalibrateConfig, Method};

@@ -53,7 +53,8 @@ pub enum PrincipalPointRule {
     /// Exactly this pixel.
     Exact(f64, f64),
     /// The horizontal centre as in [`Prior`](Self::Prior), the vertical one unknown (1σ of four times the panel's
-    /// height): a projector with lens shift.
+    /// height): a projector with lens shift. On a panel that stands upright, as that of a projector on its side, the two
+    /// are exchanged.
     Shift,
 }
 
@@ -76,12 +77,15 @@ impl PrincipalPointRule {
     }
 
     /// Where the principal point of a device of width and height `size` is expected before anything was photographed, px:
-    /// the stated one, the lower edge's middle where lens shift is expected, else the centre.
+    /// the stated one, the middle of the lower edge (of the right one of a panel that stands upright) where lens shift is
+    /// expected, else the centre.
     #[must_use]
     pub fn expected(self, [width, height]: [u32; 2]) -> Point2<f64> {
         let centre = Camera::image_centre(width, height);
+        let shifted = shift_axis([width, height], PixelAspect::Auto.of_projector([width, height]));
         match self {
             Self::Exact(x, y) => Point2::new(x, y),
+            Self::Shift if shifted == LensParameter::Cx => Point2::new(f64::from(width) - 0.5, centre.y),
             Self::Shift => Point2::new(centre.x, f64::from(height) - 0.5),
             Self::Prior | Self::Centre | Self::Free => centre,
         }
@@ -122,6 +126,78 @@ impl FromStr for PrincipalPointRule {
             }
         })
     }
+}
+
+/// What is known about the shape of a projector's pixels: fy/fx, which is the width of a pixel over its height.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PixelAspect {
+    /// 2 for the panels of diamond pixels, 912×1140 and 608×684, which are twice as dense along y; else 1. Uncertain by
+    /// 0.2 % where the distortion is [`DistortionModel::Auto`].
+    #[default]
+    Auto,
+    /// Exactly 1.
+    Square,
+    /// Exactly this: of a picture that is stretched over another panel, for instance.
+    Ratio(f64),
+}
+
+/// Panels whose mirrors stand on their corners, in rows that are offset by half a mirror (Texas Instruments DLP4500, DLP3000).
+const DIAMOND_PANELS: [[u32; 2]; 2] = [[912, 1140], [608, 684]];
+
+impl PixelAspect {
+    /// The names of the rules; a ratio has none.
+    pub const NAMES: &'static [&'static str] = &["auto", "square"];
+
+    /// The ratio that is expected of a projector of this width and height.
+    #[must_use]
+    pub fn of_projector(self, [width, height]: [u32; 2]) -> f64 {
+        match self {
+            Self::Auto if DIAMOND_PANELS.contains(&[width, height]) => 2.0,
+            Self::Auto if DIAMOND_PANELS.contains(&[height, width]) => 0.5,
+            Self::Auto | Self::Square => 1.0,
+            Self::Ratio(ratio) => ratio,
+        }
+    }
+}
+
+impl fmt::Display for PixelAspect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.pad("auto"),
+            Self::Square => f.pad("square"),
+            Self::Ratio(ratio) => write!(f, "{ratio}"),
+        }
+    }
+}
+
+impl FromStr for PixelAspect {
+    type Err = Error;
+
+    /// `auto`, `square`, or a ratio above zero.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] that lists these.
+    fn from_str(text: &str) -> Result<Self> {
+        Ok(match text.to_ascii_lowercase().as_str() {
+            "auto" => Self::Auto,
+            "square" => Self::Square,
+            _ => {
+                let ratio = text.trim().parse::<f64>().ok().filter(|r| r.is_finite() && *r > 0.0);
+                Self::Ratio(
+                    ratio.ok_or_else(|| {
+                        unnamed("pixel aspect", Self::NAMES, " or a ratio above zero", text)
+                    })?,
+                )
+            }
+        })
+    }
+}
+
+/// The axis along which a lens shift is expected: the shorter one of the panel, whose pixels are `aspect` times as wide as
+/// high. A projector that lies on its side has an upright panel.
+pub(crate) fn shift_axis([width, height]: [u32; 2], aspect: f64) -> LensParameter {
+    if f64::from(width) < f64::from(height) / aspect { LensParameter::Cx } else { LensParameter::Cy }
 }
 
 /// What is known about the camera's focal length beforehand, as from a photograph's EXIF tags.
@@ -187,6 +263,7 @@ pub(crate) struct LensAssumptions {
     pub(crate) principal_point: PrincipalPointRule,
     pub(crate) distortion: DistortionModel,
     pub(crate) focal: Option<FocalPrior>,
+    pub(crate) pixel_aspect: PixelAspect,
 }
 
 /// What is known of both devices.
@@ -216,9 +293,19 @@ impl Assumptions {
             && match parameter {
                 LensParameter::Focal => true,
                 LensParameter::Cx | LensParameter::Cy => !of.principal_point.is_exact(),
-                LensParameter::Aspect => of.distortion == DistortionModel::Auto,
+                LensParameter::Aspect => {
+                    of.distortion == DistortionModel::Auto && of.pixel_aspect == PixelAspect::Auto
+                }
                 coefficient => (coefficient as usize) < LensParameter::K1 as usize + coefficients,
             }
+    }
+
+    /// fy/fx that is expected of a device.
+    pub(crate) fn aspect(&self, lens: Lens, size: [u32; 2]) -> f64 {
+        match lens {
+            Lens::Camera => 1.0,
+            Lens::Projector => self.lenses[lens as usize].pixel_aspect.of_projector(size),
+        }
     }
 
     /// Mean and 1σ of a parameter of a device of this width and height (focal length and aspect as logarithms); `None`
@@ -231,16 +318,22 @@ impl Assumptions {
     ) -> Option<(f64, f64)> {
         let of = &self.lenses[lens as usize];
         let centre = of.principal_point.start([width, height]);
-        let near = self.principal_point_sigma * f64::from(width);
-        let free = FREE_WIDTHS * f64::from(width);
+        let aspect = self.aspect(lens, [width, height]);
+        let shifted = shift_axis([width, height], aspect);
+        let principal_point = |extent: u32, pixels_per_width: f64| match of.principal_point {
+            PrincipalPointRule::Shift if parameter == shifted => SHIFT_HEIGHTS * f64::from(extent),
+            PrincipalPointRule::Shift | PrincipalPointRule::Prior => {
+                self.principal_point_sigma * pixels_per_width
+            }
+            _ => FREE_WIDTHS * pixels_per_width,
+        };
+        let width_px = f64::from(width);
         Some(match (parameter, of.principal_point) {
             (LensParameter::Focal, _) => of.focal.map(|f| (f.focal_px.ln(), f.sigma_share))?,
-            (LensParameter::Cx, PrincipalPointRule::Prior | PrincipalPointRule::Shift) => (centre.x, near),
-            (LensParameter::Cx, _) => (centre.x, free),
-            (LensParameter::Cy, PrincipalPointRule::Prior) => (centre.y, near),
-            (LensParameter::Cy, PrincipalPointRule::Shift) => (centre.y, SHIFT_HEIGHTS * f64::from(height)),
-            (LensParameter::Cy, _) => (centre.y, free),
-            (LensParameter::Aspect, _) => (0.0, SQUARE_SIGMA),
+            (LensParameter::Cx, _) => (centre.x, principal_point(width, width_px)),
+            // The same length on the panel is `aspect` times as many pixels along y.
+            (LensParameter::Cy, _) => (centre.y, principal_point(height, width_px * aspect)),
+            (LensParameter::Aspect, _) => (aspect.ln(), SQUARE_SIGMA),
             (coefficient, _) if of.distortion == DistortionModel::Auto => {
                 (0.0, ORDINARY_LENS[lens as usize][coefficient as usize - LensParameter::K1 as usize])
             }
@@ -269,5 +362,18 @@ mod tests {
         assert_eq!(expected(PrincipalPointRule::Prior), Point2::new(511.5, 383.5));
         assert_eq!(expected(PrincipalPointRule::Shift), Point2::new(511.5, 767.5));
         assert_eq!(expected(PrincipalPointRule::Exact(7.0, -9.0)), Point2::new(7.0, -9.0));
+        assert_eq!(PrincipalPointRule::Shift.expected([768, 1024]), Point2::new(767.5, 511.5));
+        // 912×1140 diamond pixels are wider than high together.
+        assert_eq!(PrincipalPointRule::Shift.expected([912, 1140]), Point2::new(455.5, 1139.5));
+    }
+
+    #[test]
+    fn diamond_pixels_are_known_by_their_panel() {
+        let aspects = [[912, 1140], [1140, 912], [608, 684], [1024, 768]];
+        assert_eq!(aspects.map(|panel| PixelAspect::Auto.of_projector(panel)), [2.0, 0.5, 2.0, 1.0]);
+        assert_eq!(PixelAspect::Square.of_projector([912, 1140]), 1.0);
+        let parsed = ["AUTO", "square", "1.2"].map(|t| t.parse::<PixelAspect>().unwrap());
+        assert_eq!(parsed, [PixelAspect::Auto, PixelAspect::Square, PixelAspect::Ratio(1.2)]);
+        assert!(["0", "-1", "wide", "nan"].into_iter().all(|t| t.parse::<PixelAspect>().is_err()));
     }
 }

@@ -14,6 +14,9 @@ use crate::geometry::SheetBend;
 use crate::parameter::LensParameter;
 use crate::solve::{Block, Linearised, Loss, Problem, Structure};
 
+/// Well-posed calibrations take 5 to 20 steps, nearly singular ones 100.
+const MOST_STEPS: usize = 300;
+
 /// Measurements of some views and what is known beforehand.
 #[derive(Debug, Clone)]
 pub(crate) struct BundleAdjustment {
@@ -23,6 +26,8 @@ pub(crate) struct BundleAdjustment {
     pub(crate) priors: Priors,
     /// Of the measurements, then of the bends' priors, then of the lenses'.
     pub(crate) blocks: Vec<Block>,
+    /// Most steps of a minimisation.
+    most_steps: usize,
     rows_of_views: Vec<usize>,
 }
 
@@ -36,7 +41,12 @@ impl BundleAdjustment {
         let known = priors.bends.len() * BEND + priors.lenses.len();
         let rows = measurements.iter().map(Measurement::rows).chain(std::iter::repeat_n(1, known));
         let blocks = rows.map(|len| Block { len, loss: Loss::Square }).collect();
-        Self { measurements, unknowns, priors, blocks, rows_of_views }
+        Self { measurements, unknowns, priors, blocks, most_steps: MOST_STEPS, rows_of_views }
+    }
+
+    /// The same, minimised in so many steps at most.
+    pub(crate) fn within(self, most_steps: usize) -> Self {
+        Self { most_steps, ..self }
     }
 
     /// The same with the σ of edge points and the widths of the priors on bends (of order 2, and of 3 and 4) multiplied.
@@ -157,6 +167,10 @@ impl Problem for BundleAdjustment {
 
     fn step(&self, model: &Model, delta: &DVector<f64>) -> Option<Model> {
         model.moved(&self.unknowns, delta)
+    }
+
+    fn max_iterations(&self) -> usize {
+        self.most_steps
     }
 }
 

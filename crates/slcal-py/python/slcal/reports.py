@@ -106,6 +106,37 @@ class Warning(Report):  # noqa: A001 - the name that the rig's file has for it
 
 
 @dataclass(frozen=True)
+class Moves(Report):
+    """By how much results move when an assumption is wrong, per cent; None for what was not calibrated."""
+
+    f_cam: float | None
+    f_proj: float | None
+    baseline: float | None
+
+
+@dataclass(frozen=True)
+class Assumption(Report):
+    """Something that a calibration takes for given, and what it would cost if it were otherwise."""
+
+    #: Stable identifier, such as "square-pixels-camera".
+    code: str
+    #: What is assumed, as a clause.
+    text: str
+    #: The value that is assumed, or estimated, in `unit`.
+    value: float
+    #: Unit of `value`, `sigma` and `if_off_by`; empty for a ratio.
+    unit: str
+    #: 1σ of the value; None where it is taken for exact.
+    sigma: float | None
+    #: An ordinary departure from the value.
+    if_off_by: float
+    #: By how much the results would move if the value were off by that.
+    moves_percent: Moves
+    #: Whether nothing confirms it, the photographs would contradict it, or they determine the value.
+    status: Literal["assumed", "tested", "estimated"]
+
+
+@dataclass(frozen=True)
 class Quality(Report):
     """The quality of a calibration."""
 
@@ -121,6 +152,8 @@ class Quality(Report):
     #: How to improve it, with predicted numbers. Empty where the rig's file has none.
     advice: str
     warnings: tuple[Warning, ...]
+    #: What the calibration takes for given, and what it would cost if it were otherwise. Empty where the rig's file has none.
+    assumptions: tuple[Assumption, ...] = ()
 
 
 @dataclass(frozen=True)

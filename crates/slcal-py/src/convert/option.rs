@@ -5,7 +5,7 @@ use std::str::FromStr;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
 use slcal_core::geometry::RectangleSize;
-use slcal_core::{Error, Flatness};
+use slcal_core::{Error, Flatness, PixelAspect};
 
 use crate::errors::{self, Raise as _, Stage, raised};
 
@@ -64,6 +64,20 @@ pub(crate) fn flatness(value: Option<&Bound<'_, PyAny>>) -> PyResult<Flatness> {
             Err(errors::invalid(value.py(), "flatness", wanted, &repr_of(value)))
         }
         None => parsed(value, "flatness"),
+    }
+}
+
+/// The shape of a projector's pixels: what the core parses, or a ratio.
+pub(crate) fn pixel_aspect(value: Option<&Bound<'_, PyAny>>) -> PyResult<PixelAspect> {
+    let Some(value) = value else { return Ok(PixelAspect::default()) };
+    let number = (!value.is_instance_of::<PyBool>()).then(|| value.extract::<f64>().ok()).flatten();
+    match number {
+        Some(ratio) if ratio.is_finite() && ratio > 0.0 => Ok(PixelAspect::Ratio(ratio)),
+        Some(_) => {
+            let wanted = "a ratio above zero";
+            Err(errors::invalid(value.py(), "projector_pixel_aspect", wanted, &repr_of(value)))
+        }
+        None => parsed(value, "projector_pixel_aspect"),
     }
 }
 

@@ -18,6 +18,7 @@ pub(super) fn quality(q: &Quality) -> Value {
         "cause": q.cause,
         "advice": q.advice,
         "warnings": q.warnings,
+        "assumptions": q.assumptions,
     })
 }
 

@@ -192,6 +192,7 @@ fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
         method: args.method,
         distortion: args.distortion,
         projector_distortion: args.projector_distortion,
+        projector_pixel_aspect: args.projector_pixel_aspect,
         flatness: args.flatness,
         allow_degenerate: args.allow_degenerate,
         ..CalibrateConfig::default()

@@ -4,7 +4,7 @@ use super::advice::{advise, percent, tilt};
 use super::far_from_prior::far_from_prior;
 use crate::calibrate::config::CalibrateConfig;
 use crate::error::{Error, ErrorSubject};
-use crate::estimate::assumptions::PrincipalPointRule;
+use crate::estimate::assumptions::{PrincipalPointRule, shift_axis};
 use crate::estimate::hyperparameters::WIDEST;
 use crate::estimate::model::FOCAL_RANGE;
 use crate::estimate::solution::FocalSigma;
@@ -62,8 +62,8 @@ pub(crate) struct Assessment {
 
 impl Assessment {
     /// Adds, before all else, a warning about an error larger than σ: the verdict is never good then.
-    pub(crate) fn doubt(&mut self, warning: Warning) {
-        self.verdict = self.verdict.max(Verdict::Weak);
+    pub(crate) fn doubt(&mut self, warning: Warning, best: Verdict) {
+        self.verdict = self.verdict.max(best);
         self.doubt = Some(warning.clone());
         self.warnings.insert(0, warning);
     }
@@ -199,6 +199,7 @@ pub(crate) fn assess(solution: &Solution, config: &CalibrateConfig) -> Assessmen
     }
     warnings.extend(limited.map(|exact| principal_point_limited(&exact, advice)));
     warnings.extend(shift);
+    warnings.extend(on_its_side(solution, config));
     warnings.extend(far.into_iter().map(|(w, _)| w));
     warnings.extend(misfits);
     warnings.extend(poses_alike(solution));
@@ -261,8 +262,15 @@ fn bent(solution: &Solution) -> Option<(Warning, Verdict)> {
 
 /// Whether a projector's lens shift is so uncertain that its focal length hangs in the air with it.
 fn shift_unknown(solution: &Solution) -> bool {
-    let height = solution.model().projector.map_or(f64::INFINITY, |p| f64::from(p.height));
-    solution.sigma(Lens::Projector, LensParameter::Cy).is_some_and(|s| s > SHIFT_UNKNOWN * height)
+    shift_sigma(solution).is_some_and(|(_, sigma, extent)| sigma > SHIFT_UNKNOWN * extent)
+}
+
+/// The axis along which the projector's lens may be shifted, σ of its principal point there, px, and the panel's extent.
+fn shift_sigma(solution: &Solution) -> Option<(LensParameter, f64, f64)> {
+    let p = solution.model().projector?;
+    let axis = shift_axis([p.width, p.height], p.intrinsics.fy / p.intrinsics.fx);
+    let extent = if axis == LensParameter::Cx { p.width } else { p.height };
+    Some((axis, solution.sigma(Lens::Projector, axis)?, f64::from(extent)))
 }
 
 /// What σ would be if principal points were known exactly, where it is mostly them.
@@ -287,15 +295,36 @@ fn principal_point_limited(exact: &FocalSigma, advice: &str) -> Warning {
 }
 
 fn shift_undetermined(solution: &Solution, config: &CalibrateConfig) -> Option<Warning> {
-    let projector = solution.model().projector?;
-    let sigma = solution.sigma(Lens::Projector, LensParameter::Cy)?;
+    let (axis, sigma, extent) = shift_sigma(solution)?;
     let free = matches!(config.projector_pp, PrincipalPointRule::Shift | PrincipalPointRule::Free);
-    (free && sigma > SHIFT_UNDETERMINED * f64::from(projector.height)).then(|| {
+    let [along, across] =
+        if axis == LensParameter::Cx { ["horizontal", "vertical"] } else { ["vertical", "horizontal"] };
+    (free && sigma > SHIFT_UNDETERMINED * extent).then(|| {
         Warning::new(
             "lens-shift-undetermined",
-            format!("the projector's vertical principal point is known to {sigma:.0} px only"),
-            "tilt the sheet about its vertical axis as well (a tilt about the horizontal axis alone cannot separate lens \
-             shift from focal length), or give the principal point",
+            format!("the projector's {along} principal point is known to {sigma:.0} px only"),
+            format!(
+                "tilt the sheet about its {along} axis as well (a tilt about the {across} axis alone cannot separate lens shift \
+                 from focal length), or give the principal point"
+            ),
+        )
+    })
+}
+
+/// What is assumed of a panel that stands upright.
+fn on_its_side(solution: &Solution, config: &CalibrateConfig) -> Option<Warning> {
+    let p = solution.model().projector?;
+    let upright = shift_axis([p.width, p.height], p.intrinsics.fy / p.intrinsics.fx) == LensParameter::Cx;
+    (upright && config.projector_pp == PrincipalPointRule::Shift).then(|| {
+        Warning::new(
+            "projector-on-its-side",
+            format!(
+                "the panel of {}x{} px stands upright: the projector is taken to lie on its side, with its lens shifted along \
+                 the rows",
+                p.width, p.height
+            ),
+            "if it does not, turn the picture back in the display's settings and take the photographs again, or give the \
+             principal point",
         )
     })
 }

@@ -4,14 +4,14 @@
 
 use nalgebra::DMatrix;
 
-use super::misfit::{LINEAR_BEYOND, Misfit, misfit};
+use super::explanation::with_proportion as resized;
+use super::misfit::{Misfit, misfit, weights};
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::maximum_likelihood::problem;
-use crate::estimate::robust::RobustProblem as _;
 use crate::estimate::{Model, Solution};
 use crate::observations::Observations;
 use crate::rig::Warning;
-use crate::solve::{Loss, Problem as _, Structure, predicted_decrease};
+use crate::solve::{Problem as _, Structure, predicted_decrease};
 
 /// Distance from the given proportion, in σ, that is reported. By chance it is passed once in 16 000 photographs.
 const DOUBTFUL: f64 = 4.0;
@@ -25,8 +25,7 @@ const DOUBLINGS: usize = 6;
 fn with_proportion(model: &Model, change: f64) -> Model {
     let mut model = Model { projector: None, ..model.clone() };
     for view in &mut model.views {
-        view.size.width_mm *= (change / 2.0).exp();
-        view.size.height_mm *= (-change / 2.0).exp();
+        view.size = resized(view.size, change);
     }
     model
 }
@@ -39,13 +38,7 @@ fn promised(sheet: &Observations, config: &CalibrateConfig, from: &Solution) -> 
     let residuals = |change| problem.at(&with_proportion(&model, change)).map(|at| at.residuals);
     let by_change = (residuals(NEAR)? - residuals(-NEAR)?) / (2.0 * NEAR);
     // The same loss as in the misfits that are compared: a wrong proportion makes outliers of good points.
-    let norms = problem.norms_px(&model)?;
-    let mut weights = Vec::new();
-    for (m, norm) in problem.measurements.iter().zip(norms) {
-        let weight = Loss::Huber(LINEAR_BEYOND).weight((norm / m.sigma_px).powi(2)).sqrt();
-        weights.resize(weights.len() + m.rows(), weight);
-    }
-    weights.resize(here.residuals.len(), 1.0);
+    let weights = weights(&problem, &model)?;
     let structure = problem.structure();
     let decrease = |structure: &Structure, jacobian: &DMatrix<f64>| {
         predicted_decrease(structure, jacobian, here.residuals.as_slice(), &weights)

@@ -1,10 +1,11 @@
 //! χ² of a solution in the measurements' own σ, which may be compared between solutions.
 
-use crate::estimate::Solution;
+use crate::estimate::robust::RobustProblem as _;
+use crate::estimate::{BundleAdjustment, Model, Solution};
 use crate::solve::Loss;
 
 /// Residuals beyond this many σ count linearly: a few outliers cannot decide, and a view that does not fit still shows.
-pub(super) const LINEAR_BEYOND: f64 = 3.0;
+const LINEAR_BEYOND: f64 = 3.0;
 
 /// χ² and the number of residuals in it.
 #[derive(Debug, Clone, Copy)]
@@ -29,4 +30,16 @@ pub(crate) fn misfit(solution: &Solution) -> Misfit {
         of.rows += m.rows();
     }
     of
+}
+
+/// Square roots of the same loss's weights, one for each row of a problem; those of priors are one.
+pub(super) fn weights(problem: &BundleAdjustment, model: &Model) -> Option<Vec<f64>> {
+    let norms = problem.norms_px(model)?;
+    let mut weights = Vec::new();
+    for (m, norm) in problem.measurements.iter().zip(norms) {
+        let weight = Loss::Huber(LINEAR_BEYOND).weight((norm / m.sigma_px).powi(2)).sqrt();
+        weights.resize(weights.len() + m.rows(), weight);
+    }
+    weights.resize(problem.rows(), 1.0);
+    Some(weights)
 }

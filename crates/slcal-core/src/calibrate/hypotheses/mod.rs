@@ -3,5 +3,9 @@
 pub(crate) mod aspect;
 pub(crate) mod centimetres;
 pub(crate) mod contradiction;
+pub(crate) mod explain;
+mod explanation;
 mod misfit;
+pub(crate) mod told;
 pub(crate) mod transposed;
+mod with_amounts;

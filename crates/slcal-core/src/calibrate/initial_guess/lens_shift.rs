@@ -20,14 +20,14 @@ use crate::geometry::{Homography, Intrinsics};
 /// degree off the horizontal axis gives about 1e-2.
 const SINGULAR: f64 = 1e-6;
 
-/// f and cy from one or more homographies sheet → projector, given cx; `size` is the panel's.
+/// f and cy from one or more homographies sheet → projector, given cx; `size` is the panel's, px.
 ///
 /// # Errors
 /// [`Error::Degenerate`] when shift and focal length cannot be separated; [`Error::ImaginaryFocal`] when f² is negative.
-pub(crate) fn focal_and_shift(homographies: &[Homography], cx: f64, size: [u32; 2]) -> Result<Intrinsics> {
+pub(crate) fn focal_and_shift(homographies: &[Homography], cx: f64, size: [f64; 2]) -> Result<Intrinsics> {
     // Origin at the centre column and row, lengths in panel widths: then cx = 0, cy and S are of order one.
-    let width = f64::from(size[0]);
-    let row = (f64::from(size[1]) - 1.0) / 2.0;
+    let width = size[0];
+    let row = (size[1] - 1.0) / 2.0;
     let mut a = DMatrix::zeros(2 * homographies.len(), 2);
     let mut b = DVector::zeros(2 * homographies.len());
     for (i, h) in homographies.iter().enumerate() {
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
     use nalgebra::{Matrix3, Rotation3, Vector3};
 
-    const PANEL: [u32; 2] = [1024, 768];
+    const PANEL: [f64; 2] = [1024.0, 768.0];
 
     fn seen(tilt_x: f64, tilt_y: f64, roll: f64, k: &Intrinsics) -> Homography {
         let [x, y, z] = [tilt_x, tilt_y, roll].map(f64::to_radians);

@@ -9,12 +9,13 @@ use self::lens_shift::focal_and_shift;
 use self::metric::{centred, focal_from_homographies};
 use crate::calibrate::config::CalibrateConfig;
 use crate::error::{Error, ErrorSubject, Result};
-use crate::estimate::assumptions::PrincipalPointRule;
+use crate::estimate::assumptions::{PrincipalPointRule, shift_axis};
 use crate::estimate::model::FOCAL_RANGE;
 use crate::estimate::planar_pose::{CUTOFF, TRIMMING_ROUNDS, camera_from_sheet, pose_from_homography};
 use crate::estimate::{Model, Sheet};
 use crate::geometry::{Camera, Distortion, Homography, Intrinsics, Pose};
 use crate::observations::{Observations, ViewObservation};
+use crate::parameter::LensParameter;
 use crate::solve::{homography_from_points, robust_scale};
 
 /// Focal lengths, in units of the longer side, from which the refinement is tried when no closed form has a real
@@ -137,6 +138,46 @@ fn projector_homographies(observations: &Observations, model: &Model) -> Result<
     observations.views.iter().zip(&model.views).map(of_view).collect()
 }
 
+/// The panel as the closed forms want it: with square pixels, and lying so that a lens shift is along y.
+#[derive(Debug, Clone, Copy)]
+struct UprightPanel {
+    panel: [u32; 2],
+    aspect: f64,
+    exchanged: bool,
+}
+
+impl UprightPanel {
+    fn new(panel: [u32; 2], aspect: f64) -> Self {
+        Self { panel, aspect, exchanged: shift_axis(panel, aspect) == LensParameter::Cx }
+    }
+
+    fn size(self) -> [f64; 2] {
+        let [w, h] = self.panel.map(f64::from);
+        if self.exchanged { [h / self.aspect, w] } else { [w, h / self.aspect] }
+    }
+
+    fn pixel(self, p: Point2<f64>) -> Point2<f64> {
+        let y = (p.y + 0.5) / self.aspect - 0.5;
+        if self.exchanged { Point2::new(y, p.x) } else { Point2::new(p.x, y) }
+    }
+
+    fn homography(self, h: &Homography) -> Homography {
+        let mut m = h.0;
+        let moved = m.row(1) / self.aspect + m.row(2) * (0.5 / self.aspect - 0.5);
+        m.set_row(1, &moved);
+        if self.exchanged {
+            m.swap_rows(0, 1);
+        }
+        Homography(m)
+    }
+
+    /// Intrinsics of the panel as it is.
+    fn on_panel(self, k: &Intrinsics) -> Intrinsics {
+        let (cx, y) = if self.exchanged { (k.cy, k.cx) } else { (k.cx, k.cy) };
+        Intrinsics { fy: k.fx * self.aspect, cx, cy: (y + 0.5) * self.aspect - 0.5, ..*k }
+    }
+}
+
 /// Models with a projector to refine from; the second value is the closed form's error.
 ///
 /// # Errors
@@ -147,18 +188,21 @@ pub(crate) fn projector_starts(
     panel: [u32; 2],
     model: &Model,
 ) -> Result<(Vec<Model>, Option<Error>)> {
-    let homographies = projector_homographies(observations, model)?;
-    let pp = config.projector_pp.start(panel);
+    let seen = projector_homographies(observations, model)?;
+    let upright = UprightPanel::new(panel, config.projector_pixel_aspect.of_projector(panel));
+    let homographies: Vec<_> = seen.iter().map(|h| upright.homography(h)).collect();
+    let pp = upright.pixel(config.projector_pp.start(panel));
     let at_pp = |pp: Point2<f64>| {
         let moved: Vec<_> = homographies.iter().map(|h| centred(h, pp)).collect();
         focal_from_homographies(&moved, ErrorSubject::Projector).map(|f| Intrinsics::square(f, pp))
     };
     let shifted = matches!(config.projector_pp, PrincipalPointRule::Shift | PrincipalPointRule::Free);
-    let first = if shifted { focal_and_shift(&homographies, pp.x, panel) } else { at_pp(pp) };
+    let first = if shifted { focal_and_shift(&homographies, pp.x, upright.size()) } else { at_pp(pp) };
     let mut complaint = None;
     let mut candidates = Vec::new();
-    match first {
-        Ok(k) if in_range(k.fx, panel) => candidates.push(k),
+    let in_range = |k: &Intrinsics| in_range(k.fx, panel);
+    match first.map(|k| upright.on_panel(&k)) {
+        Ok(k) if in_range(&k) => candidates.push(k),
         Ok(_) => {}
         Err(e) => complaint = Some(e),
     }
@@ -166,13 +210,13 @@ pub(crate) fn projector_starts(
         // Shift and focal length cannot be separated: from the usual shifts (none, half the panel up, half down).
         let rows = if shifted { vec![pp.y, 2.0 * pp.y, 0.0] } else { vec![pp.y] };
         let real = rows.into_iter().filter_map(|y| at_pp(Point2::new(pp.x, y)).ok());
-        candidates.extend(real.filter(|k| in_range(k.fx, panel)));
-        candidates.extend(guesses(panel, pp));
+        candidates.extend(real.map(|k| upright.on_panel(&k)).filter(in_range));
+        candidates.extend(guesses(panel, pp).map(|k| upright.on_panel(&k)));
     }
     let models = candidates
         .into_iter()
         .filter_map(|k| {
-            let stereos: Vec<Pose> = homographies
+            let stereos: Vec<Pose> = seen
                 .iter()
                 .zip(&observations.views)
                 .zip(&model.views)

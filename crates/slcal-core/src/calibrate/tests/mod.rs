@@ -6,6 +6,7 @@ mod efficiency;
 mod extremes;
 mod focal_prior;
 mod many_views;
+mod mistakes;
 mod monte_carlo;
 mod observations;
 pub(crate) mod scene;

@@ -210,6 +210,7 @@ fn assessed(
         cause: cause.clone(),
         advice: advice.clone(),
         warnings,
+        assumptions: Vec::new(),
     };
     let rig = assemble(output, sigma, input, found, known, quality);
     Ok((rig, CalibrationReport { iterations: 0, edge_inliers: 1.0, corner_inliers: 1.0, cause, advice }))

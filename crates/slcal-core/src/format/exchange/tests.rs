@@ -81,6 +81,7 @@ fn rig(distortion: [f64; 5], skew: f64) -> Rig {
             cause: "12.5".into(),
             advice: String::new(),
             warnings: vec![Warning { code: "a".into(), message: "1 < 2 & \"3\"".into(), advice: "5".into() }],
+            assumptions: Vec::new(),
         }),
         covariance: Some(Covariance {
             parameters: vec!["camera.focal_px".into(), "camera.cx_px".into()],

@@ -173,6 +173,7 @@ fn quality_from_dto(dto: QualityDto) -> Option<Quality> {
         cause: dto.cause,
         advice: dto.advice,
         warnings: dto.warnings,
+        assumptions: dto.assumptions,
     })
 }
 

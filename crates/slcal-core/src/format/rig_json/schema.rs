@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::assumption::Assumption;
 use crate::error::{Error, ErrorSubject};
 use crate::rig::{Verdict, Warning};
 
@@ -126,6 +127,8 @@ pub(super) struct QualityDto {
     pub(super) advice: String,
     #[serde(default)]
     pub(super) warnings: Vec<Warning>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) assumptions: Vec<Assumption>,
 }
 
 #[derive(Serialize, Deserialize)]

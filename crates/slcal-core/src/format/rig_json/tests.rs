@@ -2,6 +2,7 @@ use nalgebra::{DMatrix, Point2, Rotation3, Vector3};
 
 use super::read::project_corners;
 use super::*;
+use crate::assumption::{Assumption, AssumptionStatus, Moves};
 use crate::for_tests::rendered_scenes;
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize, SheetBend};
 use crate::rig::{Covariance, Device, DeviceSigma, Projector, Quality, StereoPose, View, ViewBend, ViewRms};
@@ -56,6 +57,16 @@ fn rig() -> Rig {
             cause: "seen flat".into(),
             advice: String::new(),
             warnings: vec![Warning { code: "a".into(), message: "b".into(), advice: "c".into() }],
+            assumptions: vec![Assumption {
+                code: "shown-1:1".into(),
+                text: "the pattern was shown pixel by pixel".into(),
+                value: 100.0,
+                unit: "%".into(),
+                sigma: None,
+                if_off_by: 5.0,
+                moves_percent: Moves { f_cam: Some(0.1), f_proj: Some(5.3), baseline: None },
+                status: AssumptionStatus::Assumed,
+            }],
         }),
         covariance: Some(Covariance {
             parameters: vec!["camera.focal_px".into(), "camera.cx_px".into()],

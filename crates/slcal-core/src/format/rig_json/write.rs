@@ -7,6 +7,7 @@ use super::schema::{
     BendDto, CovarianceDto, DeviceDto, FocalSigmaDto, PIXEL_CENTRE, PoseDto, QualityDto, RmsDto, Rows3,
     SCHEMA, SigmaDto, StereoDto, UNITS, VanishingDto, ViewDto,
 };
+use crate::assumption::Assumption;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Pose;
 use crate::rig::{Covariance, Device, Quality, Rig, StereoPose, View};
@@ -121,6 +122,11 @@ fn view_to_dto(v: &View) -> Result<ViewDto> {
 
 fn quality_to_dto(q: &Quality) -> Result<QualityDto> {
     let optional = q.focal_sigma_percent_projector.iter().chain(&q.expected_point_sigma_mm);
+    let of_assumption = |a: &Assumption| {
+        let moves = [a.moves_percent.f_cam, a.moves_percent.f_proj, a.moves_percent.baseline];
+        [Some(a.value), a.sigma, Some(a.if_off_by)].into_iter().chain(moves).flatten().collect::<Vec<_>>()
+    };
+    finite(&q.assumptions.iter().flat_map(of_assumption).collect::<Vec<_>>(), "quality.assumptions")?;
     let optional = optional.chain(&q.depth_sigma_percent);
     finite(optional.chain([&q.focal_sigma_percent_camera]), "quality")?;
     Ok(QualityDto {
@@ -134,6 +140,7 @@ fn quality_to_dto(q: &Quality) -> Result<QualityDto> {
         cause: q.cause.clone(),
         advice: q.advice.clone(),
         warnings: q.warnings.clone(),
+        assumptions: q.assumptions.clone(),
     })
 }
 

@@ -1,0 +1,195 @@
+//! Photographs that contradict what was assumed: the mistake that explains them is searched, and taken where the photographs
+//! determine it.
+
+use nalgebra::Vector2;
+
+use super::explanation::Explanation;
+use super::misfit::{Misfit, misfit};
+use super::with_amounts::WithAmounts;
+use crate::calibrate::config::CalibrateConfig;
+use crate::calibrate::initial_guess::{camera_starts, projector_starts};
+use crate::calibrate::maximum_likelihood::{problem, solve};
+use crate::estimate::assumptions::PixelAspect;
+use crate::estimate::planar_pose::{camera_from_sheet, pose_from_homography};
+use crate::estimate::{Model, Sheet, Solution, robust};
+use crate::observations::{Observations, ViewObservation};
+
+/// Explanations are searched when a lens parameter lies further than this from its prior, in σ of what the photographs say
+/// against it, or when χ² per residual is above the second.
+const ASKED: f64 = 3.5;
+const MISFIT: f64 = 1.6;
+/// A parameter is judged where the photographs bring its σ below this part of the prior's.
+const DETERMINED: f64 = 0.9;
+/// By how much χ² must fall, and how much more for each quantity that an explanation adds.
+const CLEARLY: f64 = 10.0;
+const PER_PARAMETER: f64 = 6.0;
+/// Explanations whose χ² differ by less are not told apart.
+const ALIKE: f64 = 9.0;
+/// What an explanation must leave at most, in χ² per residual.
+const EXPLAINED: f64 = 1.6;
+/// Steps that are spent on each start of an explanation; those that hold converge in a few.
+const STEPS: usize = 60;
+/// Ratios of pixel aspects that pictures are stretched by: between 5:4, 4:3, 16:10, 16:9, and diamond pixels.
+const STRETCHED: [f64; 8] = [0.5, 0.75, 0.8, 0.9, 1.1, 1.25, 1.333, 2.0];
+
+/// An explanation with the solution under it.
+#[derive(Debug, Clone)]
+pub(crate) struct Explained {
+    pub(super) by: Explanation,
+    pub(crate) solution: Solution,
+    /// Of what is no unknown of the problem.
+    pub(super) amounts: Vector2<f64>,
+    /// χ², and what it was without the explanation.
+    pub(super) chi2: f64,
+    pub(super) before: f64,
+    rows: usize,
+}
+
+impl Explained {
+    fn score(&self) -> f64 {
+        self.chi2 + PER_PARAMETER * self.by.parameters() as f64
+    }
+}
+
+/// How strongly the photographs speak against the prior of a lens parameter, in σ, for the parameter where they do most.
+fn against_priors(solution: &Solution) -> f64 {
+    let of_prior = solution.problem.priors.lenses.iter().filter_map(|p| {
+        let sigma = solution.sigma(p.lens, p.parameter)?;
+        (sigma < DETERMINED * p.sigma).then_some(())?;
+        let seen = (p.sigma.powi(2) - sigma.powi(2)).sqrt();
+        Some(p.residual(solution.model())?.abs() * p.sigma / seen)
+    });
+    of_prior.fold(0.0, f64::max)
+}
+
+/// Whether the fit asks for another explanation.
+fn is_asked_for(solution: &Solution, now: Misfit) -> bool {
+    solution.model().views.len() > 1 && (now.per_row() > MISFIT || against_priors(solution) > ASKED)
+}
+
+/// The explanations that make the photographs fit, best first; empty where nothing is wrong or nothing explains it.
+pub(crate) fn explanations(
+    observations: &Observations,
+    config: &CalibrateConfig,
+    given: &Solution,
+) -> Vec<Explained> {
+    let before = misfit(given);
+    if !is_asked_for(given, before) {
+        return Vec::new();
+    }
+    let all = Explanation::all(observations.views.len(), observations.projector.is_some());
+    let search = Search { observations, config, given, before };
+    let mut found: Vec<Explained> = all.into_iter().filter_map(|by| search.under(by)).collect();
+    found.retain(|e| before.chi2 - e.score() > CLEARLY && e.chi2 < EXPLAINED * e.rows.max(1) as f64);
+    found.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    let Some(best) = found.first_mut() else { return found };
+    best.solution = best.solution.clone().with_learned_weights();
+    // What is left beyond the stated noise, and the correlation of its points, make every χ² count for less.
+    let unit = noise_left(&best.solution).powi(2);
+    let score = best.score();
+    if before.chi2 - score < CLEARLY * unit {
+        return Vec::new();
+    }
+    found.retain(|e| e.score() < score + ALIKE * unit);
+    found
+}
+
+/// By how much σ are to be multiplied for the noise that a solution leaves.
+fn noise_left(solution: &Solution) -> f64 {
+    let [edges, pairs] = solution.fit.widened;
+    (edges * solution.edge_inflation).max(pairs)
+}
+
+struct Search<'a> {
+    observations: &'a Observations,
+    config: &'a CalibrateConfig,
+    given: &'a Solution,
+    before: Misfit,
+}
+
+impl Search<'_> {
+    fn under(&self, by: Explanation) -> Option<Explained> {
+        if by.frees(self.given.model()).is_empty() {
+            return self.with_amounts(by);
+        }
+        let starts = self.starts(by);
+        let refined = starts.into_iter().filter_map(|start| self.refine(by, start));
+        let best = refined.min_by(|a, b| misfit(a).chi2.total_cmp(&misfit(b).chi2))?;
+        Some(self.explained(by, best, Vector2::zeros()))
+    }
+
+    fn explained(&self, by: Explanation, solution: Solution, amounts: Vector2<f64>) -> Explained {
+        let Misfit { chi2, rows } = misfit(&solution);
+        Explained { by, solution, amounts, chi2, before: self.before.chi2, rows }
+    }
+
+    fn refine(&self, by: Explanation, start: Model) -> Option<Solution> {
+        let stated = problem(self.observations, self.config, &start).within(STEPS);
+        Solution::refine(by.freed(stated, &start)?, start)
+    }
+
+    /// From the solution that was given, and from the beginning.
+    fn starts(&self, by: Explanation) -> Vec<Model> {
+        let mut starts = vec![self.given.model().clone()];
+        let camera = if by.concerns_camera() { self.camera(by) } else { Some(self.given.model().clone()) };
+        let Some((camera, panel)) = camera.zip(self.observations.projector) else { return starts };
+        let mut configs = vec![self.config.clone()];
+        if by == Explanation::ProjectorAspect {
+            configs.extend(STRETCHED.map(|ratio| CalibrateConfig {
+                projector_pixel_aspect: PixelAspect::Ratio(ratio),
+                ..self.config.clone()
+            }));
+        }
+        for config in &configs {
+            if let Ok((more, _)) = projector_starts(self.observations, config, panel, &camera) {
+                starts.extend(more);
+            }
+        }
+        starts
+    }
+
+    fn camera(&self, by: Explanation) -> Option<Model> {
+        let (starts, _) = camera_starts(self.observations, self.config).ok()?;
+        let alone = |start: Model| self.refine(by, Model { projector: None, ..start });
+        let solved = starts.into_iter().filter_map(alone);
+        let best = solved.min_by(|a, b| misfit(a).chi2.total_cmp(&misfit(b).chi2))?;
+        Some(best.model().clone())
+    }
+
+    /// By amounts that are no unknowns of the problem alone.
+    fn with_amounts(&self, by: Explanation) -> Option<Explained> {
+        let found = self.starts_with_amounts(by).into_iter().filter_map(|start| {
+            let stated = problem(self.observations, self.config, &start);
+            let mut wider = WithAmounts { by, problem: stated.within(STEPS) };
+            let fit = robust::fit(&mut wider, (start, Vector2::zeros()), [0; 2])?;
+            let (model, amounts) = fit.state;
+            let (changed, model) = by.changed(&wider.problem, &model, amounts);
+            Some(self.explained(by, Solution::refine(changed, model)?, amounts))
+        });
+        found.min_by(|a, b| a.chi2.total_cmp(&b.chi2))
+    }
+
+    /// From the solution that was given, and from that without the photograph that may be displaced, which it spoils.
+    fn starts_with_amounts(&self, by: Explanation) -> Vec<Model> {
+        let given = self.given.model();
+        let mut starts = vec![given.clone()];
+        if let Explanation::Displaced(view) = by {
+            let mut others = self.observations.clone();
+            let odd = others.views.remove(view);
+            starts.extend(solve(&others, self.config).ok().and_then(|solution| {
+                let mut model = solution.model().clone();
+                let sheet = self.sheet(&odd, &model)?;
+                model.views.insert(view, sheet);
+                Some(model)
+            }));
+        }
+        starts
+    }
+
+    /// The sheet of one photograph under a calibrated camera.
+    fn sheet(&self, seen: &ViewObservation, model: &Model) -> Option<Sheet> {
+        let camera = &model.camera;
+        let h = camera_from_sheet(seen, Some(camera)).ok()?;
+        Some(Sheet::flat(pose_from_homography(&h, &camera.intrinsics, seen.size.centre())?, seen.size))
+    }
+}

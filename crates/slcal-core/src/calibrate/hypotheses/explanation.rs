@@ -1,0 +1,115 @@
+//! Mistakes that would explain photographs which do not fit what was assumed, and the problem that each of them poses.
+
+use nalgebra::Vector2;
+
+use crate::estimate::assumptions::shift_axis;
+use crate::estimate::{BundleAdjustment, Lens, Model};
+use crate::geometry::RectangleSize;
+use crate::parameter::LensParameter;
+
+/// 1σ of a principal point that a mistake moved, in widths, and of the logarithm of a ratio.
+const ANYWHERE: f64 = 0.5;
+const ANY_RATIO: f64 = 0.5;
+
+/// What may have happened.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Explanation {
+    /// The projector's lens is shifted across the direction in which it usually is.
+    SidewaysShift,
+    /// The projector's pixels, or its picture, are stretched.
+    ProjectorAspect,
+    /// The photographs are stretched.
+    CameraAspect,
+    /// The photographs were cropped off centre.
+    Crop,
+    /// The sheet has other proportions.
+    Proportion,
+    /// The image of one photograph is displaced against those of the others.
+    Displaced(usize),
+}
+
+impl Explanation {
+    /// Those that can be told apart with this many photographs.
+    pub(super) fn all(views: usize, with_projector: bool) -> Vec<Self> {
+        let projector = [Self::SidewaysShift, Self::ProjectorAspect];
+        let mut all: Vec<_> = projector.into_iter().filter(|_| with_projector).collect();
+        all.extend([Self::CameraAspect, Self::Crop, Self::Proportion]);
+        // Of two photographs either one may be called displaced.
+        let displaced = if views < 2 { 0..0 } else { usize::from(views == 2)..views };
+        all.extend(displaced.map(Self::Displaced));
+        all
+    }
+
+    /// Number of quantities that it adds.
+    pub(super) fn parameters(self) -> usize {
+        if matches!(self, Self::Crop | Self::Displaced(_)) { 2 } else { 1 }
+    }
+
+    /// Whether the camera alone is concerned, so that its own solution has to be found anew.
+    pub(super) fn concerns_camera(self) -> bool {
+        !matches!(self, Self::SidewaysShift | Self::ProjectorAspect)
+    }
+
+    /// The lens parameters whose priors it does away with; empty where it changes something else.
+    pub(super) fn frees(self, model: &Model) -> Vec<(Lens, LensParameter)> {
+        match self {
+            Self::SidewaysShift => sideways(model).map(|axis| (Lens::Projector, axis)).into_iter().collect(),
+            Self::ProjectorAspect => vec![(Lens::Projector, LensParameter::Aspect)],
+            Self::CameraAspect => vec![(Lens::Camera, LensParameter::Aspect)],
+            Self::Crop => vec![(Lens::Camera, LensParameter::Cx), (Lens::Camera, LensParameter::Cy)],
+            Self::Proportion | Self::Displaced(_) => Vec::new(),
+        }
+    }
+
+    /// The problem without the priors that it does away with; `None` where the model holds those parameters fixed.
+    pub(super) fn freed(self, mut problem: BundleAdjustment, model: &Model) -> Option<BundleAdjustment> {
+        for (lens, parameter) in self.frees(model) {
+            let width = f64::from(model.lens(lens)?.width);
+            let wide = if parameter == LensParameter::Aspect { ANY_RATIO } else { ANYWHERE * width };
+            let prior = problem.priors.lenses.iter_mut().find(|p| (p.lens, p.parameter) == (lens, parameter));
+            match prior {
+                Some(prior) => prior.sigma = prior.sigma.max(wide),
+                None if problem.unknowns.projector_from_camera().is_none() && lens == Lens::Projector => {}
+                None => return None,
+            }
+        }
+        Some(problem)
+    }
+
+    /// Problem and model changed by amounts of what is no parameter of a lens: ln of the proportion, px of a displacement.
+    pub(super) fn changed(
+        self,
+        problem: &BundleAdjustment,
+        model: &Model,
+        amounts: Vector2<f64>,
+    ) -> (BundleAdjustment, Model) {
+        let (mut problem, mut model) = (problem.clone(), model.clone());
+        match self {
+            Self::Proportion => {
+                for view in &mut model.views {
+                    view.size = with_proportion(view.size, amounts.x);
+                }
+            }
+            Self::Displaced(view) => {
+                problem.measurements.iter_mut().filter(|m| m.view == view).for_each(|m| m.seen -= amounts);
+            }
+            _ => {}
+        }
+        (problem, model)
+    }
+}
+
+/// The axis across that along which a projector's lens is usually shifted.
+pub(super) fn sideways(model: &Model) -> Option<LensParameter> {
+    let p = model.projector?;
+    let along = shift_axis([p.width, p.height], p.intrinsics.fy / p.intrinsics.fx);
+    Some(if along == LensParameter::Cy { LensParameter::Cx } else { LensParameter::Cy })
+}
+
+/// A size whose proportion is changed by a factor e^`change`, area kept.
+pub(super) fn with_proportion(size: RectangleSize, change: f64) -> RectangleSize {
+    RectangleSize {
+        width_mm: size.width_mm * (change / 2.0).exp(),
+        height_mm: size.height_mm * (-change / 2.0).exp(),
+    }
+}

@@ -1,0 +1,156 @@
+//! Explanations in the user's terms.
+
+use super::explain::Explained;
+use super::explanation::{Explanation, sideways};
+use crate::estimate::{Lens, Solution};
+use crate::parameter::LensParameter;
+use crate::rig::Warning;
+
+/// What the photographs say.
+pub(crate) enum Told {
+    /// The mistake is made good by what was estimated.
+    MadeGood(Box<Solution>, Warning),
+    /// The result is doubtful.
+    Doubt(Warning),
+    /// Nothing may be built on the result.
+    Contradiction(Warning),
+}
+
+/// What is told of explanations, best first; `None` without any.
+pub(crate) fn told(found: Vec<Explained>) -> Option<Told> {
+    let mut found = found.into_iter();
+    let first = found.next()?;
+    let others: Vec<String> = found.map(|e| e.finding()).collect();
+    let mut warning = first.warning();
+    if !others.is_empty() {
+        warning.message = format!("{}; or {}", warning.message, others.join("; or "));
+        return Some(Told::Doubt(warning));
+    }
+    Some(match first.by {
+        Explanation::Displaced(_) => Told::Contradiction(warning),
+        Explanation::Proportion => Told::Doubt(warning),
+        _ => Told::MadeGood(Box::new(first.solution), warning),
+    })
+}
+
+impl Explained {
+    fn warning(&self) -> Warning {
+        Warning::new(self.code(), self.finding(), self.advice())
+    }
+
+    fn code(&self) -> &'static str {
+        match self.by {
+            Explanation::SidewaysShift => "projector-sideways-shift",
+            Explanation::ProjectorAspect => "projector-pixel-aspect",
+            Explanation::CameraAspect => "camera-pixel-aspect",
+            Explanation::Crop => "cropped",
+            Explanation::Proportion => "aspect-doubtful",
+            Explanation::Displaced(_) => "photograph-offset",
+        }
+    }
+
+    /// Value and 1σ of a lens parameter.
+    fn value(&self, lens: Lens, parameter: LensParameter) -> (f64, f64) {
+        let prior = self.solution.problem.priors.lenses.iter();
+        let prior = prior.into_iter().find(|p| (p.lens, p.parameter) == (lens, parameter));
+        let value = prior.and_then(|p| p.value(self.solution.model())).unwrap_or(0.0);
+        (value, self.solution.sigma(lens, parameter).unwrap_or(0.0))
+    }
+
+    /// How far a principal point lies from the image's middle, and 1σ, px.
+    fn off_centre(&self, lens: Lens, parameter: LensParameter) -> (f64, f64) {
+        let (value, sigma) = self.value(lens, parameter);
+        let size = self.solution.model().lens(lens).map_or([0; 2], |c| [c.width, c.height]);
+        let extent = f64::from(size[usize::from(parameter == LensParameter::Cy)]);
+        (value - (extent - 1.0) / 2.0, sigma)
+    }
+
+    fn finding(&self) -> String {
+        let model = self.solution.model();
+        match self.by {
+            Explanation::SidewaysShift => {
+                let axis = sideways(model).unwrap_or(LensParameter::Cx);
+                let (off, sigma) = self.off_centre(Lens::Projector, axis);
+                let extent =
+                    model.projector.map_or(1, |p| if axis == LensParameter::Cx { p.width } else { p.height });
+                format!(
+                    "the projector's lens is shifted sideways by {off:.0} ± {sigma:.0} px, {:.0} % of the width",
+                    100.0 * off / f64::from(extent)
+                )
+            }
+            Explanation::ProjectorAspect => {
+                let (ln, sigma) = self.value(Lens::Projector, LensParameter::Aspect);
+                let ratio = ln.exp();
+                format!(
+                    "the projector's pixels are not square: they are {ratio:.4} ± {:.4} times as wide as high",
+                    ratio * sigma
+                )
+            }
+            Explanation::CameraAspect => {
+                let (ln, sigma) = self.value(Lens::Camera, LensParameter::Aspect);
+                let ratio = ln.exp();
+                format!(
+                    "the photographs are stretched: fy/fx of the camera is {ratio:.4} ± {:.4}",
+                    ratio * sigma
+                )
+            }
+            Explanation::Crop => {
+                let [x, y] = [LensParameter::Cx, LensParameter::Cy].map(|p| self.off_centre(Lens::Camera, p));
+                format!(
+                    "the photographs were cropped off centre: the lens's axis lies {:.0} ± {:.0} px right of and {:.0} ± {:.0} px below \
+                     the middle",
+                    x.0, x.1, y.0, y.1
+                )
+            }
+            Explanation::Proportion => {
+                let size = model.views[0].size;
+                let given = size.width_mm / size.height_mm * (-self.amounts.x).exp();
+                format!(
+                    "width to height of the sheet is {:.4} as it is seen, {given:.4} as it was given",
+                    size.width_mm / size.height_mm
+                )
+            }
+            Explanation::Displaced(view) => format!(
+                "the image of photograph {} is displaced against {} by {:.1} px to the right and {:.1} px down; without that the \
+                 residuals are {:.1} times smaller",
+                view + 1,
+                if model.views.len() == 2 { "that of photograph 1" } else { "those of the others" },
+                self.amounts.x,
+                self.amounts.y,
+                (self.before / self.chi2.max(1.0)).sqrt()
+            ),
+        }
+    }
+
+    fn advice(&self) -> String {
+        match self.by {
+            Explanation::SidewaysShift => "this was estimated and is in the result; if the lens cannot be shifted, check that the \
+                                           pattern filled the panel and was not moved or cropped"
+                .to_owned(),
+            Explanation::ProjectorAspect => "this was estimated and is in the result; if the projector has square pixels, show the \
+                                             pattern in the panel's own resolution, because the picture was stretched"
+                .to_owned(),
+            Explanation::CameraAspect => "this was estimated and is in the result; use photographs as the camera writes them, \
+                                          because these were stretched after they were taken"
+                .to_owned(),
+            Explanation::Crop => "this was estimated and is in the result, which holds for pictures with the same crop; \
+                                  photographs as the camera writes them are more certain"
+                .to_owned(),
+            Explanation::Proportion => {
+                let size = self.solution.model().views[0].size;
+                let change = self.amounts.x;
+                format!(
+                    "measure the sheet again: {:.1}x{:.1} mm or {:.1}x{:.1} mm would fit; if its size is right, the principal point \
+                     that was given or the lens's distortion is not",
+                    size.width_mm * (change / 2.0).exp(),
+                    size.height_mm * (change / 2.0).exp(),
+                    size.width_mm * (-change / 2.0).exp(),
+                    size.height_mm * (-change / 2.0).exp()
+                )
+            }
+            Explanation::Displaced(_) => "switch the stabiliser of camera and lens off, crop or scale no photograph, and take the \
+                                          photographs again; or calibrate from one of them"
+                .to_owned(),
+        }
+    }
+}
