@@ -168,6 +168,33 @@ pub(crate) fn minimise_from<P: Problem>(
     Some(Minimum { state, cost, at: here, iterations })
 }
 
+/// Gauss-Newton steps of full length, whatever the cost does on the way, until one is predicted to lower it by less than
+/// `decrease`; `None` where that takes more than `most`. From one minimum to that of a problem that differs a little they lead
+/// across the curved valleys of nearly undetermined unknowns, along which steps that must lower the cost are short.
+#[must_use]
+pub(crate) fn undamped<P: Problem>(
+    problem: &P,
+    mut state: P::State,
+    decrease: f64,
+    most: usize,
+) -> Option<Minimum<P::State>> {
+    let (blocks, structure) = (problem.blocks(), problem.structure());
+    let mut reduced = Reduced::new(&structure);
+    let (mut at, mut weights) = (Linearised::zeros(problem), Vec::new());
+    for iterations in 0..=most {
+        problem.linearise(&state, &mut at)?;
+        let cost = robust_cost(blocks, &at.residuals);
+        set_weights(&mut weights, blocks, &at.residuals);
+        let solved = reduced.reduce(&structure, &at.jacobian, at.residuals.as_slice(), &weights);
+        let (delta, predicted) = solved.then(|| reduced.step(&structure, 0.0)).flatten()?;
+        if predicted <= decrease {
+            return Some(Minimum { state, cost, at, iterations });
+        }
+        state = problem.step(&state, &delta)?;
+    }
+    None
+}
+
 /// A minimum after undamped steps, which complete directions that damping shortens. Their decrease is below rounding, so
 /// the cost must only not rise beyond rounding.
 #[must_use]
@@ -248,6 +275,15 @@ mod tests {
         let robust = minimise(&problem, square.state).unwrap();
         assert!(robust.iterations < problem.max_iterations());
         assert!((robust.state[0] - 5.0).abs() < 1e-9 && (robust.state[1] - 0.3).abs() < 1e-9);
+    }
+
+    #[test]
+    fn undamped_steps_end_where_damped_ones_do() {
+        let problem = Decay::new(Loss::Square);
+        let wanted = minimise(&problem, [1.0, 0.1]).unwrap();
+        let found = undamped(&problem, [4.0, 0.2], CONVERGED_DECREASE, 20).unwrap();
+        assert!((found.state[0] - wanted.state[0]).abs() < 1e-6 && (found.cost - wanted.cost).abs() < 1e-9);
+        assert!(undamped(&problem, [4.0, 0.2], CONVERGED_DECREASE, 0).is_none());
     }
 
     #[test]

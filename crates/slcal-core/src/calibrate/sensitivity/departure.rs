@@ -5,7 +5,7 @@ use crate::geometry::{Camera, RectangleSize};
 use crate::parameter::LensParameter;
 
 /// Steps that are spent on a departure: the photographs contradict what does not converge in these.
-const STEPS: usize = 25;
+const STEPS: usize = 60;
 /// Bands of light across the image's height.
 const BANDS: f64 = 5.0;
 /// The second Legendre polynomial runs from -1/2 to 1.
