@@ -21,7 +21,7 @@ const MISFIT: f64 = 1.6;
 /// A parameter is judged where the photographs bring its σ below this part of the prior's.
 const DETERMINED: f64 = 0.9;
 /// By how much χ² must fall, and how much more for each quantity that an explanation adds.
-const CLEARLY: f64 = 10.0;
+const CLEARLY: f64 = 16.0;
 const PER_PARAMETER: f64 = 6.0;
 /// Explanations whose χ² differ by less are not told apart.
 const ALIKE: f64 = 9.0;
@@ -178,18 +178,18 @@ impl Search<'_> {
             let odd = others.views.remove(view);
             starts.extend(solve(&others, self.config).ok().and_then(|solution| {
                 let mut model = solution.model().clone();
-                let sheet = self.sheet(&odd, &model)?;
+                let sheet = sheet(&odd, &model)?;
                 model.views.insert(view, sheet);
                 Some(model)
             }));
         }
         starts
     }
+}
 
-    /// The sheet of one photograph under a calibrated camera.
-    fn sheet(&self, seen: &ViewObservation, model: &Model) -> Option<Sheet> {
-        let camera = &model.camera;
-        let h = camera_from_sheet(seen, Some(camera)).ok()?;
-        Some(Sheet::flat(pose_from_homography(&h, &camera.intrinsics, seen.size.centre())?, seen.size))
-    }
+/// The sheet of one photograph under a calibrated camera.
+fn sheet(seen: &ViewObservation, model: &Model) -> Option<Sheet> {
+    let camera = &model.camera;
+    let h = camera_from_sheet(seen, Some(camera)).ok()?;
+    Some(Sheet::flat(pose_from_homography(&h, &camera.intrinsics, seen.size.centre())?, seen.size))
 }
