@@ -10,7 +10,7 @@ use super::{build_rig, diagnostics, hypotheses, repeated, sensitivity, two_vp, v
 use crate::error::Result;
 use crate::estimate::{Kind, Solution};
 use crate::observations::Observations;
-use crate::rig::{Rig, Verdict, Warning};
+use crate::rig::{Rig, Verdict};
 
 /// Calibrates camera and projector (the camera alone when `observations.projector` is `None`) from what was seen in one
 /// photograph or several.
@@ -87,8 +87,9 @@ fn maximum_likelihood(
     assessment.warnings.extend(repetition);
     match told {
         None => {}
-        Some((warning, None)) => assessment.warnings.insert(0, warning),
-        Some((warning, Some(verdict))) => assessment.doubt(warning, verdict),
+        Some(Told::MadeGood(warnings)) => assessment.warnings.splice(0..0, warnings).for_each(drop),
+        Some(Told::Doubt(warning)) => assessment.doubt(warning, Verdict::Weak),
+        Some(Told::Contradiction(warning)) => assessment.doubt(warning, Verdict::Degenerate),
     }
     if assessment.is_refused() && !config.allow_degenerate {
         return Err(assessment.refusal());
@@ -108,29 +109,26 @@ fn maximum_likelihood(
     Ok((build_rig::rig(solution, &assessment, sensitivity::assumptions(solution, config)), report))
 }
 
-/// The solution under the explanation that the photographs ask for, if any, with what is to be told and the best verdict that
-/// it allows.
+/// The solution under what explains the photographs, if they ask for an explanation, and what is to be told.
 fn explained(
     observations: &Observations,
     config: &CalibrateConfig,
     camera: &Solution,
     stated: Solution,
-) -> (Solution, Option<(Warning, Option<Verdict>)>) {
+) -> (Solution, Option<Told>) {
     if let Some(doubt) = hypotheses::transposed::hint(observations, config, Some(camera)) {
-        return (stated, Some((doubt, Some(Verdict::Weak))));
+        return (stated, Some(Told::Doubt(doubt)));
     }
-    match told(explanations(observations, config, &stated)) {
-        Some(Told::MadeGood(solution, warning)) => (*solution, Some((warning, None))),
-        Some(Told::Contradiction(warning)) => (stated, Some((warning, Some(Verdict::Degenerate)))),
-        Some(Told::Doubt(warning)) => {
-            let proportion = hypotheses::aspect::hint(observations, config, &stated);
-            let warning = proportion.filter(|w| w.code == warning.code).unwrap_or(warning);
-            (stated, Some((warning, Some(Verdict::Weak))))
+    let proportion = || hypotheses::aspect::hint(observations, config, &stated);
+    match explanations(observations, config, &stated).and_then(told) {
+        Some((None, Told::Doubt(warning))) => {
+            let measured = proportion().filter(|w| w.code == warning.code);
+            (stated, Some(Told::Doubt(measured.unwrap_or(warning))))
         }
+        Some((solution, told)) => (solution.unwrap_or(stated), Some(told)),
         None => {
-            let doubt = hypotheses::contradiction::hint(observations, config, &stated)
-                .or_else(|| hypotheses::aspect::hint(observations, config, &stated));
-            (stated, doubt.map(|doubt| (doubt, Some(Verdict::Weak))))
+            let doubt = hypotheses::contradiction::hint(observations, config, &stated).or_else(proportion);
+            (stated, doubt.map(Told::Doubt))
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::calibrate::initial_guess::{camera_starts, projector_starts};
 use crate::calibrate::maximum_likelihood::{problem, solve};
 use crate::estimate::assumptions::PixelAspect;
 use crate::estimate::planar_pose::{camera_from_sheet, pose_from_homography};
-use crate::estimate::{Model, Sheet, Solution, robust};
+use crate::estimate::{BundleAdjustment, Model, Sheet, Solution, robust};
 use crate::observations::{Observations, ViewObservation};
 
 /// Explanations are searched when a lens parameter lies further than this from its prior, in σ of what the photographs say
@@ -27,6 +27,8 @@ const PER_PARAMETER: f64 = 6.0;
 const ALIKE: f64 = 9.0;
 /// What an explanation must leave at most, in χ² per residual.
 const EXPLAINED: f64 = 1.6;
+/// Mistakes that are searched at once.
+const MOST_MISTAKES: usize = 2;
 /// Steps that are spent on each start of an explanation; those that hold converge in a few.
 const STEPS: usize = 60;
 /// Ratios of pixel aspects that pictures are stretched by: between 5:4, 4:3, 16:10, 16:9, and diamond pixels.
@@ -42,12 +44,26 @@ pub(crate) struct Explained {
     /// χ², and what it was without the explanation.
     pub(super) chi2: f64,
     pub(super) before: f64,
-    rows: usize,
+}
+
+/// Mistakes that explain the photographs together.
+pub(crate) struct Explanations {
+    /// In the order in which they were found, the larger one first.
+    pub(super) mistakes: Vec<Explained>,
+    /// What would explain as much as the last one.
+    pub(super) alternatives: Vec<Explained>,
+    /// Under all of them.
+    pub(super) solution: Solution,
 }
 
 impl Explained {
+    /// What an explanation has to be worth in χ².
+    fn price(&self) -> f64 {
+        PER_PARAMETER * self.by.parameters() as f64
+    }
+
     fn score(&self) -> f64 {
-        self.chi2 + PER_PARAMETER * self.by.parameters() as f64
+        self.chi2 + self.price()
     }
 }
 
@@ -67,31 +83,41 @@ fn is_asked_for(solution: &Solution, now: Misfit) -> bool {
     solution.model().views.len() > 1 && (now.per_row() > MISFIT || against_priors(solution) > ASKED)
 }
 
-/// The explanations that make the photographs fit, best first; empty where nothing is wrong or nothing explains it.
+/// What makes the photographs fit; `None` where nothing is wrong or nothing explains it. A second mistake is searched where the
+/// first one does not explain all.
 pub(crate) fn explanations(
     observations: &Observations,
     config: &CalibrateConfig,
     given: &Solution,
-) -> Vec<Explained> {
-    let before = misfit(given);
-    if !is_asked_for(given, before) {
-        return Vec::new();
-    }
+) -> Option<Explanations> {
     let all = Explanation::all(observations.views.len(), observations.projector.is_some());
-    let search = Search { observations, config, given, before };
-    let mut found: Vec<Explained> = all.into_iter().filter_map(|by| search.under(by)).collect();
-    found.retain(|e| before.chi2 - e.score() > CLEARLY && e.chi2 < EXPLAINED * e.rows.max(1) as f64);
-    found.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    let Some(best) = found.first_mut() else { return found };
-    best.solution = best.solution.clone().with_learned_weights();
-    // What is left beyond the stated noise, and the correlation of its points, make every χ² count for less.
-    let unit = noise_left(&best.solution).powi(2);
-    let score = best.score();
-    if before.chi2 - score < CLEARLY * unit {
-        return Vec::new();
+    let mut search = Search { observations, config, given: given.clone(), freed: Vec::new() };
+    let mut mistakes: Vec<Explained> = Vec::new();
+    let mut alternatives = Vec::new();
+    while mistakes.len() < MOST_MISTAKES && is_asked_for(&search.given, misfit(&search.given)) {
+        let before = misfit(&search.given).chi2;
+        let others = all.iter().filter(|by| !search.freed.contains(by));
+        let mut found: Vec<Explained> = others.filter_map(|&by| search.under(by)).collect();
+        found.retain(|e| before - e.score() > CLEARLY);
+        found.sort_by(|a, b| a.score().total_cmp(&b.score()));
+        let mut found = found.into_iter();
+        let Some(best) = found.next() else { break };
+        alternatives = found.collect();
+        search.freed.push(best.by);
+        search.given = best.solution.clone();
+        mistakes.push(best);
     }
-    found.retain(|e| e.score() < score + ALIKE * unit);
-    found
+    let Misfit { chi2, rows } = misfit(&search.given);
+    if mistakes.is_empty() || chi2 > EXPLAINED * rows as f64 {
+        return None;
+    }
+    let solution = search.given.with_learned_weights();
+    // What is left beyond the stated noise, and the correlation of its points, make every χ² count for less.
+    let unit = noise_left(&solution).powi(2);
+    let last = mistakes.last()?.score();
+    alternatives.retain(|e| e.score() < last + ALIKE * unit);
+    let gain = misfit(given).chi2 - mistakes.iter().map(Explained::price).sum::<f64>() - chi2;
+    (gain > CLEARLY * unit * mistakes.len() as f64).then_some(Explanations { mistakes, alternatives, solution })
 }
 
 /// By how much σ are to be multiplied for the noise that a solution leaves.
@@ -103,8 +129,9 @@ fn noise_left(solution: &Solution) -> f64 {
 struct Search<'a> {
     observations: &'a Observations,
     config: &'a CalibrateConfig,
-    given: &'a Solution,
-    before: Misfit,
+    given: Solution,
+    /// What was found before.
+    freed: Vec<Explanation>,
 }
 
 impl Search<'_> {
@@ -119,13 +146,18 @@ impl Search<'_> {
     }
 
     fn explained(&self, by: Explanation, solution: Solution, amounts: Vector2<f64>) -> Explained {
-        let Misfit { chi2, rows } = misfit(&solution);
-        Explained { by, solution, amounts, chi2, before: self.before.chi2, rows }
+        let (chi2, before) = (misfit(&solution).chi2, misfit(&self.given).chi2);
+        Explained { by, solution, amounts, chi2, before }
     }
 
     fn refine(&self, by: Explanation, start: Model) -> Option<Solution> {
-        let stated = problem(self.observations, self.config, &start).within(STEPS);
-        Solution::refine(by.freed(stated, &start)?, start)
+        Solution::refine(by.freed(self.problem(&start)?, &start)?, start)
+    }
+
+    /// The problem under what was found before.
+    fn problem(&self, start: &Model) -> Option<BundleAdjustment> {
+        let stated = problem(self.observations, self.config, start).within(STEPS);
+        self.freed.iter().try_fold(stated, |problem, by| by.freed(problem, start))
     }
 
     /// From the solution that was given, and from the beginning.
@@ -159,8 +191,7 @@ impl Search<'_> {
     /// By amounts that are no unknowns of the problem alone.
     fn with_amounts(&self, by: Explanation) -> Option<Explained> {
         let found = self.starts_with_amounts(by).into_iter().filter_map(|start| {
-            let stated = problem(self.observations, self.config, &start);
-            let mut wider = WithAmounts { by, problem: stated.within(STEPS) };
+            let mut wider = WithAmounts { by, problem: self.problem(&start)? };
             let fit = robust::fit(&mut wider, (start, Vector2::zeros()), [0; 2])?;
             let (model, amounts) = fit.state;
             let (changed, model) = by.changed(&wider.problem, &model, amounts);

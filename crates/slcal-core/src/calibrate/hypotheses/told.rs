@@ -1,6 +1,6 @@
 //! Explanations in the user's terms.
 
-use super::explain::Explained;
+use super::explain::{Explained, Explanations};
 use super::explanation::{Explanation, sideways};
 use crate::estimate::{Lens, Solution};
 use crate::parameter::LensParameter;
@@ -8,28 +8,30 @@ use crate::rig::Warning;
 
 /// What the photographs say.
 pub(crate) enum Told {
-    /// The mistake is made good by what was estimated.
-    MadeGood(Box<Solution>, Warning),
+    /// The mistakes are made good by what was estimated.
+    MadeGood(Vec<Warning>),
     /// The result is doubtful.
     Doubt(Warning),
     /// Nothing may be built on the result.
     Contradiction(Warning),
 }
 
-/// What is told of explanations, best first; `None` without any.
-pub(crate) fn told(found: Vec<Explained>) -> Option<Told> {
-    let mut found = found.into_iter();
-    let first = found.next()?;
-    let others: Vec<String> = found.map(|e| e.finding()).collect();
-    let mut warning = first.warning();
-    if !others.is_empty() {
+/// What is told of explanations, and the solution where they make the mistakes good.
+pub(crate) fn told(found: Explanations) -> Option<(Option<Solution>, Told)> {
+    let Explanations { mut mistakes, alternatives, solution } = found;
+    // Values and σ are those under all of them.
+    mistakes.iter_mut().for_each(|m| m.solution.clone_from(&solution));
+    let last = mistakes.last()?;
+    if !alternatives.is_empty() {
+        let mut warning = last.warning();
+        let others: Vec<String> = alternatives.iter().map(Explained::finding).collect();
         warning.message = format!("{}; or {}", warning.message, others.join("; or "));
-        return Some(Told::Doubt(warning));
+        return Some((None, Told::Doubt(warning)));
     }
-    Some(match first.by {
-        Explanation::Displaced(_) => Told::Contradiction(warning),
-        Explanation::Proportion => Told::Doubt(warning),
-        _ => Told::MadeGood(Box::new(first.solution), warning),
+    Some(match last.by {
+        Explanation::Displaced(_) => (None, Told::Contradiction(last.warning())),
+        Explanation::Proportion => (None, Told::Doubt(last.warning())),
+        _ => (Some(solution), Told::MadeGood(mistakes.iter().map(Explained::warning).collect())),
     })
 }
 
