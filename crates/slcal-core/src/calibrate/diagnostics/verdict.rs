@@ -22,6 +22,9 @@ const GEOMETRY_WARNINGS: [&str; 5] = [
     "poses-alike",
 ];
 
+/// Warnings about photographs that cannot be of one rig.
+const CONTRADICTIONS: [&str; 1] = ["photograph-offset"];
+
 /// Below this tilt the sheet is called almost face-on, rad (15°).
 const FACE_ON: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Residuals this many times their σ mean that the model misses something (distortion, a bent sheet, wrong corners).
@@ -91,6 +94,9 @@ impl Assessment {
 
     /// The error that refuses a degenerate view. A model that does not fit comes first: more tilt would not help.
     pub(crate) fn refusal(&self) -> Error {
+        if let Some(w) = self.doubt.as_ref().filter(|w| CONTRADICTIONS.contains(&w.code.as_str())) {
+            return Error::undetermined(ErrorSubject::Calibration, format!("{}; {}", w.message, w.advice));
+        }
         let misfit = self.warnings.iter().find(|w| !GEOMETRY_WARNINGS.contains(&w.code.as_str()));
         let advice = match misfit {
             Some(w) => format!("{}: {}; as it is, {}", w.message, w.advice, self.cause),

@@ -76,7 +76,8 @@ impl Explained {
                 let extent =
                     model.projector.map_or(1, |p| if axis == LensParameter::Cx { p.width } else { p.height });
                 format!(
-                    "the projector's lens is shifted sideways by {off:.0} ± {sigma:.0} px, {:.0} % of the width",
+                    "the projector's lens is shifted sideways by {off:.0} ± {:.0} px, {:.0} % of the width",
+                    sigma.max(1.0),
                     100.0 * off / f64::from(extent)
                 )
             }
@@ -99,9 +100,14 @@ impl Explained {
             Explanation::Crop => {
                 let [x, y] = [LensParameter::Cx, LensParameter::Cy].map(|p| self.off_centre(Lens::Camera, p));
                 format!(
-                    "the photographs were cropped off centre: the lens's axis lies {:.0} ± {:.0} px right of and {:.0} ± {:.0} px below \
-                     the middle",
-                    x.0, x.1, y.0, y.1
+                    "the photographs were cropped off centre: the lens's axis lies {:.0} ± {:.0} px {} and {:.0} ± {:.0} px {} the \
+                     middle",
+                    x.0.abs(),
+                    x.1,
+                    if x.0 < 0.0 { "left of" } else { "right of" },
+                    y.0.abs(),
+                    y.1,
+                    if y.0 < 0.0 { "above" } else { "below" }
                 )
             }
             Explanation::Proportion => {
@@ -113,12 +119,14 @@ impl Explained {
                 )
             }
             Explanation::Displaced(view) => format!(
-                "the image of photograph {} is displaced against {} by {:.1} px to the right and {:.1} px down; without that the \
-                 residuals are {:.1} times smaller",
+                "the image of photograph {} is displaced against {} by {:.1} px to the {} and {:.1} px {}; without that the \
+                 residuals are {:.0} times smaller",
                 view + 1,
                 if model.views.len() == 2 { "that of photograph 1" } else { "those of the others" },
-                self.amounts.x,
-                self.amounts.y,
+                self.amounts.x.abs(),
+                if self.amounts.x < 0.0 { "left" } else { "right" },
+                self.amounts.y.abs(),
+                if self.amounts.y < 0.0 { "up" } else { "down" },
                 (self.before / self.chi2.max(1.0)).sqrt()
             ),
         }

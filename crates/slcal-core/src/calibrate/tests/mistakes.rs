@@ -247,7 +247,10 @@ fn a_photograph_that_is_displaced_is_named_and_refused() {
         let error = calibrated(&o).unwrap_err().to_string();
         assert!(error.contains("photograph 2 is displaced"), "{error}");
         let px: Vec<f64> = error.split_whitespace().filter_map(|w| w.parse().ok()).collect();
-        assert!((px[2] - by.x).abs() < 0.4 && (px[3] - by.y).abs() < 0.4, "{px:?} {error}");
+        let near = |found: f64, true_px: f64| (found - true_px.abs()).abs() < 0.4;
+        assert!(near(px[2], by.x) && near(px[3], by.y), "{px:?} {error}");
+        let to = if by.x < 0.0 { "to the left" } else { "to the right" };
+        assert!(error.contains(to), "{error}");
         let config = CalibrateConfig { allow_degenerate: true, ..CalibrateConfig::default() };
         let found = calibrate_observations(&o, &config).unwrap();
         assert!(codes(&found).contains(&"photograph-offset"));
