@@ -45,6 +45,7 @@ def test_records_are_read_from_what_the_extension_says():
         "cause": "seen flat",
         "advice": "tilt it",
         "warnings": [{"code": "a", "message": "b", "advice": "c"}],
+        "assumptions": [],
         "beyond": 1,
     }
     quality = reports.Quality._of(said)

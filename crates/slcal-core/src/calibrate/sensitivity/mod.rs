@@ -159,7 +159,8 @@ fn shown_one_to_one(solution: &Solution) -> Option<Assumed> {
         value: 100.0,
         sigma: None,
         if_off_by: 100.0 * SCALE,
-        departures: vec![(Departure::ShownScale, SCALE)],
+        // Shown at 95 %, a picture's pixels are those of one 1/0.95 times as large.
+        departures: vec![(Departure::ShownScale, 1.0 / (1.0 - SCALE) - 1.0)],
         estimated: false,
     })
 }
