@@ -94,15 +94,17 @@ impl Assumption {
         }
     }
 
-    /// What checks it, as a clause without a subject: "a second photograph with the tilt reversed checks it".
+    /// What checks it: "a second photograph with the tilt reversed".
     #[must_use]
     pub fn check(&self) -> &'static str {
         match self.code.as_str() {
-            "size" => "a ruler checks it",
-            "sheet-flat" => "a stiff board or a straightedge checks it",
-            "shown-1:1" => "the picture's border on the wall, or marks at its corners, check it",
-            "steady-light" => "an exposure of a whole number of mains periods avoids it",
-            _ => "a second photograph with the tilt reversed checks it",
+            "size" => "a ruler",
+            "sheet-flat" => "a straightedge, or a stiff board",
+            "shown-1:1" => {
+                "the border of the picture lies where the light of the projector ends; a pattern with marks, seen on the sheet"
+            }
+            "steady-light" => "a photograph that is exposed for a whole number of mains periods",
+            _ => "a second photograph with the tilt reversed",
         }
     }
 }

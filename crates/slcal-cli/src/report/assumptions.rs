@@ -19,7 +19,7 @@ pub(super) fn section(page: &RigPage) -> Option<Section> {
         p { "The result holds if these are true. The moves say by how much focal lengths and baseline would change, found by \
              solving again. Assumptions in bold cost more than the stated σ, and nothing in the photographs confirms them." }
         div.scroll { table {
-            thead { tr { th { "Assumption" } th { "Status" } th { "Value" } th { "What a departure would do" } th { "What to do" } } }
+            thead { tr { th { "Assumption" } th { "Status" } th { "Value" } th { "What a departure would do" } th { "What checks it" } } }
             tbody {
                 @for a in &decisive { (row(a, true)) }
                 @for a in others { (row(a, false)) }

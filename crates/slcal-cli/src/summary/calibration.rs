@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use nalgebra::Point2;
-use slcal_core::{CalibrationReport, Device, Quality, Rig, Verdict, View};
+use slcal_core::{Assumption, CalibrationReport, Device, Quality, Rig, Verdict, View};
 
 use super::number::{rounded, unsigned};
 use super::verdict::verdict;
@@ -61,15 +61,26 @@ fn judgement(layout: &mut TextLayout, quality: &Quality, cause: &str) {
     layout.line("", "(± and σ are one standard deviation)");
 }
 
-/// What nothing in the photographs confirms and would cost more than σ.
+/// What nothing in the photographs confirms and would cost more than σ; what the same thing checks stands together.
 fn rests_on(layout: &mut TextLayout, quality: &Quality) {
-    let mut label = "assumes";
+    let mut groups: Vec<(&str, Vec<&Assumption>)> = Vec::new();
     for a in quality.rests_on() {
-        if label == "assumes" {
-            layout.gap();
+        match groups.iter_mut().find(|(check, _)| *check == a.check()) {
+            Some((_, group)) => group.push(a),
+            None => groups.push((a.check(), vec![a])),
         }
-        layout.line(label, format!("{} ({}); {}", a.text, a.cost(), a.check()));
-        label = "";
+    }
+    if groups.is_empty() {
+        return;
+    }
+    layout.gap();
+    let mut label = "assumes";
+    for (check, group) in groups {
+        for a in &group {
+            layout.line(label, format!("{} ({})", a.text, a.cost()));
+            label = "";
+        }
+        layout.line("", format!("to check: {check}"));
     }
 }
 
@@ -86,18 +97,15 @@ fn expected_uncertainty(layout: &mut TextLayout, rig: &Rig) {
     let Some(sigma) = quality.expected_point_sigma_mm else { return };
     let volume = working_volume(rig).ok().flatten();
     let common = volume.as_ref().is_some_and(|v| v.knows_rig && v.rig_mm() > v.sigma.noise_mm);
-    let [shared, remedy] = [
-        if common {
-            ", most of it common to all points: it shifts and scales the cloud as a whole"
-        } else {
-            ""
-        },
-        if common && !quality.advice.is_empty() { "; the advice below reduces it" } else { "" },
-    ];
+    let shared = if common {
+        ", most of it common to all points: it shifts and scales the cloud as a whole"
+    } else {
+        ""
+    };
     let distance = unbroken(&format!("({:.0} mm)", sheet_distance_mm(rig)));
     layout.line(
         "points",
-        format!("± {sigma:.2} mm along the line of sight at the sheet's distance {distance}{shared}{remedy}"),
+        format!("± {sigma:.2} mm along the line of sight at the sheet's distance {distance}{shared}"),
     );
     if let Some((length, [across, along])) = volume.and_then(|v| lengths(rig, v.axis)) {
         let [across, along] = [across, along].map(|s| rounded(s, if s < 1.0 { 2 } else { 1 }));
@@ -250,12 +258,19 @@ pub(crate) fn holds_while(rig: &Rig) -> &'static str {
 /// Warnings, advice, and how long the calibration holds.
 fn remarks(rig: &Rig, report: &CalibrationReport) -> Vec<(anstyle::Style, &'static str, String)> {
     let warnings = rig.quality.iter().flat_map(|q| &q.warnings);
-    let mut remarks: Vec<_> =
-        warnings.clone().map(|w| (FAIR, "warning", format!("{} ({})", w.message, w.code))).collect();
-    // The report's advice is often that of a warning.
+    let mut remarks = Vec::new();
+    // The advice of several warnings, and the report's, is often the same.
     let mut once = HashSet::new();
-    let advice = warnings.map(|w| &w.advice).chain([&report.advice]);
-    remarks.extend(advice.filter(|a| !a.is_empty() && once.insert(*a)).map(|a| (BOLD, "advice", a.clone())));
+    let mut advise = |remarks: &mut Vec<_>, advice: &str| {
+        if !advice.is_empty() && once.insert(advice.to_owned()) {
+            remarks.push((BOLD, "advice", advice.to_owned()));
+        }
+    };
+    for w in warnings {
+        remarks.push((FAIR, "warning", format!("{} ({})", w.message, w.code)));
+        advise(&mut remarks, &w.advice);
+    }
+    advise(&mut remarks, &report.advice);
     remarks.push((BOLD, "note", holds_while(rig).to_owned()));
     remarks
 }

@@ -329,8 +329,8 @@ fn on_its_side(solution: &Solution, config: &CalibrateConfig) -> Option<Warning>
                  the rows",
                 p.width, p.height
             ),
-            "if it does not, turn the picture back in the display's settings and take the photographs again, or give the \
-             principal point",
+            "if the projector does not lie on its side, set the display's rotation to normal and take the photographs again, or \
+             give the projector's principal point",
         )
     })
 }

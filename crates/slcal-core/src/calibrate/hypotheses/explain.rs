@@ -117,7 +117,11 @@ pub(crate) fn explanations(
     let last = mistakes.last()?.score();
     alternatives.retain(|e| e.score() < last + ALIKE * unit);
     let gain = misfit(given).chi2 - mistakes.iter().map(Explained::price).sum::<f64>() - chi2;
-    (gain > CLEARLY * unit * mistakes.len() as f64).then_some(Explanations { mistakes, alternatives, solution })
+    (gain > CLEARLY * unit * mistakes.len() as f64).then_some(Explanations {
+        mistakes,
+        alternatives,
+        solution,
+    })
 }
 
 /// By how much σ are to be multiplied for the noise that a solution leaves.

@@ -83,18 +83,16 @@ impl Explained {
             }
             Explanation::ProjectorAspect => {
                 let (ln, sigma) = self.value(Lens::Projector, LensParameter::Aspect);
-                let ratio = ln.exp();
                 format!(
-                    "the projector's pixels are not square: they are {ratio:.4} ± {:.4} times as wide as high",
-                    ratio * sigma
+                    "the projector's pixels are not square: they are {} times as wide as high",
+                    with_sigma(ln.exp(), ln.exp() * sigma)
                 )
             }
             Explanation::CameraAspect => {
                 let (ln, sigma) = self.value(Lens::Camera, LensParameter::Aspect);
-                let ratio = ln.exp();
                 format!(
-                    "the photographs are stretched: fy/fx of the camera is {ratio:.4} ± {:.4}",
-                    ratio * sigma
+                    "the photographs are stretched: fy/fx of the camera is {}",
+                    with_sigma(ln.exp(), ln.exp() * sigma)
                 )
             }
             Explanation::Crop => {
@@ -134,17 +132,19 @@ impl Explained {
 
     fn advice(&self) -> String {
         match self.by {
-            Explanation::SidewaysShift => "this was estimated and is in the result; if the lens cannot be shifted, check that the \
-                                           pattern filled the panel and was not moved or cropped"
+            Explanation::SidewaysShift => "the result contains the shift and holds as it is; if the lens cannot be shifted, the picture \
+                                           was moved on its way to the panel: switch digital shift and keystone correction off, \
+                                           and take the photographs again"
                 .to_owned(),
-            Explanation::ProjectorAspect => "this was estimated and is in the result; if the projector has square pixels, show the \
-                                             pattern in the panel's own resolution, because the picture was stretched"
+            Explanation::ProjectorAspect => "the result contains the ratio and holds for pictures that are shown in the same way; if \
+                                             the projector has square pixels, show the pattern in the panel's own resolution, \
+                                             and take the photographs again"
                 .to_owned(),
-            Explanation::CameraAspect => "this was estimated and is in the result; use photographs as the camera writes them, \
-                                          because these were stretched after they were taken"
+            Explanation::CameraAspect => "the result contains the ratio and holds for photographs that are stretched in the same \
+                                          way; photographs as the camera writes them are safer"
                 .to_owned(),
-            Explanation::Crop => "this was estimated and is in the result, which holds for pictures with the same crop; \
-                                  photographs as the camera writes them are more certain"
+            Explanation::Crop => "the result contains the crop and holds for photographs that are cropped in the same way; \
+                                  photographs as the camera writes them are safer"
                 .to_owned(),
             Explanation::Proportion => {
                 let size = self.solution.model().views[0].size;
@@ -163,4 +163,10 @@ impl Explained {
                 .to_owned(),
         }
     }
+}
+
+/// Both with as many digits as σ supports.
+fn with_sigma(value: f64, sigma: f64) -> String {
+    let decimals = (1.0 - sigma.max(1e-9).log10().floor()).clamp(2.0, 9.0) as usize;
+    format!("{value:.decimals$} ± {sigma:.decimals$}")
 }

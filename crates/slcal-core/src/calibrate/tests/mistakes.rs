@@ -105,7 +105,10 @@ fn the_cost_of_an_assumption_is_what_calibrating_under_the_other_one_gives() {
         }
         100.0 * (f(&calibrated(&scaled).unwrap()) / f(&found) - 1.0)
     };
-    let moved = [scaled(1.0 / 0.95), scaled(2.0 - 1.0 / 0.95)].into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap();
+    let moved = [scaled(1.0 / 0.95), scaled(2.0 - 1.0 / 0.95)]
+        .into_iter()
+        .max_by(|a, b| a.abs().total_cmp(&b.abs()))
+        .unwrap();
     assert!((told - moved).abs() < 0.1 * moved.abs(), "{told} against {moved}");
 
     let told = of("size").moves_percent;
