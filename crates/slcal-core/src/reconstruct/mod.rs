@@ -1,5 +1,6 @@
 //! Matches + [`Rig`](crate::Rig) → [`PointCloud`](crate::PointCloud): triangulation, removal of outliers, mesh.
 
+mod camera_ray;
 mod components;
 mod cull;
 mod delaunay;

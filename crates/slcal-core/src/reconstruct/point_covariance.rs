@@ -1,7 +1,8 @@
 //! The rig's share of a point's σ.
 
-use nalgebra::{Matrix2, Vector2, Vector3};
+use nalgebra::{Matrix2, Vector2};
 
+use super::camera_ray::CameraRay;
 use super::light_plane::{Hit, ProjectorLight};
 use crate::estimate::Unknowns;
 use crate::estimate::residual::LENS;
@@ -9,18 +10,6 @@ use crate::estimate::unknowns::SHARED;
 use crate::geometry::{Camera, Distortion};
 use crate::parameter::Parameter;
 use crate::rig::Rig;
-
-/// A camera's ray: what the rig's share needs of it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct CameraRay {
-    /// (x, y, 1) in the camera's frame.
-    pub(super) bearing: Vector3<f64>,
-    /// The same in the projector's.
-    pub(super) in_projector: Vector3<f64>,
-    /// d(x, y)/d(pixel).
-    pub(super) by_pixel: Matrix2<f64>,
-    pub(super) squared_length: f64,
-}
 
 /// The covariance of the devices and of the transform between them.
 #[derive(Debug, Clone)]
@@ -63,7 +52,11 @@ impl RigSigma {
         ray: &CameraRay,
         hit: &Hit,
     ) -> f64 {
-        let all = gradient(camera, light, ray, hit);
+        self.propagated(&gradient(camera, light, ray, hit))
+    }
+
+    /// 1σ of a quantity with these derivatives by all parameters, to first order.
+    pub(super) fn propagated(&self, all: &[f64; SHARED]) -> f64 {
         let n = self.parameters.len();
         let mut g = [0.0; SHARED];
         for (to, from) in g.iter_mut().zip(&self.parameters) {

@@ -3,14 +3,14 @@
 // Inlined from match to point; otherwise the compiler passes every intersection through memory.
 #![allow(clippy::inline_always)]
 
-use nalgebra::{Matrix2, Point3, Vector2};
+use nalgebra::{Point3, Vector2};
 
+use super::camera_ray::{CameraRay, CameraRays};
 use super::light_plane::{Hit, ProjectorLight, Rejection};
-use super::point_covariance::{CameraRay, RigSigma};
+use super::point_covariance::RigSigma;
 use super::triangulate_config::{TriangulateConfig, TriangulateReport};
 use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::error::Result;
-use crate::geometry::Camera;
 use crate::matches::{Match, Matches};
 use crate::rig::{Projector, Rig};
 use crate::solve::median;
@@ -47,10 +47,7 @@ pub fn triangulate(
 #[derive(Debug, Clone)]
 pub struct Triangulator {
     config: TriangulateConfig,
-    camera: Camera,
-    bent: bool,
-    /// d(x, y)/d(pixel) without distortion.
-    by_pixel: Matrix2<f64>,
+    rays: CameraRays,
     light: ProjectorLight,
     depth_mm: std::ops::RangeInclusive<f64>,
     rig: Option<RigSigma>,
@@ -80,12 +77,9 @@ impl Triangulator {
         config.validate()?;
         let Projector { device, from_camera } = rig.require_projector()?;
         let camera = rig.camera.model;
-        let k = &camera.intrinsics;
         Ok(Self {
             config,
-            camera,
-            bent: !camera.distortion.is_none(),
-            by_pixel: Matrix2::new(1.0 / k.fx, -k.skew / (k.fx * k.fy), 0.0, 1.0 / k.fy),
+            rays: CameraRays::new(camera),
             light: ProjectorLight::new(
                 device.model,
                 from_camera.pose,
@@ -200,7 +194,7 @@ impl Triangulator {
         {
             return Err(Rejection::Invalid);
         }
-        let ray = self.ray(m)?;
+        let ray = self.rays.of(m.camera, &self.light.pose.rotation).ok_or(Rejection::Invalid)?;
         let hit = self.light.meet(&ray.in_projector, wanted)?;
         let z = 1.0 / hit.inverse_depth;
         if !self.depth_mm.contains(&z) {
@@ -223,21 +217,6 @@ impl Triangulator {
             slit: m.slit,
             confidence,
         })
-    }
-
-    #[inline(always)]
-    fn ray(&self, m: &Match) -> std::result::Result<CameraRay, Rejection> {
-        let seen = self.by_pixel * (m.camera - self.camera.intrinsics.principal_point());
-        let (ideal, by_pixel) = if self.bent {
-            let (ideal, bend) =
-                self.camera.distortion.undistort_with_jacobian(seen).ok_or(Rejection::Invalid)?;
-            (ideal, bend.try_inverse().ok_or(Rejection::Invalid)? * self.by_pixel)
-        } else {
-            (seen, self.by_pixel)
-        };
-        let bearing = ideal.push(1.0);
-        let in_projector = self.light.pose.rotation.matrix() * bearing;
-        Ok(CameraRay { bearing, in_projector, by_pixel, squared_length: bearing.norm_squared() })
     }
 
     /// 1σ along the ray from the noise of the match over the square of the depth, 1/mm.
@@ -266,7 +245,7 @@ impl Triangulator {
     fn rig_share(&self, m: &Match, ray: &CameraRay, hit: &Hit, shares: &mut [Share; REMEMBERED]) -> f64 {
         let Some(rig) = &self.rig else { return 0.0 };
         let exact =
-            || rig.along_ray(&self.camera, &self.light, ray, hit) * (hit.inverse_depth * hit.inverse_depth);
+            || rig.along_ray(&self.rays.camera, &self.light, ray, hit) * (hit.inverse_depth * hit.inverse_depth);
         let (Some(slit), Some(coordinate), 1) =
             (m.slit, m.projector_column.or(m.projector_row), hit.coordinates().count())
         else {
