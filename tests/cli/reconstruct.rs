@@ -503,3 +503,37 @@ fn a_report_names_only_files_that_there_are() {
     let _ = bench.run(&format!("{MANY} b.jpg -o c.ply --report c.html --force")).ok();
     assert!(bench.text("c.html").contains("slcal report --rig rig.json --cloud c.ply"));
 }
+
+/// The truth of the rendered photographs with the camera moved in its own frame, mm.
+fn moved_rig(by_mm: [f64; 3]) -> Vec<u8> {
+    let mut rig: Value = serde_json::from_slice(&file("crates/slcal-cli/demo/truth_rig.json")).unwrap();
+    let pose = &mut rig["projector_from_camera"];
+    for row in 0..3 {
+        let by: f64 = (0..3).map(|k| pose["R"][row][k].as_f64().unwrap() * by_mm[k]).sum();
+        pose["t"][row] = (pose["t"][row].as_f64().unwrap() + by).into();
+    }
+    serde_json::to_vec(&rig).unwrap()
+}
+
+#[test]
+fn a_rig_that_moved_is_told_by_the_stripes() {
+    let bench = with_photos(&THREE[..1]);
+    bench.put("moved.json", moved_rig([-10.0, 10.0, 0.0]));
+    let right = json(&bench.run(&format!("{MANY} a.jpg -o right.ply --json -q")).ok());
+    assert_eq!(right["clouds"][0]["warnings"], serde_json::json!([]));
+    assert!(right["clouds"][0]["rig_check"]["slits"].as_u64().unwrap() > 50);
+    let line = "reconstruct --rig moved.json --pattern stripes.json a.jpg";
+    let wrong = json(&bench.run(&format!("{line} -o wrong.ply --json -q")).ok());
+    let warning = &wrong["clouds"][0]["warnings"][0];
+    assert_eq!(warning["code"], "rig-moved");
+    // The cloud is written nevertheless, and the summary, the line of many frames and the report say it.
+    assert!(bench.path("wrong.ply").exists());
+    let run = bench.run(&format!("{line} -o wrong.ply --force --report report.html")).ok();
+    let said = run.text().split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains(warning["message"].as_str().unwrap()) && said.contains("(rig-moved)"), "{said}");
+    assert!(said.contains(warning["advice"].as_str().unwrap()), "{said}");
+    let page = String::from_utf8(bytes(&bench, "report.html")).unwrap();
+    assert!(page.contains("Does the rig fit?") && page.contains("rig-moved"));
+    let many = bench.run(&format!("{line} --out-dir clouds")).ok();
+    assert!(many.text().contains("(rig-moved)"), "{}", many.text());
+}

@@ -54,9 +54,11 @@ fn head(page: &CloudPage) -> Markup {
     let (result, rig) = (page.result, page.rig);
     let (cloud, t) = (&result.cloud, result.triangulate());
     let remarks = result.decode().map(summary::remarks).unwrap_or_default();
+    let warnings = result.warnings();
+    let doubtful = !warnings.is_empty() || remarks.iter().any(|(label, _)| *label == "warning");
     let millimetres = |name: &str, x: f64| derived(name, x, &significant(x, 2));
     html! {
-        div class={ "verdict " (if remarks.iter().any(|(label, _)| *label == "warning") { "fair" } else { "none" }) } {
+        div class={ "verdict " (if doubtful { "fair" } else { "none" }) } {
             h1 {
                 span.what { "Cloud of " (page.image_name) }
                 span.word { (thousands(cloud.points.len())) " points" }
@@ -100,6 +102,10 @@ fn head(page: &CloudPage) -> Markup {
                 }
                 dt { "The rig" }
                 dd { (verdict::in_a_line(rig, &page.rig_name)) }
+                @if !warnings.is_empty() {
+                    dt { "Does the rig fit?" }
+                    dd { (next_steps::listed(&warnings)) }
+                }
                 @if !remarks.is_empty() {
                     dt { "Warnings and notes" }
                     @for (_, remark) in &remarks { dd { (verdict::sentence(remark)) } }

@@ -1,6 +1,7 @@
 //! Warnings, and the commands to run next.
 
 use maud::{Markup, html};
+use slcal_core::Warning;
 
 use super::command_line::quoted;
 use super::page::Section;
@@ -12,16 +13,21 @@ pub(super) fn warnings(page: &RigPage) -> Option<Section> {
     let warnings = &page.rig.quality.as_ref()?.warnings;
     let content = html! {
         @if warnings.is_empty() { p { "None." } }
-        @else {
-            ul.warnings { @for w in warnings {
-                li {
-                    p { strong { "Warning: " } (sentence(&w.message)) " " span.aside { "(" code { (w.code) } ")" } }
-                    @if !w.advice.is_empty() { p { strong { "What to do: " } (sentence(&w.advice)) } }
-                }
-            } }
-        }
+        @else { (listed(warnings)) }
     };
     Some(Section { id: "warnings", title: "Warnings", content })
+}
+
+/// Warnings with what to do about them.
+pub(super) fn listed(warnings: &[Warning]) -> Markup {
+    html! {
+        ul.warnings { @for w in warnings {
+            li {
+                p { strong { "Warning: " } (sentence(&w.message)) " " span.aside { "(" code { (w.code) } ")" } }
+                @if !w.advice.is_empty() { p { strong { "What to do: " } (sentence(&w.advice)) } }
+            }
+        } }
+    }
 }
 
 /// The commands that were run, and those to run next.

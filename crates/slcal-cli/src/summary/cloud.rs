@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use slcal_core::{PointCloud, Reconstruction};
 
 use super::decoding::{add_counts, add_remarks, decoded_percent};
-use crate::output::{TextLayout, unbroken};
+use crate::output::{BOLD, FAIR, TextLayout, unbroken};
 use crate::quantile::Sorted;
 
 /// One cloud of many: points and decoding in one line, then warnings and notes.
@@ -19,10 +19,10 @@ pub(crate) fn cloud_in_a_line(result: &Reconstruction) -> String {
     }
     if let Some(report) = result.decode() {
         let _ = write!(text, ", {:.1} % decoded", decoded_percent(report));
-        let mut layout = TextLayout::new();
-        add_remarks(&mut layout, report);
-        let _ = write!(text, "\n{}", layout.into_text());
     }
+    let mut layout = TextLayout::new();
+    add_warnings(&mut layout, result);
+    let _ = write!(text, "\n{}", layout.into_text());
     text.trim_end().to_owned()
 }
 
@@ -33,16 +33,29 @@ pub(crate) fn reconstruction(result: &Reconstruction) -> String {
         add_counts(&mut layout, report);
     }
     points(&mut layout, result);
-    if let Some(report) = result.decode() {
-        add_remarks(&mut layout, report);
-    }
+    add_warnings(&mut layout, result);
     layout.into_text()
 }
 
-/// Points from matches.
+/// Warnings about the cloud with their advice, then those of decoding.
+fn add_warnings(layout: &mut TextLayout, result: &Reconstruction) {
+    let warnings = result.warnings();
+    for w in &warnings {
+        layout.styled_line(FAIR, "warning", format!("{} ({})", w.message, w.code));
+    }
+    for w in &warnings {
+        layout.styled_line(BOLD, "advice", w.advice.clone());
+    }
+    if let Some(report) = result.decode() {
+        add_remarks(layout, report);
+    }
+}
+
+/// Points from matches, and warnings.
 pub(crate) fn cloud(result: &Reconstruction) -> String {
     let mut layout = TextLayout::new();
     points(&mut layout, result);
+    add_warnings(&mut layout, result);
     layout.into_text()
 }
 

@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::reconstructor::Reconstruction;
 use crate::decode::DecodeReport;
-use crate::reconstruct::{CullReport, TriangulateReport};
+use crate::reconstruct::{CullReport, RigCheckReport, TriangulateReport};
+use crate::rig::Warning;
 
 /// Counts of a cloud and reports of its stages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -20,6 +21,10 @@ pub struct CloudReport {
     pub triangulate: TriangulateReport,
     /// Counts of removed triangles and points.
     pub cull: CullReport,
+    /// How the matches agree with the rig.
+    pub rig_check: RigCheckReport,
+    /// What makes the cloud doubtful.
+    pub warnings: Vec<Warning>,
 }
 
 #[cfg(feature = "report")]
@@ -33,6 +38,8 @@ impl Reconstruction {
             decode: self.decode.clone(),
             triangulate: self.triangulate,
             cull: self.cull,
+            rig_check: self.rig_check,
+            warnings: self.warnings(),
         }
     }
 }

@@ -9,9 +9,10 @@ use crate::geometry::Pose;
 use crate::matches::Matches;
 use crate::pattern::StripePattern;
 use crate::reconstruct::{
-    CullReport, CullRule, Culler, TriangulateConfig, TriangulateReport, Triangulator, first_view, turn,
+    CullReport, CullRule, Culler, RigCheckReport, RigChecker, TriangulateConfig, TriangulateReport,
+    Triangulator, first_view, turn,
 };
-use crate::rig::Rig;
+use crate::rig::{Rig, Warning};
 
 /// Largest share of matches whose ray does not meet light from the panel in front of the devices. Above it pattern, rig
 /// and photograph do not belong together. The right pattern leaves a few in a thousand (labels that are wrong by
@@ -43,6 +44,7 @@ pub struct Reconstruction {
     pub(super) decode: Option<DecodeReport>,
     pub(super) triangulate: TriangulateReport,
     pub(super) cull: CullReport,
+    pub(super) rig_check: RigCheckReport,
 }
 
 impl Reconstruction {
@@ -56,6 +58,14 @@ impl Reconstruction {
     #[must_use]
     pub fn median_noise_mm(&self) -> f64 {
         self.triangulate.median_noise_mm
+    }
+
+    /// What makes the cloud doubtful: `rig-moved` where the matches contradict the rig, `shown-1:1` where the stripes seem
+    /// to be shown at another scale. An empty list proves nothing: most motion along the baseline leaves no trace in
+    /// stripes.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<Warning> {
+        self.rig_check.warning().into_iter().collect()
     }
 }
 
@@ -78,6 +88,12 @@ impl Reconstruction {
     #[must_use]
     pub fn cull(&self) -> &CullReport {
         &self.cull
+    }
+
+    /// How the matches agree with the rig.
+    #[must_use]
+    pub fn rig_check(&self) -> &RigCheckReport {
+        &self.rig_check
     }
 }
 
@@ -196,6 +212,7 @@ pub fn cloud_from_matches(
 #[derive(Debug, Clone)]
 struct Stages {
     triangulator: Triangulator,
+    rig_checker: RigChecker,
     culler: Culler,
     rule: CullRule,
     mesh: bool,
@@ -211,6 +228,7 @@ impl Stages {
         };
         Ok(Self {
             triangulator: Triangulator::new(rig, config.triangulate)?,
+            rig_checker: RigChecker::new(rig, config.triangulate.min_angle_rad)?,
             culler: Culler::default(),
             rule: config.cull,
             mesh: config.mesh,
@@ -223,6 +241,7 @@ impl Stages {
         result.cull = CullReport::default();
         let cloud = &mut result.cloud;
         result.triangulate = self.triangulator.triangulate(matches, cloud);
+        result.rig_check = self.rig_checker.check(matches);
         if self.mesh || self.rule != CullRule::Off {
             result.cull = self.culler.cull(cloud, self.rule)?;
         }

@@ -150,7 +150,7 @@ impl ProjectorLight {
     }
 
     #[inline(always)]
-    fn pixel(&self, ideal: Vector2<f64>) -> Vector2<f64> {
+    pub(super) fn pixel(&self, ideal: Vector2<f64>) -> Vector2<f64> {
         let at = if self.bent { self.projector.distortion.distort(ideal) } else { ideal };
         self.projector.intrinsics.pixel(at).coords
     }
@@ -182,7 +182,12 @@ impl ProjectorLight {
 
     /// The projection into the projector of the ray's point at an inverse depth.
     #[inline(always)]
-    fn at(&self, q: &Vector3<f64>, inverse_depth: f64, wanted: [Option<f64>; 2]) -> Result<Hit, Rejection> {
+    pub(super) fn at(
+        &self,
+        q: &Vector3<f64>,
+        inverse_depth: f64,
+        wanted: [Option<f64>; 2],
+    ) -> Result<Hit, Rejection> {
         let t = &self.pose.translation;
         let p = q + t * inverse_depth;
         if p.z.is_nan() || p.z <= 0.0 {

@@ -10,6 +10,7 @@ mod length_uncertainty;
 mod light_plane;
 mod local_slant;
 mod point_covariance;
+mod rig_check;
 mod synthetic_match;
 mod triangle_metrics;
 mod triangulate;
@@ -24,6 +25,8 @@ public_with! { "report": pub use expected_uncertainty::{ExpectedSigma, ExpectedU
 public_with! { "stages": pub use frame::in_frame; }
 pub(crate) use frame::{first_view, turn};
 public_with! { "report": pub use length_uncertainty::{LengthSigma, length_sigma}; }
+pub(crate) use rig_check::RigChecker;
+public_with! { "report": pub use rig_check::{RigCheckReport, SlitCount}; }
 public_with! { "stages": pub use triangulate::{Triangulator, triangulate}; }
 pub use triangulate_config::TriangulateConfig;
 public_with! { "report": pub use triangulate_config::TriangulateReport; }

@@ -244,8 +244,9 @@ impl Triangulator {
     #[inline(always)]
     fn rig_share(&self, m: &Match, ray: &CameraRay, hit: &Hit, shares: &mut [Share; REMEMBERED]) -> f64 {
         let Some(rig) = &self.rig else { return 0.0 };
-        let exact =
-            || rig.along_ray(&self.rays.camera, &self.light, ray, hit) * (hit.inverse_depth * hit.inverse_depth);
+        let exact = || {
+            rig.along_ray(&self.rays.camera, &self.light, ray, hit) * (hit.inverse_depth * hit.inverse_depth)
+        };
         let (Some(slit), Some(coordinate), 1) =
             (m.slit, m.projector_column.or(m.projector_row), hit.coordinates().count())
         else {

@@ -289,6 +289,45 @@ class CullReport(Report):
 
 
 @dataclass(frozen=True)
+class SlitCount(Report):
+    """How many slits contradict the rig in one way."""
+
+    #: Slits that could contradict it.
+    tested: int
+    #: Slits that do.
+    contradicting: int
+    #: By how much, px on the panel: the median of those that do.
+    median_px: float
+    #: What scanlines, noise and the uncertainty of the rig explain, px on the panel.
+    allowed_px: float
+
+
+@dataclass(frozen=True)
+class RigCheckReport(Report):
+    """How the matches agree with the rig, by the positions along the slits from which their light comes.
+
+    Positions count from the panel's first row (its first column for slits that are rows).
+    """
+
+    #: Slits that were seen on enough scanlines.
+    slits: int
+    #: Whether the slits are rows of the panel.
+    slits_are_rows: bool
+    #: Light from before the panel's first position.
+    outside_start: SlitCount
+    #: Light from beyond its last one.
+    outside_end: SlitCount
+    #: Slits that end on a straight border of the light inside the panel, at its first position.
+    inside_start: SlitCount
+    #: The same at its last position.
+    inside_end: SlitCount
+    #: Light that would fall on two surfaces.
+    lit_twice: SlitCount
+    #: The scale at which the stripes seem to be shown, where that explains the ends of the light.
+    shown_scale: float | None
+
+
+@dataclass(frozen=True)
 class CloudReport(Report):
     """Counts and measurements of a reconstruction."""
 
@@ -298,6 +337,9 @@ class CloudReport(Report):
     decode: DecodeReport | _MaybeNone
     triangulate: TriangulateReport
     cull: CullReport
+    rig_check: RigCheckReport
+    #: What makes the cloud doubtful, such as ``rig-moved``.
+    warnings: tuple[Warning, ...]
 
 
 # Evaluation
