@@ -203,7 +203,7 @@ fn a_camera_that_moved_is_noticed_where_stripes_show_it() {
     let axes = [("x", Vector3::x()), ("y", Vector3::y()), ("z", Vector3::z())];
     let mut moves: Vec<(String, Vector3<f64>, Vector3<f64>)> = Vec::new();
     for (name, axis) in axes {
-        for mm in [2.0, 5.0, 10.0, 20.0] {
+        for mm in [2.0_f64, 5.0, 10.0, 20.0] {
             moves.extend(
                 [mm, -mm].map(|mm| (format!("{} mm along {name}", mm.abs()), axis * mm, Vector3::zeros())),
             );
@@ -255,9 +255,9 @@ fn shown(seen: &Seen, scale: f64) -> Matches {
     pattern.centres_px.iter_mut().for_each(|c| *c = scaled(*c, w));
     let mut matches = seen.photographer.stripe_matches(&pattern);
     let [first, last] = [-0.5, h - 0.5].map(|row| scaled(row, h));
-    matches
-        .items
-        .retain(|m| seen.photographer.trace(m.camera).is_some_and(|t| (first..=last).contains(&t.panel[1])));
+    matches.items.retain(|m| {
+        seen.photographer.trace(m.camera).and_then(|t| t.panel).is_some_and(|p| (first..=last).contains(&p.y))
+    });
     for m in &mut matches.items {
         m.projector_column = Some(seen.pattern.centres_px[usize::from(m.slit.unwrap())]);
     }
