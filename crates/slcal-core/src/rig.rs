@@ -356,9 +356,8 @@ impl Rig {
         let view = self.views.get(i)?;
         let ViewBend { shape, sigma_mm, .. } = view.bend?;
         let [valley, peak] = shape.valley_and_peak(view.size);
-        let at = |p: Point2<f64>| shape.height(view.size, p);
-        let ((low, _, of_low), (high, _, of_high)) = (at(valley), at(peak));
-        let weights = of_low - of_high;
+        let [low, high] = [valley, peak].map(|p| shape.height(view.size, p).0);
+        let weights = SheetBend::by_terms(view.size, valley) - SheetBend::by_terms(view.size, peak);
         let named: Vec<_> = weights.iter().enumerate().map(|(k, w)| (Parameter::Bend(i, k), *w)).collect();
         let alone = || weights.iter().zip(sigma_mm).map(|(w, s)| (w * s).powi(2)).sum::<f64>().sqrt();
         let sigma_mm = self.sigma_along(&named).unwrap_or_else(alone);

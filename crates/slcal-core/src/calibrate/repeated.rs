@@ -30,6 +30,9 @@ fn same(a: &[EdgePoint], b: &[EdgePoint]) -> bool {
 
 /// For each view the first one that is the same photograph, itself if there is none before.
 fn firsts(observations: &Observations) -> Vec<usize> {
+    if observations.views.len() == 1 {
+        return vec![0];
+    }
     let seen: Vec<_> = observations.views.iter().map(points).collect();
     (0..seen.len()).map(|j| (0..j).find(|&i| same(&seen[i], &seen[j])).unwrap_or(j)).collect()
 }

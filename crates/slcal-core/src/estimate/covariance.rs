@@ -23,17 +23,15 @@ pub(crate) fn posterior(
     widened: [f64; 2],
 ) -> Option<DMatrix<f64>> {
     let mut j = problem.at(model)?.jacobian;
-    let mut at = 0;
-    for ((m, block), keep) in problem.measurements.iter().zip(&problem.blocks).zip(inliers) {
-        let weight = match (m.kind(), block.loss) {
-            _ if !keep => 0.0,
-            (Kind::SheetCorner, _) => 1.0,
-            (kind, Loss::Tukey(_)) => EFFICIENCY.sqrt() / widened[kind as usize],
-            (kind, _) => 1.0 / widened[kind as usize],
-        };
-        j.rows_mut(at, block.len).scale_mut(weight);
-        at += block.len;
-    }
+    let measured = problem.measurements.iter().zip(&problem.blocks).zip(inliers);
+    let weights = problem.row_weights(measured.map(|((m, block), keep)| match (m.kind(), block.loss) {
+        _ if !keep => 0.0,
+        (Kind::SheetCorner, _) => 1.0,
+        (kind, Loss::Tukey(_)) => EFFICIENCY.sqrt() / widened[kind as usize],
+        (kind, _) => 1.0 / widened[kind as usize],
+    }));
+    let weights = DVector::from_vec(weights);
+    j.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
     let units = model.units(&problem.unknowns);
     let beforehand: Vec<f64> = units.into_iter().map(|unit| 1.0 / (UNINFORMATIVE * unit)).collect();
     covariance(&problem.structure(), &j, &beforehand)

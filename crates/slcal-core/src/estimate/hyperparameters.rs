@@ -57,15 +57,7 @@ impl<'a> Linear<'a> {
 
     /// Weights of all rows: one, and none for outliers.
     fn weights(&self) -> Vec<f64> {
-        let mut weights = vec![1.0; self.residuals.len()];
-        let mut at = 0;
-        for (m, keep) in self.problem.measurements.iter().zip(self.keep) {
-            if !keep {
-                weights[at..at + m.rows()].fill(0.0);
-            }
-            at += m.rows();
-        }
-        weights
+        self.problem.row_weights(self.keep.iter().map(|keep| f64::from(*keep)))
     }
 }
 

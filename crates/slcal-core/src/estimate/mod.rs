@@ -20,6 +20,7 @@ pub(crate) mod propagation;
 pub(crate) mod residual;
 pub(crate) mod robust;
 pub(crate) mod sheet;
+pub(crate) mod side;
 pub(crate) mod solution;
 #[cfg(test)]
 mod tests;

@@ -9,8 +9,9 @@ use super::model::Model;
 use super::prior::Priors;
 use super::residual::{self, BEND, POSE, Residual};
 use super::robust::RobustProblem;
+use super::side::SideInImage;
 use super::unknowns::Unknowns;
-use crate::geometry::SheetBend;
+use crate::geometry::{SheetBend, Side};
 use crate::parameter::LensParameter;
 use crate::solve::{Block, Linearised, Loss, Problem, Structure};
 
@@ -66,17 +67,40 @@ impl BundleAdjustment {
         self.blocks.iter().map(|b| b.len).sum()
     }
 
-    fn residual(model: &Model, m: &Measurement) -> Option<Residual> {
-        let (camera, sheet) = (&model.camera, model.views.get(m.view)?);
-        match m.of {
-            Target::Edge(side) => residual::edge(camera, sheet, side, m.seen),
-            Target::SheetCorner(i) => residual::sheet_corner(camera, sheet, sheet.size.corners()[i], m.seen),
-            Target::Pair(q) => {
-                let projector = model.projector.as_ref()?;
-                let between = &model.projector_from_camera;
-                residual::projected_corner(camera, projector, between, sheet, q, m.seen)
-            }
+    /// One weight for each row: that of its measurement, and one for what is known beforehand.
+    pub(crate) fn row_weights(&self, of_measurements: impl IntoIterator<Item = f64>) -> Vec<f64> {
+        let mut weights = Vec::with_capacity(self.rows());
+        for (m, weight) in self.measurements.iter().zip(of_measurements) {
+            weights.resize(weights.len() + m.rows(), weight);
         }
+        weights.resize(self.rows(), 1.0);
+        weights
+    }
+
+    /// The residual of each measurement, `None` where the model is not defined.
+    fn each<'a>(&'a self, model: &'a Model) -> impl Iterator<Item = (&'a Measurement, Option<Residual>)> {
+        let camera = &model.camera;
+        let mut last: Option<(usize, Side, Option<SideInImage>)> = None;
+        let mut residual = move |m: &Measurement| {
+            let sheet = model.views.get(m.view)?;
+            match m.of {
+                Target::Edge(side) => {
+                    if last.as_ref().is_none_or(|l| (l.0, l.1) != (m.view, side)) {
+                        last = Some((m.view, side, SideInImage::new(camera, sheet, side)));
+                    }
+                    last.as_ref()?.2.as_ref()?.residual(m.seen)
+                }
+                Target::SheetCorner(i) => {
+                    residual::sheet_corner(camera, sheet, sheet.size.corners()[i], m.seen)
+                }
+                Target::Pair(q) => {
+                    let projector = model.projector.as_ref()?;
+                    let between = &model.projector_from_camera;
+                    residual::projected_corner(camera, projector, between, sheet, q, m.seen)
+                }
+            }
+        };
+        self.measurements.iter().map(move |m| (m, residual(m)))
     }
 
     /// Lines do not distinguish front from behind: the sheet's corners do.
@@ -86,7 +110,7 @@ impl BundleAdjustment {
 
     /// How far every measurement is from the model, as camera px from where it was seen to where it is expected.
     pub(crate) fn misses_px(&self, model: &Model) -> Option<Vec<Vector2<f64>>> {
-        self.measurements.iter().map(|m| Some(Self::residual(model, m)?.miss)).collect()
+        self.each(model).map(|(_, r)| Some(r?.miss)).collect()
     }
 
     /// Residuals and derivatives at a model; `None` where it is not defined.
@@ -144,8 +168,8 @@ impl Problem for BundleAdjustment {
         }
         to.jacobian.fill(0.0);
         let mut at = 0;
-        for m in &self.measurements {
-            self.put(to, at, m.rows(), &Self::residual(model, m)?, 1.0 / m.sigma_px);
+        for (m, residual) in self.each(model) {
+            self.put(to, at, m.rows(), &residual?, 1.0 / m.sigma_px);
             at += m.rows();
         }
         for (sigmas, sheet) in self.priors.bends.iter().zip(&model.views) {
@@ -180,7 +204,7 @@ impl RobustProblem for BundleAdjustment {
     }
 
     fn norms_px(&self, model: &Model) -> Option<Vec<f64>> {
-        self.measurements.iter().map(|m| Some(Self::residual(model, m)?.value.norm())).collect()
+        self.each(model).map(|(_, r)| Some(r?.value.norm())).collect()
     }
 
     fn renormalise(model: &mut Model) {

@@ -6,7 +6,7 @@
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Point2, Point3, SMatrix, Vector2, Vector3};
 
 use super::sheet::Sheet;
-use crate::geometry::{Camera, Distortion, Pose, Side};
+use crate::geometry::{Camera, Distortion, Pose, SheetBend, Terms};
 use crate::parameter::{LensParameter, PoseParameter};
 
 /// Number of parameters of a lens.
@@ -14,17 +14,10 @@ pub(crate) const LENS: usize = LensParameter::ALL.len();
 /// Number of parameters of a pose.
 pub(crate) const POSE: usize = PoseParameter::ALL.len();
 /// Number of parameters of a sheet's bend.
-pub(crate) const BEND: usize = crate::geometry::SheetBend::DEGREES.len();
+pub(crate) const BEND: usize = SheetBend::DEGREES.len();
 
-/// The nearest point of a side is found to this accuracy along the side, px; its distance is of second order in that.
-const NEAREST_PX: f64 = 1e-6;
-/// Most steps towards it; perspective alone takes two.
-const MAX_STEPS: usize = 12;
-/// The side is continued by this part of its length beyond its corners.
-const BEYOND: f64 = 0.3;
-
-type Lens2 = SMatrix<f64, 2, LENS>;
-type Pose2 = SMatrix<f64, 2, POSE>;
+pub(super) type Lens2 = SMatrix<f64, 2, LENS>;
+pub(super) type Pose2 = SMatrix<f64, 2, POSE>;
 type Bend2 = SMatrix<f64, 2, BEND>;
 
 /// A residual and its derivatives; those that do not apply are zero, as is the second row of an edge point.
@@ -48,7 +41,7 @@ fn k2(camera: &Camera) -> Matrix2<f64> {
 
 /// Pixel of a point in the device frame, with derivatives by the point; `None` behind the device and where its distortion
 /// folds over.
-fn image(camera: &Camera, p: &Point3<f64>) -> Option<(Point2<f64>, Matrix2x3<f64>)> {
+pub(super) fn image(camera: &Camera, p: &Point3<f64>) -> Option<(Point2<f64>, Matrix2x3<f64>)> {
     if p.z.is_nan() || p.z <= 0.0 {
         return None;
     }
@@ -63,7 +56,7 @@ fn image(camera: &Camera, p: &Point3<f64>) -> Option<(Point2<f64>, Matrix2x3<f64
 }
 
 /// The same with the derivatives by the lens.
-fn project(camera: &Camera, p: &Point3<f64>) -> Option<(Point2<f64>, Matrix2x3<f64>, Lens2)> {
+pub(super) fn project(camera: &Camera, p: &Point3<f64>) -> Option<(Point2<f64>, Matrix2x3<f64>, Lens2)> {
     let (pixel, by_point) = image(camera, p)?;
     let x = Vector2::new(p.x / p.z, p.y / p.z);
     let xd = camera.distortion.distort(x);
@@ -95,93 +88,24 @@ fn unproject(camera: &Camera, p: Point2<f64>) -> Option<(Vector2<f64>, Lens2)> {
 }
 
 /// How a point that is fixed to the sheet moves with the sheet's pose and bend.
-struct OnSheet {
-    point: Point3<f64>,
-    view: SMatrix<f64, 3, POSE>,
-    bend: SMatrix<f64, 3, BEND>,
+pub(super) struct OnSheet {
+    pub(super) point: Point3<f64>,
+    pub(super) view: SMatrix<f64, 3, POSE>,
+    pub(super) bend: SMatrix<f64, 3, BEND>,
 }
 
-/// A point of the sheet (mm) in the camera frame.
-fn on_sheet(sheet: &Sheet, at: Point2<f64>) -> OnSheet {
-    let [x, y] = sheet.bend.shortening(sheet.size, at);
-    let (z, _, by_height) = sheet.bend.height(sheet.size, at);
+/// A point of the sheet (mm) in the camera frame, given where it lies in the sheet's frame and the derivatives of its shift in the
+/// sheet's plane.
+pub(super) fn on_sheet(sheet: &Sheet, at: Point2<f64>, place: Point3<f64>, shift: [Terms; 2]) -> OnSheet {
     let rotation = sheet.pose.rotation.matrix();
-    let arm = rotation * Vector3::new(at.x + x.0, at.y + y.0, z);
+    let arm = rotation * place.coords;
     let mut view = SMatrix::<f64, 3, POSE>::zeros();
     view.fixed_view_mut::<3, 3>(0, 0).copy_from(&-arm.cross_matrix());
     view.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
-    let local =
-        SMatrix::<f64, 3, BEND>::from_rows(&[x.1.transpose(), y.1.transpose(), by_height.transpose()]);
+    let [x, y] = shift;
+    let z = SheetBend::by_terms(sheet.size, at);
+    let local = SMatrix::<f64, 3, BEND>::from_rows(&[x, y, z].map(|terms| terms.transpose()));
     OnSheet { point: Point3::from(arm + sheet.pose.translation), view, bend: rotation * local }
-}
-
-/// Part of a side's length at which its image is nearest to a pixel, and the direction of the side's image there.
-///
-/// The chord of the image gives the start: along a straight line the image of a part s lies at s·z1/((1 − s)·z0 + s·z1) of it, with
-/// z0 and z1 the depths of its ends. Gauss–Newton steps follow. Of a point far from the side, or beyond its corners, the last step
-/// stands: its distance from that place of the side is still one that falls as the side comes nearer.
-fn nearest(camera: &Camera, sheet: &Sheet, side: Side, p: Point2<f64>) -> Option<(f64, Vector2<f64>)> {
-    let corners = sheet.size.corners();
-    let (from, to) = (corners[side as usize], corners[(side as usize + 1) % 4]);
-    let ends = [from, to].map(|c| sheet.lift(c));
-    let [(a, _), (b, _)] = [image(camera, &ends[0])?, image(camera, &ends[1])?];
-    let chord = b - a;
-    let part = ((p - a).dot(&chord) / chord.norm_squared()).clamp(-BEYOND, 1.0 + BEYOND);
-    let [z0, z1] = ends.map(|e| e.z);
-    let mut s = (part * z0 / (z1 - part * (z1 - z0))).clamp(-BEYOND, 1.0 + BEYOND);
-    let mut last = None;
-    let along = to - from;
-    // How the sheet shortens changes slowly along the side: it is taken where the side is nearest without it.
-    let mut shortened = sheet.bend.is_flat();
-    let (mut shift, mut by_place) = (Vector2::zeros(), Matrix2::zeros());
-    for _ in 0..MAX_STEPS {
-        let at = from + along * s;
-        let (z, slope, _) = sheet.bend.height(sheet.size, at);
-        let place = at + shift;
-        let (q, by_point) = image(camera, &sheet.pose.transform(&Point3::new(place.x, place.y, z)))?;
-        let direction = along + by_place * along;
-        let tangent =
-            by_point * (sheet.pose.rotation * Vector3::new(direction.x, direction.y, slope.dot(&along)));
-        let step = (p - q).dot(&tangent) / tangent.norm_squared();
-        if !step.is_finite() {
-            return None;
-        }
-        last = Some((s, tangent.normalize()));
-        if step.abs() * tangent.norm() < NEAREST_PX {
-            if shortened {
-                return last;
-            }
-            let [x, y] = sheet.bend.shortening(sheet.size, at);
-            (shift, by_place) = (Vector2::new(x.0, y.0), sheet.bend.shortening_by_place(sheet.size, at));
-            shortened = true;
-        }
-        s = (s + step).clamp(-BEYOND, 1.0 + BEYOND);
-    }
-    last
-}
-
-/// Signed distance of an edge point from the image of a side, expected minus seen, px. At the nearest point of the image the
-/// distance changes as that point's own place does across it.
-pub(crate) fn edge(camera: &Camera, sheet: &Sheet, side: Side, p: Point2<f64>) -> Option<Residual> {
-    let corners = sheet.size.corners();
-    let (from, to) = (corners[side as usize], corners[(side as usize + 1) % 4]);
-    let (s, tangent) = nearest(camera, sheet, side, p)?;
-    let OnSheet { point, view, bend } = on_sheet(sheet, from + (to - from) * s);
-    let (q, by_point, lens) = project(camera, &point)?;
-    let across = Vector2::new(-tangent.y, tangent.x);
-    let value = across.dot(&(q - p));
-    // Only the first row counts.
-    let by_point = Matrix2x3::from_rows(&[across.transpose() * by_point, SMatrix::zeros()]);
-    let mut camera = Lens2::zeros();
-    camera.set_row(0, &(across.transpose() * lens));
-    Some(Residual {
-        value: Vector2::new(value, 0.0),
-        miss: across * value,
-        lenses: [camera, Lens2::zeros()],
-        projector_from_camera: Pose2::zeros(),
-        view: by_point * view,
-        bend: by_point * bend,
-    })
 }
 
 /// A corner of the sheet: expected minus seen, px.
@@ -191,7 +115,8 @@ pub(crate) fn sheet_corner(
     corner: Point2<f64>,
     seen: Point2<f64>,
 ) -> Option<Residual> {
-    let OnSheet { point, view, bend } = on_sheet(sheet, corner);
+    let shift = sheet.bend.shortening(sheet.size, corner).by_terms;
+    let OnSheet { point, view, bend } = on_sheet(sheet, corner, sheet.bend.point(sheet.size, corner), shift);
     let (pixel, by_point, lens) = project(camera, &point)?;
     Some(Residual {
         value: pixel - seen,

@@ -4,7 +4,7 @@
 
 use super::measurement::{Kind, Measurement};
 use crate::solve::{
-    Block, CONVERGED_DECREASE, INITIAL_DAMPING, Loss, Problem, minimise_from, polish, robust_scale,
+    Block, CONVERGED_DECREASE, INITIAL_DAMPING, Loss, Minimum, Problem, minimise_from, polish, robust_scale,
 };
 
 /// Cutoff of the convex first round, in the measurements' own σ.
@@ -22,6 +22,9 @@ const SMALLEST_SCALE: f64 = 0.25;
 /// With fewer measurements of a kind than this, outliers cannot be distinguished from what the fit needs.
 const FEWEST_FOR_ROBUST: usize = 12;
 const MAX_ROUNDS: usize = 8;
+/// Residuals that scatter by more than this many σ mean a start that is far off; as long as they fall by this factor, the cutoff of
+/// the first round follows them.
+const FAR: f64 = 2.0;
 /// Rounds end when the scales change by less than this part.
 const SCALE_CHANGE: f64 = 0.02;
 /// Until the scales are found, χ² is minimised to this: the parameters are then within a thirtieth of their σ.
@@ -102,6 +105,27 @@ pub(crate) fn kept(measurements: &[Measurement], norms_px: &[f64]) -> Vec<bool> 
     measurements.iter().zip(norms_px).map(|(m, n)| is_within(loss(m), m, *n)).collect()
 }
 
+/// The minimum of the convex loss. Where the start is far off, every residual lies beyond the cutoff, and the sum of their absolute
+/// values that is left has slow valleys: the cutoff follows the residuals down.
+fn approach<P: RobustProblem>(problem: &mut P, mut state: P::State) -> Option<Minimum<P::State>> {
+    let (mut widths, mut iterations) = ([f64::MAX; 2], 0);
+    loop {
+        let norms = problem.norms_px(&state)?;
+        let now = scales(problem.measured().0, &norms);
+        let falls = now.iter().zip(&widths).any(|(now, before)| *now > FAR && *now < before / FAR);
+        widths = if falls { now.map(|s| s.max(1.0)) } else { [1.0; 2] };
+        set_losses(problem, widths.map(|w| Loss::Huber(FIRST_CUTOFF * w)));
+        let enough = COARSE_DECREASE * widths[0].min(widths[1]).powi(2);
+        let mut minimum = minimise_from(problem, state, INITIAL_DAMPING, enough)?;
+        iterations += minimum.iterations;
+        if !falls {
+            minimum.iterations = iterations;
+            return Some(minimum);
+        }
+        state = minimum.state;
+    }
+}
+
 /// Minimises from `start`; `None` when the model is not defined there or the numbers break down. `spent` is how many degrees
 /// of freedom the fit takes from the residuals of edges and of pairs, for the widening of σ.
 pub(crate) fn fit<P: RobustProblem>(
@@ -109,8 +133,7 @@ pub(crate) fn fit<P: RobustProblem>(
     start: P::State,
     spent: [usize; 2],
 ) -> Option<RobustFit<P::State>> {
-    set_losses(problem, [Loss::Huber(FIRST_CUTOFF); 2]);
-    let mut minimum = minimise_from(problem, start, INITIAL_DAMPING, COARSE_DECREASE)?;
+    let mut minimum = approach(problem, start)?;
     let mut iterations = minimum.iterations;
     let mut before = [f64::MAX; 2];
     for _ in 0..MAX_ROUNDS {

@@ -37,7 +37,7 @@ impl Sheet {
 
     /// A point over the sheet's plane (mm) on its surface, in the camera frame.
     pub(crate) fn lift(&self, at: Point2<f64>) -> Point3<f64> {
-        let (z, ..) = self.bend.height(self.size, at);
+        let (z, _) = self.bend.height(self.size, at);
         self.pose.transform(&Point3::new(at.x, at.y, z))
     }
 
@@ -55,7 +55,8 @@ impl Sheet {
         let enough = MEETS * self.size.width_mm.hypot(self.size.height_mm);
         for _ in 0..MAX_STEPS {
             let at = from + ray * along;
-            let (z, slope, terms) = self.bend.height(self.size, Point2::new(at.x, at.y));
+            let over = Point2::new(at.x, at.y);
+            let (z, slope) = self.bend.height(self.size, over);
             let normal = Vector3::new(-slope.x, -slope.y, 1.0);
             let off = at.z - z;
             if off.abs() <= enough {
@@ -63,7 +64,7 @@ impl Sheet {
                     point: origin + direction * along,
                     along,
                     normal: self.pose.rotation * normal,
-                    terms,
+                    terms: SheetBend::by_terms(self.size, over),
                 });
             }
             along -= off / normal.dot(&ray);

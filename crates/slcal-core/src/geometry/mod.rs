@@ -3,9 +3,11 @@
 //! Conventions: integer pixel coordinates are pixel centres; device frames are x right, y down, z forward;
 //! lengths are millimetres; transforms are named `a_from_b`.
 
+mod bent_side;
 mod camera;
 mod distortion;
 mod homography;
+mod legendre;
 mod line;
 mod nominal;
 mod plane;
@@ -16,6 +18,7 @@ mod rectangle;
 mod sheet_bend;
 mod warp;
 
+pub(crate) use bent_side::BentSide;
 pub use camera::{Camera, Intrinsics};
 pub use distortion::Distortion;
 public_with! { "stages": pub use homography::Homography; }
@@ -32,5 +35,5 @@ public_with! { "stages": pub use ray::Ray; }
 pub use rectangle::RectangleSize;
 pub(crate) use rectangle::{Side, length_mm};
 pub use sheet_bend::SheetBend;
-pub(crate) use sheet_bend::Terms;
+pub(crate) use sheet_bend::{Shortening, Terms};
 public_with! { "stages": pub use warp::Warp; }

@@ -4,15 +4,14 @@
 //! from the viewer) is a sum of the twelve products of polynomials that have an order of 2 to 4 and are no change of the pose to first
 //! order. A sheet keeps its length when it bends: its points move towards its middle by half the square of the slope.
 
-use nalgebra::{Matrix2, Point2, Point3, SVector, Vector2};
+use nalgebra::{Point2, Point3, SVector, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::RectangleSize;
+use super::legendre::{Row, add, dot, legendre, legendre_slope, near};
+use super::{RectangleSize, Side};
 
 /// Number of terms.
 const TERMS: usize = 12;
-/// Beyond this |u| or |v| the polynomials mean nothing: the height stays what it is there.
-const FURTHEST: f64 = 1.5;
 /// Nodes and weights of the Gauss–Legendre rule on [0, 1] that is exact for polynomials of degree 7.
 const GAUSS: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
@@ -32,16 +31,52 @@ pub(crate) type Terms = SVector<f64, TERMS>;
 #[serde(transparent)]
 pub struct SheetBend(pub [f64; TERMS]);
 
-/// P0 to P4 at x.
-fn legendre(x: f64) -> [f64; 5] {
-    let x2 = x * x;
-    [1.0, x, (3.0 * x2 - 1.0) / 2.0, x * (5.0 * x2 - 3.0) / 2.0, ((35.0 * x2 - 30.0) * x2 + 3.0) / 8.0]
+/// P0 to P4 and their derivatives at the middle of the sheet.
+const MIDDLE: Row = legendre(0.0);
+const MIDDLE_SLOPE: Row = legendre_slope(0.0);
+
+/// How a point that is fixed to the sheet moves in the sheet's plane because the sheet keeps its length.
+pub(crate) struct Shortening {
+    /// mm.
+    pub(crate) shift: Vector2<f64>,
+    /// Derivatives of its two components by the coefficients.
+    pub(crate) by_terms: [Terms; 2],
 }
 
-/// Their derivatives.
-fn legendre_slope(x: f64) -> [f64; 5] {
-    let x2 = x * x;
-    [0.0, 1.0, 3.0 * x, (15.0 * x2 - 3.0) / 2.0, x * (35.0 * x2 - 15.0) / 2.0]
+impl Shortening {
+    pub(super) const NONE: Self = Self {
+        shift: Vector2::new(0.0, 0.0),
+        by_terms: [SVector::from_array_storage(nalgebra::ArrayStorage([[0.0; TERMS]])); 2],
+    };
+}
+
+/// Minus the shift along the first axis, in lengths of it, and its derivatives by the coefficients: ∫ z_u² du from 0 to u along v,
+/// and ∫ z_u·z_v dv from 0 to v along u = 0. The height is a polynomial along either path, which makes each integral one in one
+/// variable.
+fn along(c: &[f64; TERMS], degrees: [[usize; 2]; TERMS], [u, v]: [f64; 2]) -> (f64, Terms) {
+    let p = legendre(v);
+    // Coefficients of the height along the first path; along the second one, and of its derivative by u there.
+    let [mut first, mut second, mut second_u] = [[0.0; 5]; 3];
+    for (&[i, j], c) in degrees.iter().zip(c) {
+        first[i] += c * p[j];
+        second[j] += c * MIDDLE[i];
+        second_u[j] += c * MIDDLE_SLOPE[i];
+    }
+    let [mut own, mut by_u, mut by_v] = [[0.0; 5]; 3];
+    let mut shift = 0.0;
+    for (node, weight) in GAUSS {
+        let d = legendre_slope(node * u);
+        let (zu, weighted) = (dot(&first, &d), weight * u);
+        shift += weighted * zu * zu;
+        add(&mut own, &d, 2.0 * weighted * zu);
+        let (q, dq) = (legendre(node * v), legendre_slope(node * v));
+        let (zu, zv, weighted) = (dot(&second_u, &q), dot(&second, &dq), weight * v);
+        shift += weighted * zu * zv;
+        add(&mut by_u, &q, weighted * zv);
+        add(&mut by_v, &dq, weighted * zu);
+    }
+    let by_term = |[i, j]: [usize; 2]| own[i] * p[j] + MIDDLE_SLOPE[i] * by_u[j] + MIDDLE[i] * by_v[j];
+    (shift, Terms::from(degrees.map(by_term)))
 }
 
 impl SheetBend {
@@ -63,110 +98,70 @@ impl SheetBend {
         self.0.iter().all(|&c| c == 0.0)
     }
 
-    fn coefficients(&self) -> Terms {
-        Terms::from(self.0)
-    }
-
     /// The terms at (u, v).
     fn terms([u, v]: [f64; 2]) -> Terms {
         let (p, q) = (legendre(u), legendre(v));
         Terms::from(Self::DEGREES.map(|[i, j]| p[i] * q[j]))
     }
 
-    /// Their derivatives by u and by v.
-    fn slopes([u, v]: [f64; 2]) -> [Terms; 2] {
+    /// Derivative by the coefficients of the height over a point of the sheet's plane.
+    pub(crate) fn by_terms(size: RectangleSize, at: Point2<f64>) -> Terms {
+        Self::terms(normalised(size, at).map(near))
+    }
+
+    /// Height of the surface over a point of the sheet's plane, mm, and its slope there.
+    pub(crate) fn height(&self, size: RectangleSize, at: Point2<f64>) -> (f64, Vector2<f64>) {
+        if self.is_flat() {
+            return (0.0, Vector2::zeros());
+        }
+        let uv = normalised(size, at);
+        let [u, v] = uv.map(near);
         let (p, q, dp, dq) = (legendre(u), legendre(v), legendre_slope(u), legendre_slope(v));
-        [
-            Terms::from(Self::DEGREES.map(|[i, j]| dp[i] * q[j])),
-            Terms::from(Self::DEGREES.map(|[i, j]| p[i] * dq[j])),
-        ]
+        let (mut z, mut slope) = (0.0, Vector2::zeros());
+        for (c, [i, j]) in self.0.into_iter().zip(Self::DEGREES) {
+            z += c * p[i] * q[j];
+            slope += Vector2::new(dp[i] * q[j], p[i] * dq[j]) * c;
+        }
+        let inside = Vector2::new(f64::from(u == uv[0]), f64::from(v == uv[1]));
+        let by_mm = Vector2::new(2.0 / size.width_mm, 2.0 / size.height_mm);
+        (z, slope.component_mul(&by_mm).component_mul(&inside))
     }
 
-    /// Height of the surface over a point of the sheet's plane, mm, its slope there, and the derivative of the height by
-    /// the coefficients.
-    pub(crate) fn height(&self, size: RectangleSize, at: Point2<f64>) -> (f64, Vector2<f64>, Terms) {
-        let uv = normalised(size, at);
-        let near = uv.map(|x| x.clamp(-FURTHEST, FURTHEST));
-        let terms = Self::terms(near);
+    /// The height along a side as a sum of Legendre polynomials of x, which goes from −1 at its first corner to 1 at the next.
+    pub(super) fn rise_of_side(&self, side: Side) -> Row {
+        let (fixed, direction) = match side {
+            Side::Top => (-1.0, 1.0),
+            Side::Right => (1.0, 1.0),
+            Side::Bottom => (1.0, -1.0),
+            Side::Left => (-1.0, -1.0),
+        };
+        let across = legendre(fixed);
+        let mut rise = [0.0; 5];
+        for (c, [i, j]) in self.0.into_iter().zip(Self::DEGREES) {
+            let (own, other) = if matches!(side, Side::Top | Side::Bottom) { (i, j) } else { (j, i) };
+            rise[own] += c * across[other] * if own % 2 == 1 { direction } else { 1.0 };
+        }
+        rise
+    }
+
+    /// How far a point of the sheet moves in the sheet's plane because the sheet keeps its length. Measured from the middle, exact
+    /// to second order for every cylinder: ∂ξ/∂x = −z_x²/2, ∂η/∂y = −z_y²/2, ∂ξ/∂y = ∂η/∂x = −z_x z_y/2 along the axes.
+    pub(crate) fn shortening(&self, size: RectangleSize, at: Point2<f64>) -> Shortening {
         if self.is_flat() {
-            return (0.0, Vector2::zeros(), terms);
+            return Shortening::NONE;
         }
-        let c = self.coefficients();
-        let [du, dv] = Self::slopes(near);
-        let slope = |d: Terms, i: usize, length: f64| {
-            if near[i] == uv[i] { c.dot(&d) * 2.0 / length } else { 0.0 }
-        };
-        (c.dot(&terms), Vector2::new(slope(du, 0, size.width_mm), slope(dv, 1, size.height_mm)), terms)
-    }
-
-    /// How far a point of the sheet moves in the sheet's plane because the sheet keeps its length, mm, with the derivatives by
-    /// the coefficients. Measured from the middle, exact to second order for every cylinder:
-    /// ∂ξ/∂x = −z_x²/2, ∂η/∂y = −z_y²/2, ∂ξ/∂y = ∂η/∂x = −z_x z_y/2.
-    pub(crate) fn shortening(&self, size: RectangleSize, at: Point2<f64>) -> [(f64, Terms); 2] {
-        if self.is_flat() {
-            return [(0.0, Terms::zeros()); 2];
-        }
-        let [u, v] = normalised(size, at).map(|x| x.clamp(-FURTHEST, FURTHEST));
-        let c = self.coefficients();
-        // ∫ z_a·z_b along one axis, with the derivative.
-        let along = |path: &dyn Fn(f64) -> [f64; 2], length: f64, a: usize, b: usize| {
-            let mut sum = (0.0, Terms::zeros());
-            for (node, weight) in GAUSS {
-                let d = Self::slopes(path(node));
-                let (za, zb) = (c.dot(&d[a]), c.dot(&d[b]));
-                sum.0 += weight * length * za * zb;
-                sum.1 += (d[a] * zb + d[b] * za) * (weight * length);
-            }
-            sum
-        };
-        let shift = |own: (f64, Terms), shear: (f64, Terms), side: f64| {
-            let unit = -1.0 / side;
-            (unit * (own.0 + shear.0), (own.1 + shear.1) * unit)
-        };
-        let x = shift(along(&|t| [t * u, v], u, 0, 0), along(&|t| [0.0, t * v], v, 0, 1), size.width_mm);
-        let y = shift(along(&|t| [u, t * v], v, 1, 1), along(&|t| [t * u, 0.0], u, 0, 1), size.height_mm);
-        [x, y]
-    }
-
-    /// How fast it changes along the sheet: ∂(ξ, η)/∂(x, y).
-    pub(crate) fn shortening_by_place(&self, size: RectangleSize, at: Point2<f64>) -> Matrix2<f64> {
-        let uv = normalised(size, at);
-        let near = uv.map(|x| x.clamp(-FURTHEST, FURTHEST));
-        let [u, v] = near;
-        let (c, half) = (self.coefficients(), [size.width_mm / 2.0, size.height_mm / 2.0]);
-        let slope = |at| {
-            let d = Self::slopes(at);
-            [c.dot(&d[0]) / half[0], c.dot(&d[1]) / half[1]]
-        };
-        let twist = |[u, v]: [f64; 2]| {
-            let (dp, dq) = (legendre_slope(u), legendre_slope(v));
-            let by_both = Terms::from(Self::DEGREES.map(|[i, j]| dp[i] * dq[j]));
-            c.dot(&by_both) / (half[0] * half[1])
-        };
-        // Across its own axis a, ∫ 2·z_a·z_xy da and z_x z_y where the shear begins.
-        let across = |path: &dyn Fn(f64) -> [f64; 2], a: usize, begins: [f64; 2]| {
-            let sum: f64 = GAUSS.iter().map(|&(t, w)| w * 2.0 * slope(path(t))[a] * twist(path(t))).sum();
-            let [zx, zy] = slope(begins);
-            -(sum * near[a] * half[a] + zx * zy) / 2.0
-        };
-        let [zx, zy] = slope(near);
-        let mut all = Matrix2::new(
-            -zx * zx / 2.0,
-            across(&|t| [t * u, v], 0, [0.0, v]),
-            across(&|t| [u, t * v], 1, [u, 0.0]),
-            -zy * zy / 2.0,
-        );
-        for i in (0..2).filter(|&i| near[i] != uv[i]) {
-            all.column_mut(i).fill(0.0);
-        }
-        all
+        let [u, v] = normalised(size, at).map(near);
+        let (x, by_x) = along(&self.0, Self::DEGREES, [u, v]);
+        let (y, by_y) = along(&self.0, Self::DEGREES.map(|[i, j]| [j, i]), [v, u]);
+        let (w, h) = (size.width_mm, size.height_mm);
+        Shortening { shift: -Vector2::new(x / w, y / h), by_terms: [by_x / -w, by_y / -h] }
     }
 
     /// Where a point of the sheet (mm from its top left corner) lies in the sheet's frame, mm.
     #[must_use]
     pub fn point(&self, size: RectangleSize, at: Point2<f64>) -> Point3<f64> {
-        let [x, y] = self.shortening(size, at);
-        Point3::new(at.x + x.0, at.y + y.0, self.height(size, at).0)
+        let place = at + self.shortening(size, at).shift;
+        Point3::new(place.x, place.y, self.height(size, at).0)
     }
 
     /// The deepest and the highest points of the sheet, mm on the sheet: the valley lies furthest from the viewer, the peak
@@ -251,18 +246,11 @@ mod tests {
     fn derivatives_agree_with_finite_differences() {
         let bend = SheetBend(std::array::from_fn(|k| 0.7 - 0.13 * k as f64));
         let at = Point2::new(430.0, 77.0);
-        let (_, slope, terms) = bend.height(SIZE, at);
+        let ((_, slope), terms) = (bend.height(SIZE, at), SheetBend::by_terms(SIZE, at));
         let z = |dx: f64, dy: f64| bend.height(SIZE, at + Vector2::new(dx, dy)).0;
         assert!((slope.x - (z(1e-3, 0.0) - z(-1e-3, 0.0)) / 2e-3).abs() < 1e-9);
         assert!((slope.y - (z(0.0, 1e-3) - z(0.0, -1e-3)) / 2e-3).abs() < 1e-9);
-        let by_place = bend.shortening_by_place(SIZE, at);
-        for (i, step) in [Vector2::x(), Vector2::y()].into_iter().enumerate() {
-            let shift = |d: f64| bend.shortening(SIZE, at + step * d).map(|s| s.0);
-            let ([a, b], [c, d]) = (shift(1e-2), shift(-1e-2));
-            let numeric = Vector2::new(a - c, b - d) / 2e-2;
-            assert!((numeric - by_place.column(i)).amax() < 1e-10, "{numeric} {by_place}");
-        }
-        let [x, y] = bend.shortening(SIZE, at);
+        let [x, y] = bend.shortening(SIZE, at).by_terms;
         for k in 0..12 {
             let changed = |d: f64| {
                 let mut other = bend;
@@ -271,7 +259,7 @@ mod tests {
                 Point3::new(p.x, p.y, p.z)
             };
             let numeric = (changed(1e-4) - changed(-1e-4)) / 2e-4;
-            assert!((numeric - nalgebra::Vector3::new(x.1[k], y.1[k], terms[k])).amax() < 1e-7, "{k}");
+            assert!((numeric - nalgebra::Vector3::new(x[k], y[k], terms[k])).amax() < 1e-7, "{k}");
         }
     }
 }

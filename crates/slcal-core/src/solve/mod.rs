@@ -11,7 +11,7 @@ mod robust;
 pub(crate) use block_arrow_qr::{Structure, covariance, predicted_decrease};
 pub(crate) use dlt::homography_from_points;
 pub(crate) use lm::{
-    Block, CONVERGED_DECREASE, INITIAL_DAMPING, Linearised, Problem, minimise, minimise_from, polish,
+    Block, CONVERGED_DECREASE, INITIAL_DAMPING, Linearised, Minimum, Problem, minimise, minimise_from, polish,
     undamped,
 };
 pub(crate) use marginal_likelihood::MarginalLikelihood;

@@ -35,11 +35,6 @@ pub(crate) fn misfit(solution: &Solution) -> Misfit {
 /// Square roots of the same loss's weights, one for each row of a problem; those of priors are one.
 pub(super) fn weights(problem: &BundleAdjustment, model: &Model) -> Option<Vec<f64>> {
     let norms = problem.norms_px(model)?;
-    let mut weights = Vec::new();
-    for (m, norm) in problem.measurements.iter().zip(norms) {
-        let weight = Loss::Huber(LINEAR_BEYOND).weight((norm / m.sigma_px).powi(2)).sqrt();
-        weights.resize(weights.len() + m.rows(), weight);
-    }
-    weights.resize(problem.rows(), 1.0);
-    Some(weights)
+    let in_sigma = problem.measurements.iter().zip(norms).map(|(m, norm)| norm / m.sigma_px);
+    Some(problem.row_weights(in_sigma.map(|s| Loss::Huber(LINEAR_BEYOND).weight(s * s).sqrt())))
 }

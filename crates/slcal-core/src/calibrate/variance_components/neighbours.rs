@@ -1,6 +1,7 @@
 //! Correlation of neighbouring edge points: if they counted as independent, σ of the result would be too small.
 
-use crate::estimate::{Model, Target, measurements, residual};
+use crate::estimate::side::SideInImage;
+use crate::estimate::{Model, Target, measurements};
 use crate::geometry::Side;
 use crate::observations::Observations;
 
@@ -46,7 +47,8 @@ fn residuals(all: &Observations, wanted: &[bool], model: &Model) -> Vec<SideResi
     for m in measurements(all).into_iter().filter(|m| wanted[m.view]) {
         let Target::Edge(side) = m.of else { continue };
         let (Some(sheet), Some(c)) = (model.views.get(m.view), corners[m.view]) else { continue };
-        let Some(r) = residual::edge(&model.camera, sheet, side, m.seen) else { continue };
+        let found = SideInImage::new(&model.camera, sheet, side).and_then(|s| s.residual(m.seen));
+        let Some(r) = found else { continue };
         let along = c[(side as usize + 1) % 4] - c[side as usize];
         let point = ((m.seen - c[side as usize]).dot(&along), r.value.x);
         match sides.last_mut() {
