@@ -61,7 +61,13 @@ fn observations(views: usize) -> Observations {
             CornerPair { camera: seen(p), projector: q, sigma_px: Some(0.1) }
         });
         let pairs = pairs.collect();
-        ViewObservation { photo: None, size: SIZE, sheet: SheetObservation::Edges(sides), pairs }
+        ViewObservation {
+            photo: None,
+            size: SIZE,
+            sheet: SheetObservation::Edges(sides),
+            pairs,
+            panel_points: Vec::new(),
+        }
     });
     let views = views.collect();
     Observations { camera: [1280, 960], projector: Some([1024, 768]), views }

@@ -193,6 +193,7 @@ fn photograph(t: &Truth, o: &Options, rng: &mut ChaCha8Rng) -> Option<Observatio
             size: t.size,
             sheet: SheetObservation::Edges(sides),
             pairs,
+            panel_points: Vec::new(),
         });
     }
     let projector = (!o.camera_alone).then_some([1024, 768]);

@@ -73,6 +73,21 @@ pub struct CornerPair {
     pub sigma_px: Option<f64>,
 }
 
+/// Where something is seen whose place on the panel is known when the picture is shown pixel for pixel and full screen: a point
+/// on the border of the projector's light, which is the panel's own, or the middle of a mark.
+///
+/// A calibration is not computed from these points. They test whether the picture was shown as it was drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PanelPoint {
+    /// Measured in the camera image, px.
+    pub camera: Point2<f64>,
+    /// Where it is expected on the panel, px: both coordinates of a mark; the x of a left or right border, the y of an upper
+    /// or lower one.
+    pub expected: [Option<f64>; 2],
+    /// 1σ in the camera image, px: of each coordinate of a mark, across a border; `None` where it is not known.
+    pub sigma_px: Option<f64>,
+}
+
 /// One pose of the sheet. Its sheet and its pairs each state their σ for all points or for none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewObservation {
@@ -84,6 +99,8 @@ pub struct ViewObservation {
     pub sheet: SheetObservation,
     /// The projected points seen on it; empty when nothing was projected.
     pub pairs: Vec<CornerPair>,
+    /// What is seen on it of the border of the projector's light and of marks; usually nothing.
+    pub panel_points: Vec<PanelPoint>,
 }
 
 impl ViewObservation {

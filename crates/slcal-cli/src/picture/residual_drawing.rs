@@ -219,6 +219,7 @@ mod tests {
             size: RectangleSize::new(594.0, 420.0).unwrap(),
             sheet: SheetObservation::Corners { corners: CORNERS.map(Point2::from), sigma_px: Some(0.1) },
             pairs: vec![pair(400.0), pair(450.0)],
+            panel_points: Vec::new(),
         }
     }
 

@@ -48,7 +48,7 @@ use crate::rig::{Rig, Verdict};
 /// # };
 /// # let corners = size.corners().map(|c| camera.project(&pose.transform(&Point3::new(c.x, c.y, 0.0))).unwrap());
 /// let sheet = SheetObservation::Corners { corners, sigma_px: Some(0.1) };
-/// let view = ViewObservation { photo: None, size, sheet, pairs: Vec::new() };
+/// let view = ViewObservation { photo: None, size, sheet, pairs: Vec::new(), panel_points: Vec::new() };
 /// let observations = Observations { camera: [1280, 960], projector: None, views: vec![view] };
 /// let calibration = calibrate_observations(&observations, &CalibrateConfig::default())?;
 /// assert!((calibration.rig.camera.model.intrinsics.fx - 1500.0).abs() < 1.0);

@@ -113,7 +113,8 @@ pub fn observe(
     let Some(pattern) = pattern else {
         let SheetDetection { observation: sheet, notes, warnings } =
             find_sheet(plain.unwrap_or(photo), config)?;
-        let observation = ViewObservation { photo: None, size, sheet, pairs: Vec::new() };
+        let observation =
+            ViewObservation { photo: None, size, sheet, pairs: Vec::new(), panel_points: Vec::new() };
         return Ok(Detection { observation, pattern_corners: 0, notes, warnings });
     };
     let photo = LinearPhoto::new(photo, config.encoding);
@@ -140,7 +141,7 @@ pub fn observe(
         sheet::find(&photo, &downsampled, &projected, config.corners)?;
     let pattern_corners = board.expected;
     let pairs = on_panel(on_sheet(board, &sheet, &mut notes)?.pairs, config);
-    let observation = ViewObservation { photo: None, size, sheet, pairs };
+    let observation = ViewObservation { photo: None, size, sheet, pairs, panel_points: Vec::new() };
     Ok(Detection { observation, pattern_corners, notes, warnings })
 }
 

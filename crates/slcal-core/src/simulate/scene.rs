@@ -252,6 +252,7 @@ impl Scene {
                 size: self.size,
                 sheet,
                 pairs,
+                panel_points: Vec::new(),
             });
         }
         Ok(Observations {

@@ -101,7 +101,7 @@ impl ViewObservation {
             }
         };
         let pairs = pairs.map_or(Ok(Vec::new()), |p| arrays::pairs_of(p, pair_sigma_px))?;
-        Ok(Self(slcal_core::ViewObservation { photo, size, sheet, pairs }))
+        Ok(Self(slcal_core::ViewObservation { photo, size, sheet, pairs, panel_points: Vec::new() }))
     }
 
     /// Width and height of the sheet, mm.
@@ -204,5 +204,11 @@ impl ViewObservation {
 /// A sheet of no size, as a view, so that it is pickled alike.
 pub(crate) fn sizeless(sheet: SheetObservation) -> ViewObservation {
     let size = RectangleSize { width_mm: 1.0, height_mm: 1.0 };
-    ViewObservation(slcal_core::ViewObservation { photo: None, size, sheet, pairs: Vec::new() })
+    ViewObservation(slcal_core::ViewObservation {
+        photo: None,
+        size,
+        sheet,
+        pairs: Vec::new(),
+        panel_points: Vec::new(),
+    })
 }

@@ -30,7 +30,13 @@ fn rendered(scene: &str) -> Option<(Observations, Rig)> {
     let observations = Observations {
         camera: size(&truth.camera),
         projector: truth.projector.as_ref().map(|p| size(&p.device)),
-        views: vec![ViewObservation { photo: None, size: truth.views[0].size, sheet, pairs }],
+        views: vec![ViewObservation {
+            photo: None,
+            size: truth.views[0].size,
+            sheet,
+            pairs,
+            panel_points: Vec::new(),
+        }],
     };
     Some((observations, truth))
 }

@@ -2,7 +2,9 @@
 //!
 //! Required: schema, camera {width, height}, projector {width, height} or null, and for each view `size_mm` and either
 //! `sheet_corners_px` or `sheet_edges_px`; with a projector also `pairs`. σ may be stated for a view (`sheet_sigma_px`,
-//! `pair_sigma_px`), or for a point as an additional number after its coordinates. Otherwise it is unknown. Unknown
+//! `pair_sigma_px`), or for a point as an additional number after its coordinates. Otherwise it is unknown.
+//! `panel_points` of a view (optional) are points on the border of the projector's light and marks: `[camera_x, camera_y, panel_x,
+//! panel_y]`, with null for the coordinate that a border does not have, and σ behind them where it is known. Unknown
 //! fields are skipped. Numbers are written with the fewest digits that read back to the same
 //! `f64`.
 

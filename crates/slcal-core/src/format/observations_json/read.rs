@@ -6,7 +6,9 @@ use serde_json::{Map, Value};
 use super::schema::{SCHEMA, SIDES, malformed};
 use crate::error::Result;
 use crate::geometry::RectangleSize;
-use crate::observations::{CornerPair, EdgePoint, Observations, SheetObservation, ViewObservation};
+use crate::observations::{
+    CornerPair, EdgePoint, Observations, PanelPoint, SheetObservation, ViewObservation,
+};
 
 const MAX_COORDINATE_PX: f64 = ViewObservation::MAX_COORDINATE_PX;
 const SIGMA_RANGE_PX: std::ops::RangeInclusive<f64> = ViewObservation::SIGMA_RANGE_PX;
@@ -115,7 +117,10 @@ fn view(fields: &Map<String, Value>, place: &str, with_pairs: bool) -> Result<Vi
         }
         None => Vec::new(),
     };
-    Ok(ViewObservation { photo, size, sheet, pairs })
+    let panel_points = fields
+        .get("panel_points")
+        .map_or(Ok(Vec::new()), |value| panel_points(value, &format!("{place}.panel_points")))?;
+    Ok(ViewObservation { photo, size, sheet, pairs, panel_points })
 }
 
 fn sigma_of(fields: &Map<String, Value>, name: &str, place: &str) -> Result<Option<f64>> {
@@ -223,4 +228,34 @@ fn pairs(value: &Value, of_view: Option<f64>, place: &str) -> Result<Vec<CornerP
         sigma_px: sigma.or(of_view),
     };
     Ok(rows.into_iter().map(pair).collect())
+}
+
+/// Rows of camera x and y, panel x and y of which one may be null, and σ where it is known.
+fn panel_points(value: &Value, place: &str) -> Result<Vec<PanelPoint>> {
+    let expected = "[camera_x, camera_y, panel_x or null, panel_y or null], or with σ behind them";
+    let list = value.as_array().ok_or_else(|| wrong(place, &format!("a list of {expected}"), value))?;
+    let point = |(i, value): (usize, &Value)| {
+        let place = format!("{place}[{i}]");
+        let row = value.as_array().filter(|row| (4..=5).contains(&row.len()));
+        let row = row.ok_or_else(|| wrong(&place, expected, value))?;
+        let number = |k: usize| {
+            let number = row[k].as_f64().filter(|x| x.abs() <= MAX_COORDINATE_PX);
+            number.ok_or_else(|| wrong(&format!("{place}[{k}]"), "a finite number up to 1e9", &row[k]))
+        };
+        let optional = |k: usize| if row[k].is_null() { Ok(None) } else { number(k).map(Some) };
+        let point = PanelPoint {
+            camera: Point2::new(number(0)?, number(1)?),
+            expected: [optional(2)?, optional(3)?],
+            sigma_px: if row.len() == 5 { Some(number(4)?) } else { None },
+        };
+        if point.expected == [None; 2] || point.sigma_px.is_some_and(|s| !SIGMA_RANGE_PX.contains(&s)) {
+            return Err(wrong(
+                &place,
+                &format!("{expected}, a coordinate of the panel and a positive σ"),
+                value,
+            ));
+        }
+        Ok(point)
+    };
+    list.iter().enumerate().map(point).collect()
 }

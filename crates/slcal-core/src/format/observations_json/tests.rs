@@ -175,3 +175,27 @@ fn writing_and_reading_give_the_same_bits() {
     nan.views[0].pairs[0].camera.x = f64::NAN;
     assert!(write_observations(&nan, Vec::new()).is_err());
 }
+
+#[test]
+fn panel_points_are_read_and_written_to_the_same_bits() {
+    let with_points = |points: Value| with(|v| v["views"][0]["panel_points"] = points);
+    let read_points =
+        read(&with_points(json!([[30.5, 400.1, -0.5, null, 0.3], [700, 900, null, 767.5], [9, 8, 24, 25]])));
+    let o = read_points.unwrap();
+    let points = &o.views[0].panel_points;
+    assert_eq!(points[0].expected, [Some(-0.5), None]);
+    assert_eq!((points[0].camera, points[0].sigma_px), (Point2::new(30.5, 400.1), Some(0.3)));
+    assert_eq!((points[1].expected, points[1].sigma_px), ([None, Some(767.5)], None));
+    assert_eq!(points[2].expected, [Some(24.0), Some(25.0)]);
+    let mut text = Vec::new();
+    write_observations(&o, &mut text).unwrap();
+    assert_eq!(read_observations(text.as_slice()).unwrap(), o);
+    refused(&with_points(json!(7)), &["views[0].panel_points", "list"]);
+    refused(
+        &with_points(json!([[1, 2, null, null]])),
+        &["views[0].panel_points[0]", "coordinate of the panel"],
+    );
+    refused(&with_points(json!([[1, 2, 3, 4, 0.0]])), &["views[0].panel_points[0]", "positive σ"]);
+    refused(&with_points(json!([[1, "a", 3, 4]])), &["views[0].panel_points[0][1]", "finite number"]);
+    refused(&with_points(json!([[1, 2, 3]])), &["views[0].panel_points[0]", "panel_x or null"]);
+}

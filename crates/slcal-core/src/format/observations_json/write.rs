@@ -6,16 +6,20 @@ use serde_json::Value;
 
 use super::schema::{SCHEMA, SIDES};
 use crate::error::{Error, Result};
-use crate::observations::{Observations, SheetObservation, ViewObservation};
+use crate::observations::{Observations, PanelPoint, SheetObservation, ViewObservation};
 
-/// A list of numbers. JSON has no NaN, so NaN is refused here.
+/// A list of numbers.
 fn row(numbers: &[f64], sigma: Option<f64>) -> Result<String> {
-    let all = || numbers.iter().copied().chain(sigma);
-    if let Some(bad) = all().find(|x| !x.is_finite()) {
-        return Err(Error::invalid("observations to write", "finite numbers", bad));
-    }
-    let list: Vec<String> = all().map(|x| Value::from(x).to_string()).collect();
-    Ok(format!("[{}]", list.join(", ")))
+    optional_row(numbers.iter().copied().chain(sigma).map(Some))
+}
+
+/// A list of numbers or null. JSON has no NaN, so NaN is refused here.
+fn optional_row(numbers: impl Iterator<Item = Option<f64>>) -> Result<String> {
+    let text = |x: Option<f64>| match x {
+        Some(bad) if !bad.is_finite() => Err(Error::invalid("observations to write", "finite numbers", bad)),
+        x => Ok(Value::from(x).to_string()),
+    };
+    Ok(format!("[{}]", numbers.map(text).collect::<Result<Vec<_>>>()?.join(", ")))
 }
 
 /// Rows below each other, indented by `indent` spaces.
@@ -67,6 +71,18 @@ fn view(view: &ViewObservation) -> Result<String> {
     }
     let rows =
         view.pairs.iter().map(|p| row(&[p.camera.x, p.camera.y, p.projector.x, p.projector.y], p.sigma_px));
-    let _ = write!(text, "    \"pairs\": {}\n  }}", list(rows, 4)?);
+    let _ = write!(text, "    \"pairs\": {}", list(rows, 4)?);
+    if !view.panel_points.is_empty() {
+        let rows = view.panel_points.iter().map(panel_point);
+        let _ = write!(text, ",\n    \"panel_points\": {}", list(rows, 4)?);
+    }
+    text.push_str("\n  }");
     Ok(text)
+}
+
+/// Camera x and y, panel x and y or null, and σ where it is known.
+fn panel_point(point: &PanelPoint) -> Result<String> {
+    let measured = [point.camera.x, point.camera.y].map(Some);
+    let sigma = point.sigma_px.map(Some);
+    optional_row(measured.into_iter().chain(point.expected).chain(sigma))
 }
