@@ -44,6 +44,12 @@ pub(crate) struct CheckerArgs {
     /// Side of a square in projector pixels [default: a sixteenth of the panel height].
     #[arg(long, value_name = "PX", allow_hyphen_values = true, help_heading = SETTINGS)]
     pub(crate) square: Option<u32>,
+    /// Draw small marks at the corners of the panel and at the middles of its sides.
+    ///
+    /// Where they or the border of the light are seen on the sheet, `slcal calibrate` tests whether the picture was shown full screen,
+    /// unscaled and not mirrored.
+    #[arg(long, help_heading = SETTINGS)]
+    pub(crate) marks: bool,
     #[command(flatten)]
     pub(crate) to: PatternOutput,
 }

@@ -21,6 +21,7 @@ fn checker(args: &CheckerArgs, printer: Printer) -> Outcome {
     let config = CheckerConfig {
         squares: args.squares,
         square_px: args.square.map(f64::from),
+        marks: args.marks,
         ..CheckerConfig::default()
     };
     let pattern = CheckerPattern::new(args.projector, &config)?;

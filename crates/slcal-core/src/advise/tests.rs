@@ -75,6 +75,7 @@ fn projected() -> CheckerPattern {
         origin_px: Point2::new(211.5, 173.5),
         first_square: SquareColor::Black,
         background: SquareColor::White,
+        marks: None,
     }
 }
 

@@ -82,6 +82,7 @@ fn maximum_likelihood(
     };
     // What is assumed of the observations is tested with the σ that they state.
     let (solution, told) = explained(&observations, config, &camera, stated);
+    let shown = hypotheses::shown_scale::hint(&observations, &solution);
     let solution = &solution.with_learned_weights();
     let mut assessment = diagnostics::verdict::assess(solution, config);
     assessment.warnings.extend(repetition);
@@ -90,6 +91,9 @@ fn maximum_likelihood(
         Some(Told::MadeGood(warnings)) => assessment.warnings.splice(0..0, warnings).for_each(drop),
         Some(Told::Doubt(warning)) => assessment.doubt(warning, Verdict::Weak),
         Some(Told::Contradiction(warning)) => assessment.doubt(warning, Verdict::Degenerate),
+    }
+    if let Some(shown) = shown {
+        assessment.doubt(shown, Verdict::Weak);
     }
     if assessment.is_refused() && !config.allow_degenerate {
         return Err(assessment.refusal());

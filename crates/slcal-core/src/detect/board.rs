@@ -10,7 +10,7 @@ use super::rough_undistort::RoughLens;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Homography;
 use crate::observations::CornerPair;
-use crate::pattern::CheckerPattern;
+use crate::pattern::{CheckerPattern, PanelMarks};
 use crate::photo::LinearPhoto;
 
 use crate::solve::homography_from_points;
@@ -39,6 +39,9 @@ const MAX_SHIFT_SQUARES: f64 = 0.15;
 
 /// An edge pixel belongs to an edge between squares when it lies within this part of a square from it.
 const GRID_TOLERANCE: f64 = 0.15;
+
+/// The same for an edge of a mark, as a part of its side: the border of the panel is predicted less well than the board.
+const MARK_TOLERANCE: f64 = 0.1;
 
 impl Board {
     /// Detects the pattern.
@@ -111,6 +114,10 @@ impl Board {
     /// Whether an edge at the undistorted point `p` with unit normal `normal` is one between squares of the pattern.
     pub(super) fn explains(&self, pattern: &CheckerPattern, p: Point2<f64>, normal: Vector2<f64>) -> bool {
         let Some(at) = self.projector_from_undistorted.map(p) else { return false };
+        let of_mark = |m: &PanelMarks| m.edge_distance_px(at) <= MARK_TOLERANCE * m.side_px;
+        if pattern.marks.as_ref().is_some_and(of_mark) {
+            return true;
+        }
         let square = (at - pattern.origin_px) / pattern.square_px;
         let [columns, rows] = pattern.squares.map(f64::from);
         let inside = |v: f64, n: f64| (-GRID_TOLERANCE..=n + GRID_TOLERANCE).contains(&v);
@@ -123,7 +130,7 @@ impl Board {
         (along - along.round()).abs() <= GRID_TOLERANCE
     }
 
-    /// Distance of an undistorted point from the nearest edge between squares, px; infinite beside the pattern.
+    /// Distance of an undistorted point from the nearest edge between squares or of a mark, px; infinite beyond the horizon.
     pub(super) fn edge_distance_px(&self, pattern: &CheckerPattern, p: Point2<f64>) -> f64 {
         let Some(at) = self.projector_from_undistorted.map(p) else { return f64::INFINITY };
         let square = (at - pattern.origin_px) / pattern.square_px;
@@ -135,7 +142,9 @@ impl Board {
         let beside = |v: f64, n: f64| (-v).max(v - n).max(0.0);
         let (bx, by) = (beside(square.x, columns), beside(square.y, rows));
         let (px, py) = (scale.column(0).norm(), scale.column(1).norm());
-        (dx.max(by) * px).min(dy.max(bx) * py).max((bx * px).hypot(by * py))
+        let from_square = (dx.max(by) * px).min(dy.max(bx) * py).max((bx * px).hypot(by * py));
+        let smaller = px.min(py) / pattern.square_px;
+        pattern.marks.as_ref().map_or(from_square, |m| from_square.min(m.edge_distance_px(at) * smaller))
     }
 
     /// The same board without the corners for which `keep` is false; `None` when too few are left.

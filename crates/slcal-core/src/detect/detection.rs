@@ -12,6 +12,7 @@ use crate::rig::Warning;
 
 use super::board::Board;
 use super::downsampled::Downsampled;
+use super::panel_points::PanelBorder;
 use super::projector_footprint::{ProjectedEdges, ProjectorFootprint};
 use super::rough_undistort::RoughLens;
 use super::sheet::{self, SheetDetection};
@@ -127,21 +128,27 @@ pub fn observe(
         &pattern_from_panel.map_or(straight, |h| straight.compose(&h)),
         pattern.projector,
     );
-    let (photo, downsampled) = match plain {
-        Some(plain) => {
-            let plain = LinearPhoto::new(plain, config.encoding);
-            let downsampled = Downsampled::new(&plain);
-            (plain, downsampled)
-        }
-        None => (photo, downsampled),
+    let plain = plain.map(|plain| LinearPhoto::new(plain, config.encoding));
+    let of_plain = plain.as_ref().map(Downsampled::new);
+    let outline = (plain.as_ref().unwrap_or(&photo), of_plain.as_ref().unwrap_or(&downsampled));
+    let find_sheet = |footprint: &ProjectorFootprint| {
+        let projected = ProjectedEdges { footprint, lens: &board.lens, board: Some((&board, pattern)) };
+        sheet::find(outline.0, outline.1, &projected, config.corners)
     };
-    let projected =
-        ProjectedEdges { footprint: &footprint, lens: &board.lens, board: Some((&board, pattern)) };
-    let SheetDetection { observation: sheet, mut notes, warnings } =
-        sheet::find(&photo, &downsampled, &projected, config.corners)?;
+    let mut found = find_sheet(&footprint)?;
+    let mut border = PanelBorder::default();
+    // A pattern that is not projected where its description says has no marks, and its board tells nothing of the panel.
+    if config.panel_from_pattern.is_none() {
+        border = PanelBorder::find(&photo, &board, pattern, &found.observation);
+        if let Some(footprint) = border.moved_footprint(&board, pattern) {
+            // Edges along a border that is elsewhere were taken for the sheet's, and the other way round.
+            found = find_sheet(&footprint).unwrap_or(found);
+        }
+    }
+    let SheetDetection { observation: sheet, mut notes, warnings } = found;
     let pattern_corners = board.expected;
     let pairs = on_panel(on_sheet(board, &sheet, &mut notes)?.pairs, config);
-    let observation = ViewObservation { photo: None, size, sheet, pairs, panel_points: Vec::new() };
+    let observation = ViewObservation { photo: None, size, sheet, pairs, panel_points: border.points };
     Ok(Detection { observation, pattern_corners, notes, warnings })
 }
 

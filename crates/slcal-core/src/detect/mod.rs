@@ -2,7 +2,7 @@
 //!
 //! `observe` first finds the projected checkerboard. `checkerboard` labels its corners, `board_registration` finds their
 //! place in the pattern, `corner` refines their positions. The border of the projector footprint on the sheet follows
-//! (`projector_footprint`). The sheet is the quadrilateral of straight edges (`edge_map`, `lines`, `quad`) that holds the
+//! (`projector_footprint`), and is looked for where it is seen, with the marks beside it (`panel_points`). The sheet is the quadrilateral of straight edges (`edge_map`, `lines`, `quad`) that holds the
 //! board. Its sides are measured on linear light at full resolution (`edge`). `find_corners` and `find_sheet` do one of
 //! the two. These functions are public with the feature `stages`.
 
@@ -15,7 +15,11 @@ mod downsampled;
 mod edge;
 mod edge_map;
 mod erf;
+mod light_border;
 mod lines;
+mod marks;
+mod panel_points;
+mod panel_view;
 mod projector_footprint;
 mod quad;
 mod rough_undistort;

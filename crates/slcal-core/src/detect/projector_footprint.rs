@@ -23,8 +23,16 @@ impl ProjectorFootprint {
 
     pub(super) fn new(undistorted_from_projector: &Homography, panel: [u32; 2]) -> Self {
         // A pixel extends half a pixel beyond its centre.
-        let (w, h) = (f64::from(panel[0]) - 0.5, f64::from(panel[1]) - 0.5);
-        let c = [Point2::new(-0.5, -0.5), Point2::new(w, -0.5), Point2::new(w, h), Point2::new(-0.5, h)];
+        let [w, h] = panel.map(|n| f64::from(n) - 0.5);
+        Self::between(undistorted_from_projector, [-0.5, w, h, -0.5])
+    }
+
+    /// With borders at the coordinates [upper, right, lower, left] in the pattern's pixels.
+    pub(super) fn between(
+        undistorted_from_projector: &Homography,
+        [top, right, bottom, left]: [f64; 4],
+    ) -> Self {
+        let c = [(left, top), (right, top), (right, bottom), (left, bottom)].map(|(x, y)| Point2::new(x, y));
         let borders = (0..4)
             .filter_map(|i| {
                 undistorted_from_projector.map_line(Line::through_pixels(c[i], c[(i + 1) % 4]))?.normalized()

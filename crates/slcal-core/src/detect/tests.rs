@@ -20,6 +20,7 @@ pub(super) fn pattern() -> CheckerPattern {
         origin_px: Point2::new(247.5, 191.5),
         first_square: SquareColor::Black,
         background: SquareColor::White,
+        marks: None,
     }
 }
 

@@ -151,9 +151,12 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read() {
-        for pattern in [default_checker(), default_stripes()] {
+        let config = CheckerConfig { marks: true, ..CheckerConfig::default() };
+        let marked = Pattern::Checker(CheckerPattern::new([1024, 768], &config).unwrap());
+        for pattern in [default_checker(), default_stripes(), marked] {
             assert_eq!(read(&text(&pattern)).unwrap(), pattern);
         }
+        assert!(text(&default_checker()).get("marks").is_none());
     }
 
     #[test]
@@ -188,7 +191,7 @@ mod tests {
     fn broken_files_name_what_is_broken() {
         let checker = text(&default_checker());
         let stripes = text(&default_stripes());
-        let cases: [(&Value, &str, Value, &str); 15] = [
+        let cases: [(&Value, &str, Value, &str); 17] = [
             (&checker, "schema", json!("slcal-rig/1"), "slcal-rig/1"),
             (&checker, "kind", json!("dots"), "dots"),
             (&checker, "squares", Value::Null, "squares"),
@@ -197,6 +200,8 @@ mod tests {
             (&checker, "square_px", json!(0), "square_px"),
             (&checker, "origin_px", json!([900, 191.5]), "inside the panel"),
             (&checker, "first_square", json!("blue"), "blue"),
+            (&checker, "marks", json!({"side_px": 0, "centres_px": []}), "marks.side_px"),
+            (&checker, "marks", json!({"side_px": 8, "centres_px": [[9, 9], [2000, 9]]}), "marks.centres_px"),
             (&stripes, "centres_px", Value::Null, "centres_px"),
             (&stripes, "centres_px", json!([1, 2]), "each of the 64"),
             (&stripes, "sequence", json!([9]), "centres_px"),

@@ -3,6 +3,7 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::marks::PanelMarks;
 use super::panel::check_panel;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::named::named;
@@ -38,6 +39,9 @@ pub struct CheckerPattern {
     pub first_square: SquareColor,
     /// Colour around the squares.
     pub background: SquareColor,
+    /// Marks at the border of the panel, if there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub marks: Option<PanelMarks>,
 }
 
 /// Layout of a checkerboard, which is centred on the panel.
@@ -53,6 +57,8 @@ pub struct CheckerConfig {
     pub first_square: SquareColor,
     /// Colour around the squares.
     pub background: SquareColor,
+    /// Whether small marks stand at the corners of the panel and at the middles of its sides; default false.
+    pub marks: bool,
 }
 
 impl Default for CheckerConfig {
@@ -62,6 +68,7 @@ impl Default for CheckerConfig {
             square_px: None,
             first_square: SquareColor::Black,
             background: SquareColor::White,
+            marks: false,
         }
     }
 }
@@ -108,8 +115,8 @@ impl CheckerPattern {
     /// A board in the middle of the panel, its edges on pixel boundaries.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for an even sum of columns and rows, or a board that does not fit on the panel with half a
-    /// square around it.
+    /// [`Error::Invalid`] for an even sum of columns and rows, a board that does not fit on the panel with half a
+    /// square around it, or one that leaves no room for the marks that are asked for.
     ///
     /// # Examples
     /// ```
@@ -138,16 +145,16 @@ impl CheckerPattern {
                 format!("squares of {side} px"),
             ));
         }
+        let before = Point2::new(((w - columns * side) / 2.0).floor(), ((h - rows * side) / 2.0).floor());
+        let marks = config.marks.then(|| PanelMarks::around(projector, before.x.min(before.y), side));
         Ok(Self {
             projector,
             squares: config.squares,
             square_px: side,
-            origin_px: Point2::new(
-                ((w - columns * side) / 2.0).floor() - 0.5,
-                ((h - rows * side) / 2.0).floor() - 0.5,
-            ),
+            origin_px: before - nalgebra::Vector2::repeat(0.5),
             first_square: config.first_square,
             background: config.background,
+            marks: marks.transpose()?,
         })
     }
 
@@ -203,7 +210,7 @@ impl CheckerPattern {
                 format!("corners from ({}, {}) to ({}, {})", tl.x, tl.y, br.x, br.y),
             ));
         }
-        Ok(())
+        self.marks.as_ref().map_or(Ok(()), |marks| marks.validate(self.projector))
     }
 }
 

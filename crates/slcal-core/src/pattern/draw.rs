@@ -24,18 +24,25 @@ impl CheckerPattern {
     /// [`Error::Invalid`] for a panel without pixels or wider than 16384 px.
     pub fn image(&self) -> Result<RgbImage> {
         let (upright, middle) = (Homography::identity().into(), Point2::origin());
-        draw(self.projector, &upright, middle, shade(self.background), self.light(), |y| Some(self.row(y)))
+        let (background, marks) = (shade(self.background), self.marks.as_ref());
+        let row = |y| (self.row(y), marks.map(|m| m.row(y)));
+        let light = self.light();
+        let marked = |p| match marks.and_then(|m| m.at(p)) {
+            None => light(p),
+            Some(ring) => background.map(|c| if ring { 1.0 - c } else { c }),
+        };
+        draw(self.projector, &upright, middle, background, marked, |y| Some(row(y)))
     }
 
-    /// The pattern rendered through the warp: a point of the pattern at panel pixel p is drawn at
-    /// `panel_from_pattern`·p; around it lies the background. Edges are antialiased in linear light.
+    /// The board rendered through the warp: a point of the pattern at panel pixel p is drawn at
+    /// `panel_from_pattern`·p; around it lies the background, without marks. Edges are antialiased in linear light.
     ///
     /// # Errors
     /// [`Error::Degenerate`] for a singular homography; [`Error::Invalid`] as for [`CheckerPattern::image`].
     pub(crate) fn draw_warped(&self, panel_from_pattern: &Warp) -> Result<RgbImage> {
         let [cx, cy] = self.squares.map(|n| f64::from(n) / 2.0 * self.square_px);
         let centre = Point2::new(self.origin_px.x + cx, self.origin_px.y + cy);
-        draw(self.projector, panel_from_pattern, centre, shade(self.background), self.light(), |_| None)
+        draw(self.projector, panel_from_pattern, centre, shade(self.background), self.light(), |_| None::<()>)
     }
 
     /// The light at a panel pixel.
@@ -79,7 +86,7 @@ impl StripePattern {
     pub(crate) fn draw_warped(&self, panel_from_pattern: &Warp) -> Result<RgbImage> {
         let [w, h] = self.projector.map(f64::from);
         let centre = Point2::new(w / 2.0, h / 2.0);
-        draw(self.projector, panel_from_pattern, centre, [0.0; 3], self.light(), |_| None)
+        draw(self.projector, panel_from_pattern, centre, [0.0; 3], self.light(), |_| None::<()>)
     }
 
     /// The light at a panel pixel.
@@ -185,13 +192,13 @@ impl<'a> Inverse<'a> {
 
 /// Draws a function of the pattern's coordinates, antialiased. Two consecutive rows with the same `row` for all samples
 /// are equal, and one of them is drawn. `row` is `None` where this is unknown.
-fn draw(
+fn draw<R: PartialEq + Copy>(
     size: [u32; 2],
     panel_from_pattern: &Warp,
     centre: Point2<f64>,
     background: [f64; 3],
     light: impl Fn(Point2<f64>) -> [f64; 3],
-    row: impl Fn(f64) -> Option<i64>,
+    row: impl Fn(f64) -> Option<R>,
 ) -> Result<RgbImage> {
     check_panel(size)?;
     let source = Inverse::new(panel_from_pattern, centre)?;
@@ -326,6 +333,24 @@ mod tests {
                     stripes.image().unwrap() == stripes.draw_warped(&upright).unwrap(),
                     "{axis:?} {width_px}"
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn marks_are_drawn_where_they_are_described_and_change_nothing_else() {
+        for background in [SquareColor::White, SquareColor::Black] {
+            let config = CheckerConfig { marks: true, background, ..CheckerConfig::default() };
+            let marked = CheckerPattern::new([640, 480], &config).unwrap();
+            let plain = CheckerPattern { marks: None, ..marked.clone() }.image().unwrap();
+            let marks = marked.marks.as_ref().unwrap();
+            let (ring, hole) = if background == SquareColor::White { (0, 255) } else { (255, 0) };
+            for (x, y, pixel) in marked.image().unwrap().enumerate_pixels() {
+                let expected = match marks.at(Point2::new(f64::from(x), f64::from(y))) {
+                    None => *plain.get_pixel(x, y),
+                    Some(on_ring) => Rgb([if on_ring { ring } else { hole }; 3]),
+                };
+                assert_eq!(*pixel, expected, "{x}, {y}");
             }
         }
     }

@@ -3,6 +3,7 @@
 mod checker;
 mod de_bruijn;
 mod draw;
+mod marks;
 mod panel;
 mod stripes;
 
@@ -14,6 +15,7 @@ use crate::error::Result;
 pub use checker::{CheckerConfig, CheckerPattern, SquareColor};
 public_with! { "stages": pub use de_bruijn::{de_bruijn, unique_window}; }
 pub(crate) use draw::warp_image;
+pub use marks::PanelMarks;
 pub use stripes::{Axis, StripeConfig, StripePattern};
 
 /// Either kind of pattern.

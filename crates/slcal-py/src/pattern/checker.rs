@@ -35,11 +35,14 @@ fn checker(py: Python<'_>, pattern: Pattern) -> PyResult<CheckerPattern> {
 ///     The colour of the top-left square.
 /// background : {"black", "white"}, default "white"
 ///     The colour around the board.
+/// marks : bool, default False
+///     Whether to draw small marks at the corners of the panel and at the middles of its sides. Where they or the border of
+///     the light are seen on the sheet, `calibrate` tests whether the picture was shown full screen, unscaled and not mirrored.
 ///
 /// Raises
 /// ------
 /// Error
-///     When the sum is even or the board does not fit on the panel.
+///     When the sum is even, the board does not fit on the panel, or it leaves no room for marks.
 ///
 /// Examples
 /// --------
@@ -73,8 +76,8 @@ impl Argument for CheckerPattern {
 impl CheckerPattern {
     #[new]
     #[pyo3(
-        signature = (projector, squares=None, square_px=None, *, first_square=None, background=None),
-        text_signature = "(projector, squares=(11, 8), square_px=None, *, first_square='black', background='white')"
+        signature = (projector, squares=None, square_px=None, *, first_square=None, background=None, marks=false),
+        text_signature = "(projector, squares=(11, 8), square_px=None, *, first_square='black', background='white', marks=False)"
     )]
     fn new(
         projector: &Bound<'_, PyAny>,
@@ -82,9 +85,10 @@ impl CheckerPattern {
         square_px: Option<&Bound<'_, PyAny>>,
         first_square: Option<&Bound<'_, PyAny>>,
         background: Option<&Bound<'_, PyAny>>,
+        marks: bool,
     ) -> PyResult<Self> {
         let py = projector.py();
-        let mut config = CheckerConfig::default();
+        let mut config = CheckerConfig { marks, ..CheckerConfig::default() };
         if let Some(squares) = squares {
             config.squares = whole_pair(squares, "squares")?;
         }
@@ -140,6 +144,12 @@ impl CheckerPattern {
         self.0.background.name()
     }
 
+    /// Middles of the marks at the border of the panel: (N, 2) float64, projector px; None without marks.
+    #[getter]
+    fn marks<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.0.marks.as_ref().map(|m| rows(py, m.centres_px.iter().map(|c| [c.x, c.y]))).transpose()
+    }
+
     /// The corners between four squares, row by row.
     ///
     /// Returns
@@ -193,6 +203,10 @@ impl CheckerPattern {
 
     fn __repr__(&self) -> String {
         let ([w, h], [c, r]) = (self.0.projector, self.0.squares);
-        format!("CheckerPattern(projector=({w}, {h}), squares=({c}, {r}), square_px={})", self.0.square_px)
+        let marks = if self.0.marks.is_some() { ", marks=True" } else { "" };
+        format!(
+            "CheckerPattern(projector=({w}, {h}), squares=({c}, {r}), square_px={}{marks})",
+            self.0.square_px
+        )
     }
 }
