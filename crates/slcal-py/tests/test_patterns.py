@@ -1,4 +1,5 @@
 import json
+import pickle
 import subprocess
 import sys
 
@@ -75,3 +76,32 @@ def test_patterns_are_values():
     assert slcal.CheckerPattern((800, 600)) == slcal.CheckerPattern((800, 600))
     assert slcal.CheckerPattern((800, 600)) != slcal.CheckerPattern((1024, 768))
     assert "800, 600" in repr(slcal.StripePattern((800, 600)))
+
+
+def test_marks_stand_at_the_corners_and_in_the_middles_of_the_sides(tmp_path):
+    plain, marked = slcal.CheckerPattern((1024, 768)), slcal.CheckerPattern((1024, 768), marks=True)
+    assert plain.marks is None
+    assert marked.marks.shape == (11, 2)
+    assert "marks=True" in repr(marked) and plain != marked
+    picture = marked.image()
+    for x, y in [(0, 0), (1023, 0), (1023, 767), (0, 767), (511, 0), (511, 767), (0, 383), (1023, 383)]:
+        assert (picture[y, x] == 0).all()
+    # White in the middle of each, and beside the marks the same board.
+    assert all((picture[round(y), round(x)] == 255).all() for x, y in marked.marks)
+    assert (picture[100:668, 100:924] == plain.image()[100:668, 100:924]).all()
+    marked.save(tmp_path / "marked.json")
+    assert slcal.CheckerPattern.load(tmp_path / "marked.json") == marked
+    with pytest.raises(slcal.Error, match="marks"):
+        slcal.CheckerPattern((1024, 768), square_px=84, marks=True)
+
+
+def test_the_border_of_the_light_is_an_observation_that_is_kept():
+    checker = slcal.CheckerPattern((1024, 768))
+    scene = slcal.simulate.scene(surface="sheet", projector_focal=2300, pattern=checker)
+    seen = slcal.observe([scene.photo], (594, 420), checker)
+    points = seen.views[0].panel_points
+    assert len(points) > 40 and np.isnan(points[:, 2:]).any(axis=1).all()
+    assert set(points[:, 2:][~np.isnan(points[:, 2:])]) <= {-0.5, 767.5, 1023.5}
+    assert pickle.loads(pickle.dumps(seen)).views[0].panel_points.shape == points.shape
+    codes = [w.code for w in slcal.calibrate_observations(seen).quality.warnings]
+    assert "shown-1:1" not in codes

@@ -94,11 +94,14 @@ class CheckerPattern:
         The colour of the top-left square.
     background : {"black", "white"}, default "white"
         The colour around the board.
+    marks : bool, default False
+        Whether to draw small marks at the corners of the panel and at the middles of its sides. Where they or the border of
+        the light are seen on the sheet, `calibrate` tests whether the picture was shown full screen, unscaled and not mirrored.
 
     Raises
     ------
     Error
-        When the sum is even or the board does not fit on the panel.
+        When the sum is even, the board does not fit on the panel, or it leaves no room for marks.
 
     Examples
     --------
@@ -117,6 +120,7 @@ class CheckerPattern:
         *,
         first_square: Literal["black", "white"] = "black",
         background: Literal["black", "white"] = "white",
+        marks: bool = False,
     ) -> CheckerPattern: ...
     @property
     def projector(self) -> tuple[int, int]:
@@ -136,6 +140,9 @@ class CheckerPattern:
     @property
     def background(self) -> Literal["black", "white"]:
         """The colour around the board."""
+    @property
+    def marks(self) -> NDArray[np.float64] | None:
+        """Middles of the marks at the border of the panel: (N, 2) float64, projector px; None without marks."""
     def corners(self) -> NDArray[np.float64]:
         """The corners between four squares, row by row.
 
@@ -608,6 +615,10 @@ class ViewObservation:
     @property
     def pair_sigma_px(self) -> NDArray[np.float64] | None:
         """1σ of the camera's coordinates of the pairs: (N,) float64, px; None where it was not given."""
+    @property
+    def panel_points(self) -> NDArray[np.float64]:
+        """Camera x, camera y, panel x, panel y of points on the border of the projector's light and of marks: (N, 4) float64, px.
+        NaN stands for the coordinate along a border. They test whether the picture was shown pixel for pixel."""
     @property
     def photo(self) -> str | None:
         """Name of the photograph, where it has one."""

@@ -152,6 +152,19 @@ impl ViewObservation {
         self.0.states_pair_sigma().then(|| pair_sigma(py, &self.0.pairs)).transpose()
     }
 
+    /// Camera x, camera y, panel x, panel y of points on the border of the projector's light and of marks: (N, 4) float64, px.
+    /// NaN stands for the coordinate along a border. They test whether the picture was shown pixel for pixel.
+    #[getter]
+    fn panel_points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(
+            py,
+            self.0.panel_points.iter().map(|p| {
+                let [x, y] = p.expected.map(|c| c.unwrap_or(f64::NAN));
+                [p.camera.x, p.camera.y, x, y]
+            }),
+        )
+    }
+
     /// Name of the photograph, where it has one.
     #[getter]
     fn photo(&self) -> Option<&str> {

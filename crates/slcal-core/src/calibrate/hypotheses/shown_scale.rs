@@ -248,22 +248,21 @@ impl ShownScale {
         )
     }
 
-    /// Whether both axes have one scale, within their σ or what matters.
+    /// Whether nothing contradicts one scale of both axes, beyond their σ and what matters.
     fn is_uniform(&self) -> bool {
-        let [Some(x), Some(y)] = self.scale() else { return false };
+        let [Some(x), Some(y)] = self.scale() else { return true };
         (x - y).abs() <= (DOUBTFUL * self.sigma()[0].hypot(self.sigma()[1])).max(PRACTICAL)
     }
 
     fn advice(&self, observations: &Observations) -> String {
         let show = "show the picture full screen and pixel for pixel, at the native resolution of the projector, with scaling, zoom, \
                     keystone correction, overscan and mirroring switched off, and take the photographs again";
-        let [Some([x, from_x]), Some([y, from_y])] = [0, 1].map(|k: usize| self.axes[k].scale()) else {
-            return show.to_owned();
-        };
-        let scale = f64::midpoint(x, y);
-        let Some(square) = square_px(observations).filter(|_| scale > 0.0 && self.is_uniform()) else {
-            return show.to_owned();
-        };
+        let scales: Vec<f64> = self.scale().into_iter().flatten().collect();
+        let scale = scales.iter().sum::<f64>() / scales.len() as f64;
+        // One scale and one border along each axis say where the picture was shown.
+        let from = [0, 1].map(|k: usize| self.axes[k].0.first().map(|seen| seen.expected - scale * seen.at));
+        let square = square_px(observations).filter(|_| scale > 0.0 && self.is_uniform());
+        let ([Some(from_x), Some(from_y)], Some(square)) = (from, square) else { return show.to_owned() };
         format!(
             "{show}; or calibrate with a description of what was shown, in which square_px is {:.2} and origin_px is {scale:.4} times \
              what it was plus ({from_x:.1}, {from_y:.1}), and show every other picture in the same way",
