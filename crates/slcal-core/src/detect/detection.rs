@@ -135,17 +135,20 @@ pub fn observe(
         let projected = ProjectedEdges { footprint, lens: &board.lens, board: Some((&board, pattern)) };
         sheet::find(outline.0, outline.1, &projected, config.corners)
     };
-    let mut found = find_sheet(&footprint)?;
+    let mut found = find_sheet(&footprint);
     let mut border = PanelBorder::default();
     // A pattern that is not projected where its description says has no marks, and its board tells nothing of the panel.
     if config.panel_from_pattern.is_none() {
-        border = PanelBorder::find(&photo, &board, pattern, &found.observation);
+        let rough = found.clone().or_else(|_| find_sheet(&ProjectorFootprint::none()));
+        border = rough
+            .map(|sheet| PanelBorder::find(&photo, &board, pattern, &sheet.observation))
+            .unwrap_or_default();
         if let Some(footprint) = border.moved_footprint(&board, pattern) {
             // Edges along a border that is elsewhere were taken for the sheet's, and the other way round.
-            found = find_sheet(&footprint).unwrap_or(found);
+            found = find_sheet(&footprint).or(found);
         }
     }
-    let SheetDetection { observation: sheet, mut notes, warnings } = found;
+    let SheetDetection { observation: sheet, mut notes, warnings } = found?;
     let pattern_corners = board.expected;
     let pairs = on_panel(on_sheet(board, &sheet, &mut notes)?.pairs, config);
     let observation = ViewObservation { photo: None, size, sheet, pairs, panel_points: border.points };

@@ -137,13 +137,13 @@ pub(crate) fn shown_scale(observations: &Observations, solution: &Solution) -> O
     let places = places(observations);
     let mut axes = [AlongAxis::default(), AlongAxis::default()];
     for (axis, along) in axes.iter_mut().enumerate() {
-        *along = along_axis(axis, &places, panel[axis], solution)?;
+        *along = along_axis(axis, &places, panel[axis], solution);
     }
     axes.iter().any(|a| !a.0.is_empty()).then_some(ShownScale { axes, panel })
 }
 
 /// The borders of an axis or else its marks, those furthest apart.
-fn along_axis(axis: usize, places: &[Place], side: f64, solution: &Solution) -> Option<AlongAxis> {
+fn along_axis(axis: usize, places: &[Place], side: f64, solution: &Solution) -> AlongAxis {
     let of_kind = |border: bool| places.iter().filter(move |p| p.axis == axis && p.is_border == border);
     let mut seen: Vec<Seen> = Vec::new();
     for of_kind in [of_kind(true).collect::<Vec<_>>(), of_kind(false).collect()] {
@@ -155,15 +155,14 @@ fn along_axis(axis: usize, places: &[Place], side: f64, solution: &Solution) -> 
         let ends = if last - first > APART * side { vec![first, last] } else { vec![first] };
         for expected in ends {
             let of_end: Vec<&Place> = of_kind.iter().filter(|p| p.expected == expected).copied().collect();
-            seen.extend(agreed(&of_end, side, solution)?);
+            seen.extend(agreed(&of_end, side, solution));
         }
     }
-    Some(AlongAxis(seen))
+    AlongAxis(seen)
 }
 
-/// One place in all photographs that show it, weighted; nothing where they contradict each other. `None` where it cannot be
-/// computed.
-fn agreed(places: &[&Place], side: f64, solution: &Solution) -> Option<Option<Seen>> {
+/// One place in all photographs that show it, weighted; `None` where they contradict each other.
+fn agreed(places: &[&Place], side: f64, solution: &Solution) -> Option<Seen> {
     let mut all = Vec::new();
     for place in places {
         let stride = place.points.len().div_ceil(SAMPLE);
@@ -182,7 +181,7 @@ fn agreed(places: &[&Place], side: f64, solution: &Solution) -> Option<Option<Se
     let expected = all.first()?.expected;
     // The photographs share the devices and with them most of σ: several do not make it smaller.
     let sigma = all.iter().map(|s| s.sigma).fold(f64::INFINITY, f64::min);
-    Some((!all.iter().any(apart)).then_some(Seen { expected, at: mean, sigma }))
+    (!all.iter().any(apart)).then_some(Seen { expected, at: mean, sigma })
 }
 
 /// A warning when the picture was shown in another way than it was drawn.
@@ -341,7 +340,9 @@ mod tests {
     fn with_borders(views: usize, shown: Shown, borders: &[(usize, bool)], seed: u64) -> Observations {
         let (mut seen, truth) = photographs(views, shown, seed);
         for view in 0..views {
-            borders.iter().for_each(|&(axis, far)| add_border(&mut seen, &truth, view, axis, far));
+            for &(axis, far) in borders {
+                add_border(&mut seen, &truth, view, axis, far);
+            }
         }
         seen
     }
@@ -381,12 +382,12 @@ mod tests {
         let (observations, config) = (with_borders(2, shown, &ALL, 5), CalibrateConfig::default());
         let (_, solution) = solve_in_steps(&observations, &config).unwrap();
         let found = shown_scale(&observations, &solution).unwrap();
-        for k in 0..2 {
+        for (k, side) in PANEL.into_iter().enumerate() {
             let (scale, sigma) = (found.scale()[k].unwrap(), found.sigma()[k]);
             assert!((scale - shown.scale[k]).abs() < 4.0 * sigma + 1e-4, "{scale} ± {sigma}");
             assert!(sigma < 0.01, "{sigma}");
             let offset = found.axes[k].scale().unwrap()[1];
-            assert!((offset - shown.offset[k]).abs() < 4.0 * sigma * PANEL[k], "{offset}");
+            assert!((offset - shown.offset[k]).abs() < 4.0 * sigma * side, "{offset}");
         }
         assert!(told(&observations).unwrap().message.contains("stretched to"));
     }
