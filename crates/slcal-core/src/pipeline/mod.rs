@@ -10,5 +10,3 @@ pub use calibrator::{Calibrator, SheetPhoto};
 public_with! { "report": pub use cloud_report::CloudReport; }
 pub use photo_verifier::{PhotoVerifier, VerifiedPhoto, VerifyPhotoConfig, verify_photo};
 pub use reconstructor::{ReconstructConfig, Reconstruction, Reconstructor, cloud_from_matches};
-#[cfg(test)]
-mod panel_border_tests;
