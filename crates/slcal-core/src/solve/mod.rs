@@ -11,8 +11,8 @@ mod robust;
 pub(crate) use block_arrow_qr::{Structure, covariance, predicted_decrease};
 pub(crate) use dlt::homography_from_points;
 pub(crate) use lm::{
-    Block, CONVERGED_DECREASE, INITIAL_DAMPING, Linearised, Minimum, Problem, minimise, minimise_from, polish,
-    undamped,
+    Block, CONVERGED_DECREASE, INITIAL_DAMPING, Linearised, Minimum, Problem, minimise, minimise_from,
+    polish, undamped,
 };
 pub(crate) use marginal_likelihood::MarginalLikelihood;
 pub(crate) use nullspace::null_vector;
