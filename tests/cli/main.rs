@@ -11,6 +11,7 @@ mod help;
 mod known_lens;
 mod observations;
 mod pattern;
+mod photo_tags;
 mod reconstruct;
 mod rendered;
 mod report;

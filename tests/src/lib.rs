@@ -1,5 +1,6 @@
 //! Runs of the real binary in fresh folders, and photographs for it to look at.
 
+pub mod exif;
 mod scene;
 
 use std::fs;

@@ -4,7 +4,7 @@ use std::io::Result;
 use std::path::Path;
 
 use image::DynamicImage;
-use slcal_core::{Observations, PointCloud, Rig, ViewResiduals};
+use slcal_core::{Observations, PhotoTags, PointCloud, Rig, ViewResiduals};
 
 pub use crate::io::exchange::{ExportPlaces, export_places, import_paths, storage_of};
 
@@ -17,6 +17,12 @@ use crate::report::{Photo, RigPage, ShownCloud, rig_html};
 /// A message that begins with `name` when the bytes are not such a picture, or are truncated.
 pub fn decode_photo(bytes: &[u8], name: &str) -> std::result::Result<DynamicImage, String> {
     io::decode_photo(bytes, name).map(|(photo, _)| photo).map_err(|failure| failure.to_string())
+}
+
+/// The EXIF tags in the bytes of a photograph's file; `None` where there are none that can be read.
+#[must_use]
+pub fn read_tags(bytes: &[u8]) -> Option<PhotoTags> {
+    io::read_tags(bytes).ok()
 }
 
 /// Writes a file that appears under its name when it is complete; an existing file is replaced.

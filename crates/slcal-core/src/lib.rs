@@ -140,8 +140,9 @@ pub use photo::{Encoding, PhotoView};
 #[cfg(feature = "report")]
 pub use pipeline::CloudReport;
 pub use pipeline::{
-    Calibrator, PhotoVerifier, ReconstructConfig, Reconstruction, Reconstructor, SheetPhoto, VerifiedPhoto,
-    VerifyPhotoConfig, cloud_from_matches, verify_photo,
+    Calibrator, FocalSource, FrameChange, Orientation, PhotoTags, PhotoVerifier, ReconstructConfig,
+    Reconstruction, Reconstructor, SheetPhoto, TaggedFocal, VerifiedPhoto, VerifyPhotoConfig,
+    cloud_from_matches, verify_photo,
 };
 pub use rectify::{Rectification, rectify, rectify_checker, rectify_checker_picture, rectify_picture};
 pub use rig::{

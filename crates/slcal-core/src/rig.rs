@@ -132,6 +132,8 @@ pub struct View {
     pub corners_px: [Point2<f64>; 4],
     /// Residuals; `None` in rigs of other programs that do not state them.
     pub rms_px: Option<ViewRms>,
+    /// How much of the lit sheet is overexposed in the photograph, per cent; `None` where nothing is, or it was not measured.
+    pub clipped_percent: Option<f64>,
 }
 
 impl View {
@@ -476,6 +478,7 @@ mod tests {
             projector_vanishing_points: None,
             corners_px: [Point2::origin(); 4],
             rms_px: None,
+            clipped_percent: None,
         }
     }
 

@@ -102,6 +102,12 @@ impl From<Calibration> for Rig {
 ///     Return a rig with the verdict "degenerate" instead of raising an error.
 /// names : sequence of str, optional
 ///     Names of the photographs, for the rig's views and for messages.
+/// tags : sequence of PhotoTags or None, optional
+///     What the camera wrote into each photograph: `slcal.read_tags(file)`. The pixels are expected upright, as `read_image`
+///     gives them. A crop and a focal length that contradicts the result are warned of; photographs whose orientation differs
+///     are turned alike where they fit together only so.
+/// exif : bool
+///     Use the focal length in `tags` as a prior, as `focal_35mm` is one.
 /// screen : sequence of ndarray, optional
 ///     The older name of `plain`.
 ///
@@ -132,8 +138,8 @@ impl From<Calibration> for Rig {
 #[pyo3(
     signature = (photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp=None, projector_pp=None,
         distortion=None, projector_distortion=None, projector_pixel_aspect=None, flatness=None, method=None, focal_35mm=None, gamma=None, allow_degenerate=false,
-        names=None, screen=None),
-    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', projector_pixel_aspect='auto', flatness='paper', method='ml', focal_35mm=None, gamma='srgb', allow_degenerate=False, names=None, screen=None)"
+        names=None, tags=None, exif=false, screen=None),
+    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', projector_pixel_aspect='auto', flatness='paper', method='ml', focal_35mm=None, gamma='srgb', allow_degenerate=False, names=None, tags=None, exif=False, screen=None)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments are what a Python user expects")]
 fn calibrate(
@@ -154,6 +160,8 @@ fn calibrate(
     gamma: Option<&Bound<'_, PyAny>>,
     allow_degenerate: bool,
     names: Option<&Bound<'_, PyAny>>,
+    tags: Option<&Bound<'_, PyAny>>,
+    exif: bool,
     screen: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Rig> {
     let py = photos.py();
@@ -172,7 +180,7 @@ fn calibrate(
     let config = options.config()?;
     let pattern = optional::<CheckerPattern>(pattern, "pattern")?.map(|p| &p.get().0);
     let plain = option::plain(plain, screen)?;
-    let asked = Request { photos, size_mm, pattern, plain, corners, gamma, names, focal_35mm };
+    let asked = Request { photos, size_mm, pattern, plain, corners, gamma, names, tags, exif, focal_35mm };
     let calibrator = observe_all(&asked, config)?;
     py.detach(|| calibrator.calibrate()).raise(py, Stage::Detect).map(Rig::from)
 }

@@ -18,6 +18,7 @@ mod matches;
 mod observations;
 mod observe;
 mod pattern;
+mod photo_tags;
 mod read_image;
 mod reconstruct;
 mod reconstructor;
@@ -44,6 +45,7 @@ fn run_command(py: Python<'_>, args: Vec<OsString>) -> u8 {
 fn _slcal(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     read_image::register(module)?;
+    photo_tags::register(module)?;
     pattern::register(module)?;
     geometry::register(module)?;
     detect::register(module)?;

@@ -12,6 +12,7 @@ use crate::convert::option;
 use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::observations::Observations;
 use crate::pattern::CheckerPattern;
+use crate::photo_tags::tags_of;
 use crate::view_observation::four_corners;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -40,6 +41,8 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///     The transfer curve of the photographs.
 /// names : sequence of str, optional
 ///     Names of the photographs.
+/// tags : sequence of PhotoTags or None, optional
+///     What the camera wrote into each photograph: see `calibrate`.
 /// screen : sequence of ndarray, optional
 ///     The older name of `plain`.
 ///
@@ -57,8 +60,9 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///     When a photograph is not such an array.
 #[pyfunction]
 #[pyo3(
-    signature = (photos, size_mm, pattern=None, *, plain=None, corners=None, gamma=None, names=None, screen=None),
-    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, gamma='srgb', names=None, screen=None)"
+    signature = (photos, size_mm, pattern=None, *, plain=None, corners=None, gamma=None, names=None, tags=None,
+        screen=None),
+    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, gamma='srgb', names=None, tags=None, screen=None)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments")]
 fn observe(
@@ -69,12 +73,25 @@ fn observe(
     corners: Option<&Bound<'_, PyAny>>,
     gamma: Option<&Bound<'_, PyAny>>,
     names: Option<&Bound<'_, PyAny>>,
+    tags: Option<&Bound<'_, PyAny>>,
     screen: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Observations> {
     let pattern = optional::<CheckerPattern>(pattern, "pattern")?.map(|p| &p.get().0);
     let plain = option::plain(plain, screen)?;
-    let asked = Request { photos, size_mm, pattern, plain, corners, gamma, names, focal_35mm: None };
-    let calibrator = observe_all(&asked, CalibrateConfig::default())?;
+    let asked = Request {
+        photos,
+        size_mm,
+        pattern,
+        plain,
+        corners,
+        gamma,
+        names,
+        tags,
+        exif: false,
+        focal_35mm: None,
+    };
+    let mut calibrator = observe_all(&asked, CalibrateConfig::default())?;
+    photos.py().detach(|| calibrator.settle_orientation()).raise(photos.py(), Stage::Detect)?;
     calibrator.observations().map(Observations).raise(photos.py(), Stage::Detect)
 }
 
@@ -88,6 +105,9 @@ pub(crate) struct Request<'a, 'py> {
     pub(crate) corners: Option<&'a Bound<'py, PyAny>>,
     pub(crate) gamma: Option<&'a Bound<'py, PyAny>>,
     pub(crate) names: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) tags: Option<&'a Bound<'py, PyAny>>,
+    /// Whether the focal length in the tags is a prior.
+    pub(crate) exif: bool,
     pub(crate) focal_35mm: Option<f64>,
 }
 
@@ -118,6 +138,11 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>, config: CalibrateConfig) -> P
     one_each("corners", corners.len())?;
     let names = asked.names.map_or(Ok(Vec::new()), names_of)?;
     one_each("names", names.len())?;
+    let tags = asked.tags.map_or(Ok(Vec::new()), tags_of)?;
+    one_each("tags", tags.len())?;
+    if asked.exif && tags.iter().all(Option::is_none) {
+        return Err(errors::invalid(py, "exif", "the tags of the photographs (tags=...)", "none"));
+    }
     let mut calibrator = Calibrator::new(size).with_encoding(encoding).with_config(config);
     if let Some(pattern) = asked.pattern {
         calibrator = calibrator.with_pattern(pattern);
@@ -134,6 +159,12 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>, config: CalibrateConfig) -> P
         }
         if let Some(mm) = asked.focal_35mm {
             shot = shot.focal_35mm(mm);
+        }
+        if let Some(tags) = tags.get(i).cloned().flatten() {
+            shot = shot.tags(tags);
+        }
+        if asked.exif {
+            shot = shot.focal_from_tags();
         }
         if let Some(name) = names.get(i) {
             shot = shot.name(name);

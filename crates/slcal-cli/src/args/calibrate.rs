@@ -51,9 +51,10 @@ pub(crate) struct CalibrateArgs {
     /// Known camera intrinsics, which are held fixed: OpenCV YAML, XML or JSON, ROS `camera_info` YAML, or a rig JSON.
     #[arg(long, value_name = "FILE", help_heading = INPUT)]
     pub(crate) camera: Option<PathBuf>,
-    /// Use the focal length in the EXIF tags (35 mm equivalent) as a prior with σ of 5 %.
+    /// Use the focal length in the EXIF tags as a prior with σ of about 5 %.
     ///
-    /// It helps views that hardly determine the focal length.
+    /// It helps views that hardly determine the focal length. It is taken from the 35 mm equivalent, or else from the
+    /// lens's own focal length and the size of the sensor: by the tags, or that of a common camera.
     #[arg(long, conflicts_with_all = ["camera", "observations"], help_heading = INPUT)]
     pub(crate) exif: bool,
     /// Principal point of the camera: prior, centre, free or X,Y.

@@ -13,9 +13,9 @@ mod write;
 pub(crate) use crate::name::{input_name, is_dash};
 pub(crate) use cloud::{cloud_format_of, cloud_is_complete};
 pub(crate) use exchange::{export_places, import_paths, storage_of};
-pub(crate) use exif::focal_35mm;
+pub(crate) use exif::read_tags;
 pub(crate) use folder::photographs;
-pub(crate) use photo::{decode_photo, load_photo, load_photo_and_file, read_photo};
+pub(crate) use photo::{decode_photo, load_photo, load_tagged_photo, read_photo};
 pub(crate) use raw::{RawFormat, RawFrame};
 pub(crate) use read::{check_one_stdin, read_bytes};
 pub(crate) use text::{

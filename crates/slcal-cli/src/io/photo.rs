@@ -5,8 +5,10 @@ use std::path::Path;
 
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use slcal_core::PhotoTags;
 use slcal_core::format::recognise;
 
+use super::exif::read_tags;
 use super::read::read_bytes;
 use crate::exit::{Exit, Failure, Outcome};
 use crate::name::input_name;
@@ -28,19 +30,36 @@ const RAW_EXTENSIONS: [&str; 14] =
 
 /// Reads a photograph, from stdin for `-`.
 pub(crate) fn load_photo(path: &Path, printer: Printer) -> Outcome<DynamicImage> {
-    load_photo_and_file(path, printer).map(|(photo, _)| photo)
-}
-
-/// Reads a photograph and returns the bytes of its file, too.
-pub(crate) fn load_photo_and_file(path: &Path, printer: Printer) -> Outcome<(DynamicImage, Vec<u8>)> {
     let mut remarks = Remarks::default();
     let loaded = read_photo(path, &mut remarks);
     printer.remarks(&remarks);
     loaded
 }
 
-/// The same without printing.
-pub(crate) fn read_photo(path: &Path, remarks: &mut Remarks) -> Outcome<(DynamicImage, Vec<u8>)> {
+/// A photograph and its EXIF tags, or why there are none that can be read.
+pub(crate) type TaggedPhoto = (DynamicImage, Result<PhotoTags, String>);
+
+/// Reads a photograph with its tags.
+pub(crate) fn load_tagged_photo(path: &Path, printer: Printer) -> Outcome<TaggedPhoto> {
+    let mut remarks = Remarks::default();
+    let loaded = read_photo_and_file(path, &mut remarks);
+    printer.remarks(&remarks);
+    loaded.map(|(photo, bytes, orientation)| {
+        let mut tags = read_tags(&bytes);
+        if let Ok(tags) = &mut tags {
+            // What was done counts.
+            tags.orientation = slcal_core::Orientation::of_tag(orientation.to_exif().into());
+        }
+        (photo, tags)
+    })
+}
+
+/// Reads a photograph without printing.
+pub(crate) fn read_photo(path: &Path, remarks: &mut Remarks) -> Outcome<DynamicImage> {
+    read_photo_and_file(path, remarks).map(|(photo, ..)| photo)
+}
+
+fn read_photo_and_file(path: &Path, remarks: &mut Remarks) -> Outcome<(DynamicImage, Vec<u8>, Orientation)> {
     let name = input_name(path);
     let bytes = read_bytes(path, "a photograph")?;
     let (photo, orientation) = decode_photo(&bytes, &name)?;
@@ -52,7 +71,7 @@ pub(crate) fn read_photo(path: &Path, remarks: &mut Remarks) -> Outcome<(Dynamic
         ));
     }
     remarks.detail(format!("{name}: {}x{} {:?}", photo.width(), photo.height(), photo.color()));
-    Ok((photo, bytes))
+    Ok((photo, bytes, orientation))
 }
 
 /// Decodes a photograph. `name` is for messages; its extension identifies camera raw files.

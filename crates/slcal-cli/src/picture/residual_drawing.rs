@@ -201,6 +201,7 @@ mod tests {
             projector_vanishing_points: None,
             corners_px: CORNERS.map(Point2::from),
             rms_px: Some(ViewRms { edges: 0.0512, corners: Some(0.5), projector: None }),
+            clipped_percent: None,
         }
     }
 

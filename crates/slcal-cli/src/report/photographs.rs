@@ -86,6 +86,9 @@ fn shot(
                     ": rms residuals: sheet edges " (significant(rms.edges, 2)) " px"
                     @if let Some(corners) = rms.corners { ", projected corners " (significant(corners, 2)) " px" }
                 }
+                @if let Some(clipped) = view.clipped_percent.filter(|p| p.round() > 0.0) {
+                    "; " (format!("{clipped:.0} % of the lit sheet is overexposed"))
+                }
                 @if odd { " " span.flag { "⚠ " (odd_words(fit.map(|f| f.residuals))) } }
             }
         }

@@ -29,6 +29,7 @@ pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
     if let Some(first) = rig.views.first() {
         layout.gap();
         views(&mut layout, rig, first);
+        exposure(&mut layout, rig);
         bends(&mut layout, rig);
     }
     if let Some(quality) = &rig.quality {
@@ -223,6 +224,21 @@ fn views(layout: &mut TextLayout, rig: &Rig, first: &View) {
         table.row(row);
     }
     layout.table(&table);
+}
+
+/// How much of the sheet is overexposed, where it is any.
+fn exposure(layout: &mut TextLayout, rig: &Rig) {
+    let clipped = rig.views.iter().map(|v| v.clipped_percent.unwrap_or(0.0).round());
+    let clipped: Vec<_> = clipped.enumerate().filter(|(_, percent)| *percent > 0.0).collect();
+    if clipped.is_empty() {
+        return;
+    }
+    let each = clipped.iter().map(|(i, percent)| match rig.views.len() {
+        1 => format!("{percent:.0} %"),
+        _ => unbroken(&format!("{percent:.0} % in view {}", i + 1)),
+    });
+    layout
+        .line("clipped", format!("{} of the lit sheet is overexposed", each.collect::<Vec<_>>().join(", ")));
 }
 
 /// How far the sheet bends in each photograph, where it was not taken for flat.

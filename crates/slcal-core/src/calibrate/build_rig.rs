@@ -57,6 +57,7 @@ pub(crate) fn view(
             .map(|(p, pose)| p.device.model.vanishing_points(&pose)),
         corners_px: projected_corners(camera, sheet),
         rms_px: Some(rms_px),
+        clipped_percent: None,
     }
 }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::variance_components::NoiseFound;
 use crate::observations::Observations;
-use crate::rig::Rig;
+use crate::rig::{Rig, Verdict, Warning};
 
 /// How a calibration went, beyond the rig itself.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -35,6 +35,21 @@ pub struct Calibration {
     /// spread evenly. Calibrating from these gives the same rig.
     pub observations: Observations,
     pub(super) noise: Vec<NoiseFound>,
+}
+
+impl Calibration {
+    /// Adds, before all else, a warning about an error larger than σ: the verdict is weak at best then, for this reason.
+    pub(crate) fn doubt(&mut self, warning: Warning) {
+        let Some(quality) = &mut self.rig.quality else { return };
+        if quality.verdict < Verdict::Weak {
+            quality.verdict = Verdict::Weak;
+            quality.cause.clone_from(&warning.message);
+            quality.advice.clone_from(&warning.advice);
+            self.report.cause.clone_from(&warning.message);
+            self.report.advice.clone_from(&warning.advice);
+        }
+        quality.warnings.insert(0, warning);
+    }
 }
 
 /// How it went in detail.

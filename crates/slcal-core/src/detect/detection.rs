@@ -11,6 +11,7 @@ use crate::photo::{Encoding, LinearPhoto, PhotoView};
 use crate::rig::Warning;
 
 use super::board::Board;
+use super::clipping::{clipped_share, clipped_warning};
 use super::downsampled::Downsampled;
 use super::panel_points::PanelBorder;
 use super::projector_footprint::{ProjectedEdges, ProjectorFootprint};
@@ -58,8 +59,11 @@ pub struct Detection {
     pub pattern_corners: usize,
     /// Remarks for the user: parts that are not visible, corners taken from the user.
     pub notes: Vec<String>,
+    /// Share of the lit part of the sheet that is overexposed, 0–1: samples at the end of the range. Of two photographs of the
+    /// same pose, that of the worse one.
+    pub clipped: f64,
     /// Parts of the sheet's outline that are not the plain edge of a sheet, and what was done about them:
-    /// `side-face`, `side-covered`, `side-curled`.
+    /// `side-face`, `side-covered`, `side-curled`; and `clipped`.
     pub warnings: Vec<Warning>,
 }
 
@@ -112,12 +116,14 @@ pub fn observe(
         ));
     }
     let Some(pattern) = pattern else {
-        let SheetDetection { observation: sheet, notes, warnings } =
-            find_sheet(plain.unwrap_or(photo), config)?;
+        let photo = plain.unwrap_or(photo);
+        let SheetDetection { observation: sheet, notes, mut warnings } = find_sheet(photo, config)?;
+        let clipped = clipped(&sheet, &[photo], &mut warnings);
         let observation =
             ViewObservation { photo: None, size, sheet, pairs: Vec::new(), panel_points: Vec::new() };
-        return Ok(Detection { observation, pattern_corners: 0, notes, warnings });
+        return Ok(Detection { observation, pattern_corners: 0, notes, clipped, warnings });
     };
+    let photographs: Vec<PhotoView<'_>> = [photo].into_iter().chain(plain).collect();
     let photo = LinearPhoto::new(photo, config.encoding);
     let downsampled = Downsampled::new(&photo);
     let board = Board::find(&photo, &downsampled, pattern)?;
@@ -148,11 +154,20 @@ pub fn observe(
             found = find_sheet(&footprint).or(found);
         }
     }
-    let SheetDetection { observation: sheet, mut notes, warnings } = found?;
+    let SheetDetection { observation: sheet, mut notes, mut warnings } = found?;
     let pattern_corners = board.expected;
     let pairs = on_panel(on_sheet(board, &sheet, &mut notes)?.pairs, config);
+    let clipped = clipped(&sheet, &photographs, &mut warnings);
     let observation = ViewObservation { photo: None, size, sheet, pairs, panel_points: border.points };
-    Ok(Detection { observation, pattern_corners, notes, warnings })
+    Ok(Detection { observation, pattern_corners, notes, clipped, warnings })
+}
+
+/// The share of the sheet that is overexposed in the worst of these photographs, with a warning where it matters.
+fn clipped(sheet: &SheetObservation, photographs: &[PhotoView<'_>], warnings: &mut Vec<Warning>) -> f64 {
+    let Some(corners) = sheet.corners() else { return 0.0 };
+    let share = photographs.iter().map(|p| clipped_share(p, &corners)).fold(0.0, f64::max);
+    warnings.extend(clipped_warning(share));
+    share
 }
 
 /// Detects the sheet alone, of any size: the brightest large quadrilateral with straight sides, or the sides near the

@@ -9,6 +9,7 @@
 mod board;
 mod board_registration;
 mod checkerboard;
+mod clipping;
 mod corner;
 mod detection;
 mod downsampled;
@@ -29,6 +30,7 @@ mod side_tests;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use clipping::{CLIPPED, CLIPPED_COST_PERCENT};
 pub use detection::Detection;
 public_with! { "stages": pub use detection::{CornerDetection, DetectConfig, find_corners, find_sheet, observe}; }
 public_with! { "stages": pub use sheet::SheetDetection; }

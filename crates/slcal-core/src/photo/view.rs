@@ -168,6 +168,16 @@ impl<'a> PhotoView<'a> {
         }
     }
 
+    /// The code values of a pixel as they are, red, green, blue.
+    #[inline]
+    pub(crate) fn rgb_codes(&self, x: usize, y: usize) -> [u16; 3] {
+        let at = self.rgb_at(x, y);
+        match self.samples {
+            Samples::U8(s) => at.map(|at| u16::from(s[at])),
+            Samples::U16(s) => at.map(|at| s[at]),
+        }
+    }
+
     /// Writes the linear light (red, green, blue) of one row into `out`, which must hold `width` entries.
     pub(crate) fn linear_rgb_row(&self, y: usize, table: &LinearTable, out: &mut [[f32; 3]]) {
         self.each_light(y, table, out, |r, g, b| [r, g, b]);

@@ -1,68 +1,19 @@
 //! Photographs → rig: one object that takes the photographs one by one.
 
-use nalgebra::Point2;
-
-use crate::calibrate::{CalibrateConfig, Calibration, FocalPrior, calibrate_observations};
-use crate::detect::{DetectConfig, Detection, observe};
+use super::common_orientation::{Outcome, differ, settle, warning};
+use super::photo_tags::{Finding, PhotoTags, TaggedFocal, Turn};
+use super::sheet_photo::SheetPhoto;
+use super::tag_warnings::of_tags;
+use super::taken::Taken;
+use crate::assumption::AssumptionStatus;
+use crate::calibrate::{CalibrateConfig, Calibration, calibrate_observations};
+use crate::detect::{CLIPPED, CLIPPED_COST_PERCENT, DetectConfig, Detection, observe};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::RectangleSize;
-use crate::observations::Observations;
+use crate::observations::{Observations, ViewObservation};
 use crate::pattern::CheckerPattern;
-use crate::photo::{Encoding, PhotoView};
-use crate::rig::Warning;
-
-/// A photograph of the sheet and what is known about it.
-#[derive(Debug, Clone)]
-pub struct SheetPhoto<'a> {
-    view: PhotoView<'a>,
-    name: Option<String>,
-    plain: Option<PhotoView<'a>>,
-    corners: Option<[Point2<f64>; 4]>,
-    focal_35mm: Option<f64>,
-}
-
-impl<'a> SheetPhoto<'a> {
-    /// A photograph of which nothing else is known.
-    #[must_use]
-    pub fn new(view: PhotoView<'a>) -> Self {
-        Self { view, name: None, plain: None, corners: None, focal_35mm: None }
-    }
-
-    /// Its name, for messages and for the rig's view.
-    #[must_use]
-    pub fn name(mut self, name: impl Into<String>) -> Self {
-        self.name = Some(name.into());
-        self
-    }
-
-    /// The same pose with a dark or plain projection, in the same size: the sheet's sides are measured there.
-    #[must_use]
-    pub fn plain(mut self, plain: PhotoView<'a>) -> Self {
-        self.plain = Some(plain);
-        self
-    }
-
-    /// The sheet's corners TL, TR, BR, BL by hand, px, where it is not found; they may lie outside the frame.
-    #[must_use]
-    pub fn corners(mut self, corners: [Point2<f64>; 4]) -> Self {
-        self.corners = Some(corners);
-        self
-    }
-
-    /// The 35 mm equivalent of the focal length, mm, as the EXIF tag `FocalLengthIn35mmFilm` states it: a prior for the
-    /// camera's focal length.
-    #[must_use]
-    pub fn focal_35mm(mut self, mm: f64) -> Self {
-        self.focal_35mm = Some(mm);
-        self
-    }
-}
-
-impl<'a> From<PhotoView<'a>> for SheetPhoto<'a> {
-    fn from(view: PhotoView<'a>) -> Self {
-        Self::new(view)
-    }
-}
+use crate::photo::Encoding;
+use crate::rig::{Rig, Warning};
 
 /// Calibrates a camera and a projector from photographs of a white sheet with a checkerboard projected on it; without a
 /// pattern, the camera alone.
@@ -93,11 +44,13 @@ pub struct Calibrator {
     pattern: Option<CheckerPattern>,
     encoding: Encoding,
     config: CalibrateConfig,
-    /// Width and height of the first photograph, px, and its name.
-    first: Option<([u32; 2], String)>,
-    /// The 35 mm equivalent, mm, and the first photograph that states it.
-    focal_35mm: Option<(f64, String)>,
+    /// The focal length that is a prior, and the first photograph that states it.
+    focal: Option<(TaggedFocal, String)>,
+    /// One of each photograph.
+    taken: Vec<Taken>,
     detections: Vec<Detection>,
+    /// What was done with photographs that their tags turn differently, and the views before that.
+    turning: Option<(Outcome, Vec<ViewObservation>)>,
 }
 
 impl Calibrator {
@@ -109,9 +62,10 @@ impl Calibrator {
             pattern: None,
             encoding: Encoding::default(),
             config: CalibrateConfig::default(),
-            first: None,
-            focal_35mm: None,
+            focal: None,
+            taken: Vec::new(),
             detections: Vec::new(),
+            turning: None,
         }
     }
 
@@ -154,34 +108,47 @@ impl Calibrator {
     /// size or focal length than the first or of another size than the known camera's images, a plain photograph of another
     /// size than its twin, and corners that are no convex quadrilateral.
     pub fn add<'a>(&mut self, photo: impl Into<SheetPhoto<'a>>) -> Result<&Detection> {
-        let SheetPhoto { view, name, plain, corners, focal_35mm } = photo.into();
+        let SheetPhoto { view, name, plain, corners, tags, focal_from_tags, focal_35mm } = photo.into();
         let title = name.clone().unwrap_or_else(|| title(self.detections.len()));
         let size = [view.width() as u32, view.height() as u32];
-        self.check_size(size)?;
-        if let Some(mm) = focal_35mm {
-            self.check_focal_length(mm)?;
+        let taken = Taken { title, size, tags, turn: Turn(0) };
+        self.check_size(&taken)?;
+        let equivalent = focal_35mm.map(|mm| PhotoTags { focal_35mm: Some(mm), ..PhotoTags::default() });
+        let stated = equivalent.as_ref().or_else(|| taken.tags.as_ref().filter(|_| focal_from_tags));
+        let focal = stated.map(|tags| tags.focal(size)).transpose()?;
+        if let Some(focal) = &focal {
+            self.check_focal_length(focal)?;
         }
         let detect = DetectConfig { encoding: self.encoding, corners, ..DetectConfig::default() };
         let mut found = observe(view, plain, self.sheet, self.pattern.as_ref(), &detect)?;
-        if let Some(mm) = focal_35mm {
-            self.config.focal_prior = Some(FocalPrior::from_35mm_equivalent(mm, size));
-            self.focal_35mm.get_or_insert_with(|| (mm, title.clone()));
+        if let Some(focal) = focal {
+            self.config.focal_prior = Some(focal.prior);
+            self.focal.get_or_insert_with(|| (focal, taken.title.clone()));
         }
-        self.first.get_or_insert((size, title));
+        found.notes.extend(taken.resized());
         found.observation.photo = name;
+        self.unsettle();
+        self.taken.push(taken);
         self.detections.push(found);
         Ok(&self.detections[self.detections.len() - 1])
     }
 
-    fn check_size(&self, size: [u32; 2]) -> Result<()> {
+    fn check_size(&self, taken: &Taken) -> Result<()> {
+        let size = taken.size;
         let found = format!("{}x{}", size[0], size[1]);
-        if let Some(([w, h], first)) = self.first.as_ref().filter(|(expected, _)| *expected != size) {
+        // Turned by its tags, a photograph may have the sides of the others exchanged: whether it fits is seen later.
+        let turnable = |first: &Taken| {
+            let turn = taken.orientation().turn_to(first.orientation());
+            turn.is_some_and(|t| t.size(size) == first.size)
+        };
+        if let Some(first) = self.taken.first().filter(|first| first.size != size && !turnable(first)) {
+            let ([w, h], first) = (first.size, &first.title);
             let expected = format!(
                 "{w}x{h} pixels like {first} (all photographs come from one camera at one setting, uncropped)"
             );
             return Err(Error::invalid(ErrorSubject::Photograph, expected, found));
         }
-        if let Some(known) = self.config.known_camera.filter(|k| k.size() != size) {
+        if let Some(known) = self.config.known_camera.filter(|k| self.taken.is_empty() && k.size() != size) {
             let [w, h] = known.size();
             let expected =
                 format!("{w}x{h} pixels like the known camera (intrinsics hold for one resolution)");
@@ -190,14 +157,13 @@ impl Calibrator {
         Ok(())
     }
 
-    fn check_focal_length(&self, mm: f64) -> Result<()> {
-        match &self.focal_35mm {
-            Some((expected, first)) if (expected - mm).abs() >= 1e-9 => {
+    fn check_focal_length(&self, focal: &TaggedFocal) -> Result<()> {
+        match &self.focal {
+            Some((expected, first)) if (expected.mm - focal.mm).abs() >= 1e-9 => {
                 let expected = format!(
-                    "that of {first}, {expected} mm (35 mm equivalent; all photographs come from one camera at one setting of \
-                     its zoom)"
+                    "that of {first}, {expected}; all photographs come from one camera at one setting of its zoom"
                 );
-                Err(Error::invalid(ErrorSubject::FocalLength, expected, format!("{mm} mm")))
+                Err(Error::invalid(ErrorSubject::FocalLength, expected, focal))
             }
             _ => Ok(()),
         }
@@ -214,28 +180,95 @@ impl Calibrator {
     /// # Errors
     /// [`Error::Invalid`] when no photograph was added.
     pub fn observations(&self) -> Result<Observations> {
-        let (camera, _) = self
-            .first
-            .as_ref()
+        let first = self
+            .taken
+            .first()
             .ok_or_else(|| Error::invalid(ErrorSubject::Photographs, "at least one", "none"))?;
         Ok(Observations {
-            camera: *camera,
+            camera: first.turned_size(),
             projector: self.pattern.as_ref().map(|p| p.projector),
             views: self.detections.iter().map(|d| d.observation.clone()).collect(),
         })
     }
 
+    /// Turns photographs whose tags turn them differently so that all lie alike, where they fit together only so; what was
+    /// found in them is turned along. Nothing happens where the tags agree. [`calibrate`](Self::calibrate) does this as well;
+    /// call it before [`observations`](Self::observations) are stored.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the photographs have different sizes and fit neither way.
+    pub fn settle_orientation(&mut self) -> Result<()> {
+        if self.turning.is_some() || !differ(&self.taken) {
+            return Ok(());
+        }
+        let (observations, turns, outcome) = settle(&self.observations()?, &self.taken, &self.config)?;
+        self.taken.iter_mut().zip(turns).for_each(|(taken, turn)| taken.turn = turn);
+        let settled = self.detections.iter_mut().zip(observations.views);
+        let before = settled.map(|(found, view)| std::mem::replace(&mut found.observation, view)).collect();
+        self.turning = Some((outcome, before));
+        Ok(())
+    }
+
+    /// Turns everything back: another photograph may change which way is right.
+    fn unsettle(&mut self) {
+        let Some((_, before)) = self.turning.take() else { return };
+        for ((found, taken), view) in self.detections.iter_mut().zip(&mut self.taken).zip(before) {
+            found.observation = view;
+            taken.turn = Turn(0);
+        }
+    }
+
+    /// By how many quarter turns clockwise each photograph was turned to lie like the others; zero for all unless
+    /// [`settle_orientation`](Self::settle_orientation) found that they fit together only so.
+    pub fn quarter_turns(&self) -> impl Iterator<Item = u8> {
+        self.taken.iter().map(|t| t.turn.0)
+    }
+
     /// Estimates the rig from all photographs that were added.
     ///
     /// # Errors
-    /// [`Error::Invalid`] when no photograph was added; otherwise as
-    /// [`calibrate_observations`](crate::calibrate_observations).
+    /// [`Error::Invalid`] when no photograph was added, or when photographs that are turned differently fit neither way;
+    /// otherwise as [`calibrate_observations`](crate::calibrate_observations).
     pub fn calibrate(&self) -> Result<Calibration> {
+        if self.turning.is_none() && differ(&self.taken) {
+            let mut settled = self.clone();
+            settled.settle_orientation()?;
+            return settled.calibrate_settled();
+        }
+        self.calibrate_settled()
+    }
+
+    fn calibrate_settled(&self) -> Result<Calibration> {
         let mut calibration = calibrate_observations(&self.observations()?, &self.config)?;
+        for (view, found) in calibration.rig.views.iter_mut().zip(&self.detections) {
+            view.clipped_percent = Some(100.0 * found.clipped).filter(|percent| *percent > 0.0);
+        }
+        let (clipped, of_sides): (Vec<_>, Vec<_>) =
+            self.warnings().into_iter().partition(|w| w.code == CLIPPED);
+        // One photograph is more uncertain than what clipping costs.
+        let doubtful = focal_sigma_percent(&calibration.rig) < CLIPPED_COST_PERCENT;
+        let mut findings = of_tags(&calibration.rig, &self.config, &self.taken);
+        // What the photographs themselves have shown is not told again.
+        let told: Vec<String> =
+            calibration.rig.quality.iter().flat_map(|q| &q.warnings).map(|w| w.code.clone()).collect();
+        findings.retain(|f| !told.contains(&f.warning.code));
+        findings.extend(clipped.into_iter().map(|warning| Finding { warning, doubtful }));
+        findings.extend(self.turning_warning().map(|warning| Finding { warning, doubtful: false }));
+        let (doubts, remarks): (Vec<_>, Vec<_>) = findings.into_iter().partition(|f| f.doubtful);
+        doubts.into_iter().rev().for_each(|f| calibration.doubt(f.warning));
         if let Some(quality) = &mut calibration.rig.quality {
-            quality.warnings.extend(self.warnings());
+            quality.warnings.extend(remarks.into_iter().map(|f| f.warning).chain(of_sides));
+            if self.taken.iter().all(Taken::is_whole) {
+                let crop = quality.assumptions.iter_mut().filter(|a| a.code == "not-cropped");
+                crop.for_each(|a| a.status = AssumptionStatus::Tested);
+            }
         }
         Ok(calibration)
+    }
+
+    fn turning_warning(&self) -> Option<Warning> {
+        let (outcome, _) = self.turning.as_ref()?;
+        warning(&self.taken, outcome, self.config.known_camera.is_some())
     }
 
     /// What detection warns of in the photographs so far, each with the photograph's name. [`calibrate`](Self::calibrate)
@@ -251,6 +284,13 @@ impl Calibrator {
     }
 }
 
+/// The larger σ of the two focal lengths, per cent.
+fn focal_sigma_percent(rig: &Rig) -> f64 {
+    rig.quality.as_ref().map_or(f64::INFINITY, |q| {
+        q.focal_sigma_percent_projector.unwrap_or(0.0).max(q.focal_sigma_percent_camera)
+    })
+}
+
 /// Stands for the name of a photograph that has none.
 fn title(index: usize) -> String {
     format!("photograph {}", index + 1)
@@ -261,6 +301,7 @@ mod tests {
     use image::{DynamicImage, RgbImage};
 
     use super::*;
+    use crate::photo::PhotoView;
 
     /// A sheet before a dark wall.
     fn photograph(width: u32, height: u32) -> DynamicImage {

@@ -3,10 +3,17 @@
 
 mod calibrator;
 mod cloud_report;
+mod common_orientation;
+mod photo_tags;
 mod photo_verifier;
 mod reconstructor;
+mod sheet_photo;
+mod tag_warnings;
+mod taken;
 
-pub use calibrator::{Calibrator, SheetPhoto};
+pub use calibrator::Calibrator;
 public_with! { "report": pub use cloud_report::CloudReport; }
+pub use photo_tags::{FocalSource, FrameChange, Orientation, PhotoTags, TaggedFocal};
 pub use photo_verifier::{PhotoVerifier, VerifiedPhoto, VerifyPhotoConfig, verify_photo};
 pub use reconstructor::{ReconstructConfig, Reconstruction, Reconstructor, cloud_from_matches};
+pub use sheet_photo::SheetPhoto;

@@ -301,6 +301,7 @@ impl Scene {
                 projector_vanishing_points: Some(self.projector.vanishing_points(&projector_from_sheet)),
                 corners_px: corners.map(|c| self.sheet_pixel(view, c).unwrap_or(Point2::origin())),
                 rms_px: None,
+                clipped_percent: None,
             }
         });
         Rig {

@@ -14,6 +14,7 @@ from ._slcal import (
     Detection,
     Matches,
     Observations,
+    PhotoTags,
     PointCloud,
     Pose,
     Reconstructor,
@@ -35,6 +36,7 @@ from ._slcal import (
     load_pattern,
     observe,
     read_image,
+    read_tags,
 )
 
 __all__ = [
@@ -50,6 +52,7 @@ __all__ = [
     "FormatError",
     "Matches",
     "Observations",
+    "PhotoTags",
     "PointCloud",
     "Pose",
     "Reconstructor",
@@ -71,4 +74,5 @@ __all__ = [
     "load_pattern",
     "observe",
     "read_image",
+    "read_tags",
 ]

@@ -341,6 +341,57 @@ def read_image(file: _Path | IO[bytes]) -> _Image:
         When it is not such a picture, or is incomplete; the message says how to convert it.
     """
 
+def read_tags(file: _Path | IO[bytes]) -> PhotoTags | None:
+    """"""
+
+@final
+class PhotoTags:
+    """"""
+
+    def __new__(
+        cls,
+        *,
+        make: str | None = None,
+        model: str | None = None,
+        focal_mm: float | None = None,
+        focal_35mm: float | None = None,
+        focal_plane_x_resolution: float | None = None,
+        focal_plane_unit: int | None = None,
+        pixels: tuple[int, int] | None = None,
+        digital_zoom: float | None = None,
+        orientation: int = 1,
+    ) -> PhotoTags: ...
+    @property
+    def make(self) -> str | _MaybeNone:
+        """"""
+    @property
+    def model(self) -> str | _MaybeNone:
+        """"""
+    @property
+    def focal_mm(self) -> float | _MaybeNone:
+        """"""
+    @property
+    def focal_35mm(self) -> float | _MaybeNone:
+        """"""
+    @property
+    def focal_plane_x_resolution(self) -> float | _MaybeNone:
+        """"""
+    @property
+    def focal_plane_unit(self) -> int | _MaybeNone:
+        """"""
+    @property
+    def pixels(self) -> tuple[int, int] | _MaybeNone:
+        """"""
+    @property
+    def digital_zoom(self) -> float | _MaybeNone:
+        """"""
+    @property
+    def orientation(self) -> int:
+        """"""
+    def focal(self, size: tuple[int, int]) -> dict[str, Any]:
+        """"""
+    def __eq__(self, other: object, /) -> bool: ...
+
 # What a photograph of the sheet shows
 
 @final
@@ -405,6 +456,9 @@ class Detection:
         """Notes for the user: corners that were not found or lie outside the sheet, corners that were given by hand, sides of
         the sheet that are covered in part, or that show the side face of a board.
         """
+    @property
+    def clipped_percent(self) -> float:
+        """"""
     def __eq__(self, other: object, /) -> bool: ...
 
 def detect(
@@ -715,6 +769,7 @@ def observe(
     corners: Sequence[ArrayLike | None] | ArrayLike | None = None,
     gamma: _Gamma = "srgb",
     names: Sequence[str] | None = None,
+    tags: Sequence[PhotoTags | None] | None = None,
     screen: Sequence[_ImageLike] | None = None,
 ) -> Observations:
     """Finds sheet and pattern in photographs of several poses: the first step of `calibrate`.
@@ -777,6 +832,8 @@ def calibrate(
     gamma: _Gamma = "srgb",
     allow_degenerate: bool = False,
     names: Sequence[str] | None = None,
+    tags: Sequence[PhotoTags | None] | None = None,
+    exif: bool = False,
     screen: Sequence[_ImageLike] | None = None,
 ) -> Rig:
     """Calibrates a camera and a projector from photographs of one white sheet with a checkerboard projected on it.
@@ -1089,6 +1146,9 @@ class View:
     @property
     def rms_px(self) -> ViewRms | _MaybeNone:
         """Root mean square residuals; None in rigs that do not state them."""
+    @property
+    def clipped_percent(self) -> float | _MaybeNone:
+        """"""
     def __eq__(self, other: object, /) -> bool: ...
 
 @final

@@ -179,15 +179,27 @@ impl Detection {
         with_warnings(&self.0.notes, &self.0.warnings)
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (String, usize, Vec<String>)>> {
-        let state = (self.as_view().text(py)?, self.0.pattern_corners, self.notes());
+    /// How much of the lit sheet is overexposed, per cent.
+    #[getter]
+    fn clipped_percent(&self) -> f64 {
+        100.0 * self.0.clipped
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (String, usize, Vec<String>, f64)>> {
+        let state = (self.as_view().text(py)?, self.0.pattern_corners, self.notes(), self.0.clipped);
         Ok((py.get_type::<Self>().getattr("_restored")?, state))
     }
 
     #[staticmethod]
-    fn _restored(py: Python<'_>, view: &str, pattern_corners: usize, notes: Vec<String>) -> PyResult<Self> {
+    fn _restored(
+        py: Python<'_>,
+        view: &str,
+        pattern_corners: usize,
+        notes: Vec<String>,
+        clipped: f64,
+    ) -> PyResult<Self> {
         let observation = ViewObservation::of_text(py, view)?.0;
-        Ok(Self(detect::Detection { observation, pattern_corners, notes, warnings: Vec::new() }))
+        Ok(Self(detect::Detection { observation, pattern_corners, notes, clipped, warnings: Vec::new() }))
     }
 
     fn __repr__(&self) -> String {

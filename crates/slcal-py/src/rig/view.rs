@@ -80,6 +80,12 @@ impl View {
         self.0.rms_px.as_ref().map(|r| record(py, "ViewRms", &json(r))).transpose()
     }
 
+    /// How much of the lit sheet is overexposed in the photograph, per cent; None where nothing is, or it was not measured.
+    #[getter]
+    fn clipped_percent(&self) -> Option<f64> {
+        self.0.clipped_percent
+    }
+
     fn __repr__(&self) -> String {
         let size = self.0.size;
         let middle = Point3::new(size.width_mm / 2.0, size.height_mm / 2.0, 0.0);

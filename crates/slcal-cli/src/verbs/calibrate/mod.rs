@@ -3,7 +3,7 @@
 mod overlay;
 mod photographs;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use slcal_core::format::{write_observations, write_rig};
 use slcal_core::{
@@ -79,15 +79,17 @@ fn report(
 fn calibrate(
     args: &CalibrateArgs,
     places: &Places,
-    gallery: Option<&mut Gallery>,
+    mut gallery: Option<&mut Gallery>,
     printer: Printer,
 ) -> Outcome<Calibration> {
+    let inputs = args.observations.iter().chain(&args.photos).map(|p| input_name(p)).collect::<Vec<_>>();
+    let inputs = PathBuf::from(inputs.join(", "));
     let mut config = config(args)?;
     let known = match args.camera.as_deref() {
         Some(path) => Some((path, load_camera(path)?)),
         None => None,
     };
-    let mut warnings = Vec::new();
+    let mut from_photographs = None;
     let observations = if let Some(path) = &args.observations {
         let given = load_observations(path)?;
         if let Some((path, known)) = &known {
@@ -96,10 +98,12 @@ fn calibrate(
         given
     } else {
         let known = known.as_ref().map(|(path, camera)| (*path, camera));
-        let calibrator = observe_all(args, config, known, gallery, printer)?;
-        config = calibrator.config().clone();
-        warnings = calibrator.warnings();
-        calibrator.observations()?
+        let mut calibrator = observe_all(args, config.clone(), known, gallery.as_deref_mut(), printer)?;
+        calibrator.settle_orientation().in_file(&inputs)?;
+        if let Some(gallery) = gallery {
+            gallery.turn(&calibrator);
+        }
+        from_photographs.insert(calibrator).observations()?
     };
     if let Some((path, camera)) = &known {
         let unsized_note = camera.size.is_none().then(|| {
@@ -113,13 +117,13 @@ fn calibrate(
         // Written before the calibration, because measurements are most useful when it fails.
         write_all(&[(place.clone(), bytes_of(|out| write_observations(&observations, out))?)])?;
     }
-    let inputs = args.observations.iter().chain(&args.photos).map(|p| input_name(p)).collect::<Vec<_>>();
     let busy = printer.busy("calibrating");
-    let mut done = calibrate_observations(&observations, &config).in_file(Path::new(&inputs.join(", ")))?;
+    let done = match &from_photographs {
+        Some(calibrator) => calibrator.calibrate(),
+        None => calibrate_observations(&observations, &config),
+    };
+    let done = done.in_file(&inputs)?;
     drop(busy);
-    if let Some(quality) = &mut done.rig.quality {
-        quality.warnings.extend(warnings);
-    }
     for noise in done.noise() {
         printer.note(noise_in_words(noise));
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 use image::DynamicImage;
 use image::imageops::FilterType;
 use slcal_core::detect::Detection;
-use slcal_core::{Calibration, Quality, Rig, ViewResiduals};
+use slcal_core::{Calibration, Calibrator, Quality, Rig, ViewResiduals};
 
 use crate::exit::{Failure, Outcome};
 use crate::io::{Destination, input_name, png_bytes, write_all};
@@ -54,14 +54,25 @@ impl Gallery {
             Ok(found) => Seen::All(Box::new(found.clone())),
             Err(why) => Seen::Not { why: why.to_string(), partly },
         };
-        let ([w, h], _) = contact_sheet::tile_size(size, self.expected);
-        // A single photograph keeps all of its pixels; memory holds small copies of many.
-        let photo = if self.expected > 1 && [w, h] != size {
-            photo.resize_exact(w, h, FilterType::Triangle)
-        } else {
-            photo
-        };
+        let photo = shown(photo, size, self.expected);
         self.shots.push(Shot { name: input_name(path), size, photo, seen });
+    }
+
+    /// Turns the photographs that the calibrator has turned, and takes over what it found in them.
+    pub(super) fn turn(&mut self, calibrator: &Calibrator) {
+        let turned = calibrator.quarter_turns().zip(calibrator.detections());
+        for (shot, (quarters, found)) in self.shots.iter_mut().zip(turned).filter(|(_, (q, _))| *q != 0) {
+            shot.photo = match quarters {
+                1 => shot.photo.rotate90(),
+                2 => shot.photo.rotate180(),
+                _ => shot.photo.rotate270(),
+            };
+            if quarters % 2 == 1 {
+                shot.size.swap(0, 1);
+            }
+            shot.photo = shown(std::mem::take(&mut shot.photo), shot.size, self.expected);
+            shot.seen = Seen::All(Box::new(found.clone()));
+        }
     }
 
     /// The photographs, as they were added.
@@ -84,6 +95,17 @@ impl Gallery {
             all => sheet_of(all, self.expected, &fits, calibrated, failed)?,
         };
         write_all(&[(place.clone(), png_bytes(&picture)?)])
+    }
+}
+
+/// A photograph as taken in this size, in its size in a picture of so many: a single one keeps all of its pixels, memory holds
+/// small copies of many.
+fn shown(photo: DynamicImage, size: [u32; 2], expected: usize) -> DynamicImage {
+    let ([w, h], _) = contact_sheet::tile_size(size, expected);
+    if expected > 1 && [w, h] != [photo.width(), photo.height()] {
+        photo.resize_exact(w, h, FilterType::Triangle)
+    } else {
+        photo
     }
 }
 

@@ -7,12 +7,12 @@ use slcal_core::detect::{DetectConfig, observe};
 use slcal_core::format::KnownCamera;
 use slcal_core::geometry::RectangleSize;
 use slcal_core::photo::PhotoView;
-use slcal_core::{CalibrateConfig, Calibrator, Error, ErrorSubject, SheetPhoto};
+use slcal_core::{CalibrateConfig, Calibrator, Error, ErrorSubject, PhotoTags, SheetPhoto, TaggedFocal};
 
 use super::overlay::Gallery;
 use crate::args::CalibrateArgs;
 use crate::exit::{Failure, InFile as _, Outcome};
-use crate::io::{focal_35mm, input_name, load_checker, load_photo, load_photo_and_file};
+use crate::io::{input_name, load_checker, load_photo, load_tagged_photo};
 use crate::output::Printer;
 use crate::picture::for_display;
 use crate::picture::sheet::Partly;
@@ -35,7 +35,7 @@ pub(super) fn observe_all(
     for (i, path) in args.photos.iter().enumerate() {
         let name = input_name(path);
         busy.say(format!("finding the sheet in {name}"));
-        let (photo, file) = load_photo_and_file(path, printer)?;
+        let (photo, tags) = load_tagged_photo(path, printer)?;
         let size = [photo.width(), photo.height()];
         if let Some((file, known)) = known.filter(|_| i == 0) {
             // Checked before any detection.
@@ -43,10 +43,12 @@ pub(super) fn observe_all(
         }
         let mut shot = SheetPhoto::new(PhotoView::try_from(&photo).in_file(path)?).name(&name);
         if args.exif {
-            let mm = *stated.insert(focal_35mm(path, &file, size)?);
-            shot = shot.focal_35mm(mm);
+            stated = Some(tagged_focal(path, &tags, size)?);
+            shot = shot.focal_from_tags();
         }
-        drop(file);
+        if let Ok(tags) = tags {
+            shot = shot.tags(tags);
+        }
         let plain = args.plain.get(i).map(|s| load_photo(s, printer)).transpose()?;
         if let Some((plain, file)) = plain.as_ref().zip(args.plain.get(i)) {
             shot = shot.plain(PhotoView::try_from(plain).in_file(file)?);
@@ -70,14 +72,30 @@ pub(super) fn observe_all(
         busy.step();
     }
     drop(busy);
-    if let (Some(mm), Some(prior)) = (stated, calibrator.config().focal_prior) {
+    if let Some(focal) = stated {
         printer.note(format!(
-            "EXIF: focal length {mm} mm (35 mm equivalent), used as a prior of {:.0} px with σ of {:.1} %",
-            prior.focal_px,
-            100.0 * prior.sigma_share
+            "EXIF: focal length {focal}, used as a prior of {:.0} px with σ of {:.1} %",
+            focal.prior.focal_px,
+            100.0 * focal.prior.sigma_share
         ));
     }
     Ok(calibrator)
+}
+
+/// The focal length that `--exif` asks for.
+fn tagged_focal(path: &Path, tags: &Result<PhotoTags, String>, size: [u32; 2]) -> Outcome<TaggedFocal> {
+    let refused = |found: &str| {
+        let message = format!(
+            "--exif: expected the EXIF tags of an uncropped photograph that state the focal length (FocalLengthIn35mmFilm, or \
+             FocalLength and the size of the sensor), found {found}; give the photograph as the camera wrote it, or leave --exif out"
+        );
+        Failure::input(path, message)
+    };
+    let tags = tags.as_ref().map_err(|why| refused(&format!("no readable tags ({why})")))?;
+    tags.focal(size).map_err(|error| match error {
+        Error::Invalid { found, .. } => refused(&found),
+        other => Failure::in_file(path, &other),
+    })
 }
 
 fn sheet_size(args: &CalibrateArgs) -> Outcome<RectangleSize> {

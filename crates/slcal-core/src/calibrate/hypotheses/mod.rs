@@ -7,6 +7,7 @@ pub(crate) mod explain;
 mod explanation;
 mod misfit;
 pub(crate) mod shown_scale;
+pub(crate) mod together;
 pub(crate) mod told;
 pub(crate) mod transposed;
 mod with_amounts;

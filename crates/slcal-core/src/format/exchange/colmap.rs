@@ -307,5 +307,6 @@ fn view(corners: &[Point3<f64>], seen: &[Point2<f64>], rig: &Rig) -> Result<View
             .map(|(p, pose)| p.device.model.vanishing_points(&pose)),
         corners_px: [seen[0], seen[1], seen[2], seen[3]],
         rms_px: None,
+        clipped_percent: None,
     })
 }

@@ -63,6 +63,7 @@ fn rig(distortion: [f64; 5], skew: f64) -> Rig {
         projector_vanishing_points: Some(projector.model.vanishing_points(&quarter().compose(&pose))),
         corners_px: size.corners().map(seen),
         rms_px: Some(ViewRms { edges: 0.1, corners: None, projector: Some(0.3) }),
+        clipped_percent: None,
     };
     Rig {
         camera,

@@ -151,6 +151,7 @@ fn view_from_dto(
         rms_px: dto
             .rms_px
             .and_then(|r| Some(ViewRms { edges: r.edges?, corners: r.corners, projector: r.projector })),
+        clipped_percent: dto.clipped_percent,
     }))
 }
 

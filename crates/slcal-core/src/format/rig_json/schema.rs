@@ -106,6 +106,8 @@ pub(super) struct ViewDto {
     pub(super) vanishing_points: Option<VanishingDto>,
     pub(super) corners_px: Option<[[f64; 2]; 4]>,
     pub(super) rms_px: Option<RmsDto>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) clipped_percent: Option<f64>,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -46,6 +46,7 @@ fn rig() -> Rig {
             projector_vanishing_points: None,
             corners_px: project_corners(&camera, &pose, size).unwrap(),
             rms_px: Some(ViewRms { edges: 0.1, corners: None, projector: Some(0.3) }),
+            clipped_percent: Some(1.5),
         }],
         method: "ml".into(),
         quality: Some(Quality {

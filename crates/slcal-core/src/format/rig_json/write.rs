@@ -99,6 +99,7 @@ fn view_to_dto(v: &View) -> Result<ViewDto> {
     if let Some(r) = &v.rms_px {
         finite([&r.edges].into_iter().chain(&r.corners).chain(&r.projector), "rms")?;
     }
+    finite(v.clipped_percent.iter(), "clipped_percent")?;
     Ok(ViewDto {
         photo: v.photo.clone(),
         size_mm: Some([v.size.width_mm, v.size.height_mm]),
@@ -117,6 +118,7 @@ fn view_to_dto(v: &View) -> Result<ViewDto> {
         vanishing_points: Some(VanishingDto { camera: Some(camera), projector }),
         corners_px: Some(v.corners_px.map(|c| [c.x, c.y])),
         rms_px: v.rms_px.map(|r| RmsDto { edges: Some(r.edges), corners: r.corners, projector: r.projector }),
+        clipped_percent: v.clipped_percent,
     })
 }
 
