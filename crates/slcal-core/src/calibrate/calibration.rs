@@ -2,6 +2,7 @@
 
 use super::config::{CalibrateConfig, Method};
 use super::hypotheses::explain::explanations;
+use super::hypotheses::shown_scale::shown_scale;
 use super::hypotheses::told::{Told, told};
 use super::maximum_likelihood::solve_in_steps;
 use super::report::{Calibration, CalibrationReport};
@@ -82,7 +83,7 @@ fn maximum_likelihood(
     };
     // What is assumed of the observations is tested with the σ that they state.
     let (solution, told) = explained(&observations, config, &camera, stated);
-    let shown = hypotheses::shown_scale::hint(&observations, &solution);
+    let shown = shown_scale(&observations, &solution);
     let solution = &solution.with_learned_weights();
     let mut assessment = diagnostics::verdict::assess(solution, config);
     assessment.warnings.extend(repetition);
@@ -92,8 +93,8 @@ fn maximum_likelihood(
         Some(Told::Doubt(warning)) => assessment.doubt(warning, Verdict::Weak),
         Some(Told::Contradiction(warning)) => assessment.doubt(warning, Verdict::Degenerate),
     }
-    if let Some(shown) = shown {
-        assessment.doubt(shown, Verdict::Weak);
+    if let Some(doubt) = shown.as_ref().and_then(|shown| shown.hint(&observations)) {
+        assessment.doubt(doubt, Verdict::Weak);
     }
     if assessment.is_refused() && !config.allow_degenerate {
         return Err(assessment.refusal());
@@ -110,7 +111,7 @@ fn maximum_likelihood(
         cause: cause.to_owned(),
         advice: advice.to_owned(),
     };
-    Ok((build_rig::rig(solution, &assessment, sensitivity::assumptions(solution, config)), report))
+    Ok((build_rig::rig(solution, &assessment, sensitivity::assumptions(solution, config, shown.as_ref())), report))
 }
 
 /// The solution under what explains the photographs, if they ask for an explanation, and what is to be told.

@@ -184,21 +184,26 @@ fn agreed(places: &[&Place], side: f64, solution: &Solution) -> Option<Seen> {
     (!all.iter().any(apart)).then_some(Seen { expected, at: mean, sigma })
 }
 
-/// A warning when the picture was shown in another way than it was drawn.
-pub(crate) fn hint(observations: &Observations, solution: &Solution) -> Option<Warning> {
-    if observations.views.iter().all(|v| v.panel_points.is_empty()) {
-        return None;
-    }
-    let shown = shown_scale(observations, solution).filter(ShownScale::is_off)?;
-    Some(Warning::new(
-        "shown-1:1",
-        format!("the picture was not shown pixel for pixel: {}", shown.found()),
-        shown.advice(observations),
-    ))
-}
-
 /// What was found, and what to do about it.
 impl ShownScale {
+    /// A warning when the picture was shown in another way than it was drawn.
+    pub(crate) fn hint(&self, observations: &Observations) -> Option<Warning> {
+        self.is_off().then(|| {
+            Warning::new(
+                "shown-1:1",
+                format!("the picture was not shown pixel for pixel: {}", self.found()),
+                self.advice(observations),
+            )
+        })
+    }
+
+    /// 1σ of the scale where both axes show it, and it is right.
+    pub(crate) fn tested(&self) -> Option<f64> {
+        let both = self.scale().iter().all(Option::is_some);
+        let [x, y] = self.sigma();
+        (both && !self.is_off()).then_some(x.max(y))
+    }
+
     /// Names of the ends of an axis.
     const ENDS: [[&str; 2]; 2] = [["left", "right"], ["upper", "lower"]];
 
@@ -281,6 +286,7 @@ fn square_px(observations: &Observations) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::assumption::AssumptionStatus;
     use crate::calibrate::maximum_likelihood::solve_in_steps;
     use crate::calibrate::tests::scene::{observe, pose, rig, rng, with_edges};
     use crate::calibrate::{CalibrateConfig, calibrate_observations};
@@ -355,6 +361,12 @@ mod tests {
         found
     }
 
+    fn status(seen: &Observations) -> AssumptionStatus {
+        let rig = calibrate_observations(seen, &CalibrateConfig::default()).unwrap().rig;
+        let assumptions = rig.quality.unwrap().assumptions;
+        assumptions.into_iter().find(|a| a.code == "shown-1:1").unwrap().status
+    }
+
     #[test]
     fn a_picture_at_another_scale_is_named_with_what_would_be_right() {
         for scale in [0.95, 1.05, 0.9] {
@@ -397,6 +409,7 @@ mod tests {
         for seed in 0..20 {
             let observations = with_borders(1 + seed as usize % 2, Shown::centred([1.0; 2]), &ALL, seed);
             assert!(told(&observations).is_none(), "{seed}");
+            assert_eq!(status(&observations), AssumptionStatus::Tested);
             let (_, solution) = solve_in_steps(&observations, &CalibrateConfig::default()).unwrap();
             let found = shown_scale(&observations, &solution).unwrap();
             assert!(!found.is_off() && found.sigma().iter().all(|s| *s < 0.01));
@@ -404,6 +417,7 @@ mod tests {
         let (plain, _) = photographs(1, Shown::centred([0.95; 2]), 1);
         let (_, solution) = solve_in_steps(&plain, &CalibrateConfig::default()).unwrap();
         assert!(shown_scale(&plain, &solution).is_none() && told(&plain).is_none());
+        assert_eq!(status(&plain), AssumptionStatus::Assumed);
     }
 
     #[test]

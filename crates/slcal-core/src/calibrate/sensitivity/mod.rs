@@ -6,6 +6,7 @@ mod departure;
 use self::departure::{Departure, of_inliers};
 use crate::assumption::{Assumption, AssumptionStatus, Moves};
 use crate::calibrate::config::CalibrateConfig;
+use crate::calibrate::hypotheses::shown_scale::ShownScale;
 use crate::estimate::assumptions::shift_axis;
 use crate::estimate::{BundleAdjustment, Lens, Model, Solution};
 use crate::parameter::LensParameter;
@@ -15,8 +16,11 @@ use crate::solve::{INITIAL_DAMPING, minimise_from, undamped};
 const DECREASE: f64 = 1e-3;
 /// Steps towards a changed assumption; the solution is near, and four or five are common.
 const UNDAMPED_STEPS: usize = 12;
-/// From this increase of χ² on the photographs contradict a departure: five σ.
-const CONTRADICTED: f64 = 25.0;
+/// From so many σ on the photographs contradict a departure, and from this increase of χ².
+const TESTED_SIGMAS: f64 = 5.0;
+const CONTRADICTED: f64 = TESTED_SIGMAS * TESTED_SIGMAS;
+/// The assumption that the border of the light tests.
+const SHOWN: &str = "shown-1:1";
 /// A parameter whose σ the photographs bring below this part of its prior is estimated.
 const ESTIMATED: f64 = 0.5;
 
@@ -153,7 +157,7 @@ fn uncropped(solution: &Solution, config: &CalibrateConfig) -> Assumed {
 fn shown_one_to_one(solution: &Solution) -> Option<Assumed> {
     solution.model().projector?;
     Some(Assumed {
-        code: "shown-1:1",
+        code: SHOWN,
         text: "the pattern was shown pixel by pixel, without scaling".to_owned(),
         unit: "%",
         value: 100.0,
@@ -235,7 +239,11 @@ fn moves(from: &Model, to: &Model) -> Moves {
 }
 
 /// What a calibration assumes and what each assumption would cost if it were wrong.
-pub(crate) fn assumptions(solution: &Solution, config: &CalibrateConfig) -> Vec<Assumption> {
+pub(crate) fn assumptions(
+    solution: &Solution,
+    config: &CalibrateConfig,
+    shown: Option<&ShownScale>,
+) -> Vec<Assumption> {
     let unknown_camera = config.known_camera.is_none();
     let all = [
         aspect(solution, Lens::Camera).filter(|_| unknown_camera),
@@ -251,7 +259,16 @@ pub(crate) fn assumptions(solution: &Solution, config: &CalibrateConfig) -> Vec<
     let Some((_, chi2)) = solve_again(&of_inliers(solution), solution.model().clone()) else {
         return Vec::new();
     };
-    all.into_iter().flatten().map(|assumed| assess(solution, assumed, chi2)).collect()
+    let mut all: Vec<Assumption> =
+        all.into_iter().flatten().map(|assumed| assess(solution, assumed, chi2)).collect();
+    // The border of the light tells what the geometry cannot.
+    if let Some((sigma, a)) =
+        shown.and_then(ShownScale::tested).zip(all.iter_mut().find(|a| a.code == SHOWN))
+        && sigma < SCALE / TESTED_SIGMAS
+    {
+        (a.status, a.sigma) = (AssumptionStatus::Tested, Some(100.0 * sigma));
+    }
+    all
 }
 
 fn assess(solution: &Solution, assumed: Assumed, chi2: f64) -> Assumption {
