@@ -9,6 +9,7 @@ mod exchange;
 mod general;
 mod help;
 mod known_lens;
+mod mistakes;
 mod observations;
 mod pattern;
 mod photo_tags;

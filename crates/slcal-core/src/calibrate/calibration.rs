@@ -111,7 +111,10 @@ fn maximum_likelihood(
         cause: cause.to_owned(),
         advice: advice.to_owned(),
     };
-    Ok((build_rig::rig(solution, &assessment, sensitivity::assumptions(solution, config, shown.as_ref())), report))
+    Ok((
+        build_rig::rig(solution, &assessment, sensitivity::assumptions(solution, config, shown.as_ref())),
+        report,
+    ))
 }
 
 /// The solution under what explains the photographs, if they ask for an explanation, and what is to be told.

@@ -262,8 +262,7 @@ pub(crate) fn assumptions(
     let mut all: Vec<Assumption> =
         all.into_iter().flatten().map(|assumed| assess(solution, assumed, chi2)).collect();
     // The border of the light tells what the geometry cannot.
-    if let Some((sigma, a)) =
-        shown.and_then(ShownScale::tested).zip(all.iter_mut().find(|a| a.code == SHOWN))
+    if let Some((sigma, a)) = shown.and_then(ShownScale::tested).zip(all.iter_mut().find(|a| a.code == SHOWN))
         && sigma < SCALE / TESTED_SIGMAS
     {
         (a.status, a.sigma) = (AssumptionStatus::Tested, Some(100.0 * sigma));
