@@ -16,7 +16,7 @@ import numpy as np
 import slcal
 from slcal import simulate, viz
 
-SIZE_MM = (594, 420)  # Of the sheet: A2 on its side.
+SIZE_MM = "A2"  # Of the sheet; (594, 420) and "594x420mm" are sizes, too.
 PROJECTOR = (1024, 768)
 
 # %% [markdown]

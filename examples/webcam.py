@@ -2,7 +2,7 @@
 """Calibrates a webcam and a projector, then scans objects in front of them.
 
     pip install ./crates/slcal-py opencv-python
-    python examples/webcam.py --size 297x210 --projector 1920x1080 --screen-at 1920,0
+    python examples/webcam.py --size A4 --projector 1920x1080 --screen-at 1920,0
 
 The projector is a second display; --screen-at is the position of its top-left pixel. It shows pictures full
 screen, at its native resolution, with keystone correction off. In the window "camera", press SPACE to take a
@@ -102,14 +102,14 @@ class Webcam:
 
 
 def calibrate(
-    photos: Folder | Webcam, checker: slcal.CheckerPattern, size_mm: tuple[float, float]
+    photos: Folder | Webcam, checker: slcal.CheckerPattern, size: str | tuple[float, float]
 ) -> slcal.Rig | None:
     """Takes photographs of the sheet until another one would improve little."""
     views: list[slcal.Detection] = []
     rig = None
     for name, photo in photos.of("sheet", checker.image()):
         try:
-            seen = slcal.detect(photo, size_mm, checker)
+            seen = slcal.detect(photo, size, checker)
             height, width = photo.shape[:2]
             observations = slcal.Observations((width, height), checker.projector, [*views, seen])
             rig = slcal.calibrate_observations(observations)
@@ -169,10 +169,18 @@ def pair(text: str, between: str = "x") -> tuple[int, int]:
     return int(first), int(second)
 
 
+def size_of(text: str) -> str | tuple[float, float]:
+    """Width and height in millimetres, or what slcal understands: A4, letter, 11x8.5in."""
+    try:
+        return pair(text)
+    except ValueError:
+        return text
+
+
 def main() -> int:
     layout = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=layout)
-    parser.add_argument("--size", type=pair, required=True, metavar="WxH", help="of the sheet, mm")
+    parser.add_argument("--size", type=size_of, required=True, help="of the sheet: A4, letter, 297x210, 11x8.5in")
     parser.add_argument("--projector", type=pair, default=(1024, 768), metavar="WxH", help="its resolution")
     parser.add_argument("--camera", type=int, default=0, metavar="N", help="which camera")
     parser.add_argument("--exposure", type=float, metavar="X", help="in the units of the camera's driver")

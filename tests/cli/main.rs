@@ -17,6 +17,7 @@ mod reconstruct;
 mod rendered;
 mod report;
 mod simulate;
+mod sizes;
 mod snapshots;
 mod terminal;
 mod verify;

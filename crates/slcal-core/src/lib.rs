@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use slcal_core::{
-//!     Calibrator, CheckerConfig, CheckerPattern, PhotoView, ReconstructConfig, Reconstructor, RectangleSize, StripeConfig,
+//!     Calibrator, CheckerConfig, CheckerPattern, PhotoView, ReconstructConfig, Reconstructor, SheetSize, StripeConfig,
 //!     StripePattern,
 //! };
 //!
@@ -14,7 +14,7 @@
 //! # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../slcal-cli/demo"))?;
 //! let panel = [1024, 768];
 //! let checker = CheckerPattern::new(panel, &CheckerConfig::default())?; // checker.image()? is what to project
-//! let sheet: RectangleSize = "594x420mm".parse()?;
+//! let sheet: SheetSize = "594x420mm".parse()?;
 //! let photo = image::open("sheet.jpg")?;
 //! let mut calibrator = Calibrator::new(sheet).with_pattern(&checker);
 //! calibrator.add(PhotoView::try_from(&photo)?)?;
@@ -131,7 +131,7 @@ pub use calibrate::{
 pub use calibrate::{CalibrationReport, NoiseFound, PairResidual, PointResidual, ViewResiduals, residuals};
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Cause, Error, ErrorClass, ErrorSubject, Result};
-pub use geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize, SheetBend};
+pub use geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize, SheetBend, SheetSize};
 pub use matches::{Match, Matches};
 pub use observations::{CornerPair, EdgePoint, Observations, PanelPoint, SheetObservation, ViewObservation};
 pub use parameter::{LensParameter, Parameter, PoseParameter};
@@ -139,6 +139,8 @@ pub use pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePa
 pub use photo::{Encoding, PhotoView};
 #[cfg(feature = "report")]
 pub use pipeline::CloudReport;
+#[cfg(feature = "stages")]
+pub use pipeline::observe_sheet;
 pub use pipeline::{
     Calibrator, FocalSource, FrameChange, Orientation, PhotoTags, PhotoVerifier, ReconstructConfig,
     Reconstruction, Reconstructor, SheetPhoto, TaggedFocal, VerifiedPhoto, VerifyPhotoConfig,

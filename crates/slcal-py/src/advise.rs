@@ -92,7 +92,7 @@ fn advise<'py>(
     let plan = CameraPlan {
         camera: object::<Camera>(camera, "camera")?.get().0.model,
         projector: optional::<Camera>(projector, "projector")?.map(|p| p.get().0.model),
-        size: option::sheet_size(size_mm)?,
+        size: option::definite_size(size_mm)?,
         distance_mm,
         noise_px: [noise_px; 2],
         config,

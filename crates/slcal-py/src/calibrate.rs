@@ -68,8 +68,8 @@ impl From<Calibration> for Rig {
 ///     One photograph per pose of the sheet: (H, W, 3) in RGB order or (H, W), uint8 or uint16, all of one size. One
 ///     photograph of a tilted sheet is enough; two with opposite tilts are far better.
 /// size_mm : (float, float) or str
-///     Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
-///     closest to the image's x axis.
+///     Width and height of the sheet, mm, or a text such as "A4", "A2-landscape" or "594x420mm". The width is that of the sides
+///     closest to the image's x axis. The name of a paper alone is tried both ways round, and the one that fits is taken.
 /// pattern : CheckerPattern, optional
 ///     The projected pattern. Without it only the camera is calibrated.
 /// plain : sequence of ndarray, optional

@@ -25,7 +25,7 @@ impl Rig {
     /// pattern : CheckerPattern
     ///     The projected pattern, as `rectify` draws it for the rig's first view unless `as_drawn`.
     /// size_mm : (float, float) or str, optional
-    ///     Size of the sheet, when it is not that of the rig's first view.
+    ///     Size of the sheet, when it is not that of the rig's first view. The name of a paper alone is tried both ways round.
     /// as_drawn : bool, default False
     ///     Whether the pattern is projected as it was drawn, not rectified. The sheet may then be anywhere.
     /// corners : array_like, optional

@@ -166,7 +166,28 @@ def test_a_sheet_has_its_size_as_numbers_or_as_text(size: Any) -> None:
     assert simulate.views(poses=1, size_mm=size)[0].views[0].size_mm == (594, 420)
 
 
+def test_a_paper_by_its_name_is_tried_both_ways_round() -> None:
+    scene = simulate.scene("sheet", pattern=CHECKER, tilt=(25, 28))
+    stated = slcal.calibrate(scene.photo, "A2-landscape", CHECKER)
+    named = slcal.calibrate(scene.photo, size_mm="A2", pattern=CHECKER)
+    assert named.views[0].size_mm == (594, 420)
+    assert (named.camera.K == stated.camera.K).all()
+    assert [w.code for w in named.quality.warnings if w not in stated.quality.warnings] == ["sides-swapped"]
+    assert slcal.observe(scene.photo, "A2", CHECKER) == slcal.observe(scene.photo, "A2-landscape", CHECKER)
+    assert slcal.detect(scene.photo, "A2", CHECKER) == slcal.detect(scene.photo, "A2-landscape", CHECKER)
+    moved = [stated.verify(scene.photo, CHECKER, size_mm=size, as_drawn=True).rig.moved for size in ("A2", "A2-landscape")]
+    assert moved == [False, False]
+    assert slcal.ViewObservation("A4", sheet_corners=[[1, 1], [9, 1], [9, 9], [1, 9]]).size_mm == (210, 297)
+
+
 def test_what_is_no_size() -> None:
-    for size, said in (("594x420", "without a unit"), ("A9", "A0 to A6"), ((594, 420, 1), "in millimetres"), (None, "found None")):
+    for size, said in (
+        ("594x420", "594x420mm"),
+        ("8.5x11", "8.5x11in"),
+        ((0.594, 0.42), "594x420mm if those are metres"),
+        ("A9", "A0 to A6"),
+        ((594, 420, 1), "in millimetres"),
+        (None, "found None"),
+    ):
         with pytest.raises(slcal.Error, match=rf"size_mm: expected .*{said}"):
             slcal.advise(CAMERA, size)  # type: ignore[arg-type]

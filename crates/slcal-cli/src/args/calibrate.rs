@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args};
-use slcal_core::geometry::RectangleSize;
+use slcal_core::geometry::SheetSize;
 use slcal_core::{DistortionModel, Flatness, Method, PixelAspect, PrincipalPointRule};
 
 use super::headings::{INPUT, MODEL, OUTPUT};
 use super::photo::GammaArg;
 use super::value::{
     Corners, choice, parse_camera_pp, parse_corners, parse_flatness, parse_pixel_aspect, parse_projector_pp,
-    parse_size,
+    parse_sheet_size,
 };
 
 #[derive(Debug, Args)]
@@ -22,12 +22,13 @@ pub(crate) struct CalibrateArgs {
     /// shell has not expanded.
     #[arg(required_unless_present = "observations", value_name = "PHOTO")]
     pub(crate) photos: Vec<PathBuf>,
-    /// Size of the sheet: 594x420mm, 59.4x42cm, 11x8.5in, A4, A4-landscape, letter, legal.
+    /// Size of the sheet: 594x420mm, 59.4x42cm, 11x8.5in, A4, A4-landscape, letter, legal, tabloid.
     ///
-    /// The width is the side that runs most nearly along the x axis of the image.
-    #[arg(long, value_name = "SIZE", value_parser = parse_size, allow_hyphen_values = true,
+    /// The width is the side that runs most nearly along the x axis of the image. A name alone (A4) is tried both ways round in
+    /// every photograph, and the one that fits is taken; numbers, A4-landscape and A4-portrait are never turned.
+    #[arg(long, value_name = "SIZE", value_parser = parse_sheet_size, allow_hyphen_values = true,
           required_unless_present = "observations", help_heading = INPUT)]
-    pub(crate) size: Option<RectangleSize>,
+    pub(crate) size: Option<SheetSize>,
     /// Checkerboard that was projected; without it, only the camera is calibrated.
     ///
     /// `slcal pattern checker` writes this JSON beside the picture.

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use nalgebra::Point2;
-use slcal_core::geometry::RectangleSize;
+use slcal_core::geometry::{RectangleSize, SheetSize};
 use slcal_core::photo::Encoding;
 use slcal_core::reconstruct::CullRule;
 use slcal_core::{Error, Flatness, PixelAspect, PrincipalPointRule};
@@ -65,10 +65,19 @@ pub(super) fn parse_pixel_aspect(text: &str) -> Result<PixelAspect, String> {
     text.parse().map_err(|e: slcal_core::Error| e.to_string())
 }
 
-/// Parses the size of a sheet.
+/// Parses the size of a sheet of which it matters which side is the width.
 pub(super) fn parse_size(text: &str) -> Result<RectangleSize, String> {
-    if parse_pair(text).is_ok() {
-        return Err(format!("did you mean {text}mm? the size has no unit"));
+    parse_sheet(text)
+}
+
+/// Parses the size of a sheet in photographs: a name may stand for either way round.
+pub(super) fn parse_sheet_size(text: &str) -> Result<SheetSize, String> {
+    parse_sheet(text)
+}
+
+fn parse_sheet<T: FromStr<Err = Error>>(text: &str) -> Result<T, String> {
+    if let Some(unit) = RectangleSize::unit_that_is_missing(text) {
+        return Err(format!("did you mean {}{unit}? the size has no unit", text.trim()));
     }
     let papers = || RectangleSize::paper_names();
     let turned = papers().flat_map(|name| [format!("{name}-landscape"), format!("{name}-portrait")]);
@@ -140,7 +149,11 @@ mod tests {
             ("A44", "A4?"),
             ("a3-landscpe", "A3-landscape?"),
             ("300x200", "300x200mm?"),
+            ("21x29.7", "21x29.7cm?"),
+            ("8.5x11", "8.5x11in?"),
+            ("0.594x0.42", "0.594x0.42m?"),
             ("leter", "letter?"),
+            ("tabloyd", "tabloid?"),
         ] {
             let message = parse_size(text).unwrap_err();
             assert!(message.starts_with(&format!("did you mean {meant}")), "{text}: {message}");

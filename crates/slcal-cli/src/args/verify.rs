@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use slcal_core::geometry::RectangleSize;
+use slcal_core::geometry::SheetSize;
 
 use super::headings::{INPUT, MODEL, OUTPUT, SETTINGS};
 use super::photo::GammaArg;
-use crate::args::value::{Corners, parse_corners, parse_size};
+use crate::args::value::{Corners, parse_corners, parse_sheet_size};
 
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "a command line is made of switches")]
@@ -27,9 +27,9 @@ pub(crate) struct VerifyArgs {
     #[arg(long, help_heading = INPUT)]
     pub(crate) as_drawn: bool,
     /// Size of the sheet [default: that of the first view of the rig].
-    #[arg(long, value_name = "SIZE", value_parser = parse_size, allow_hyphen_values = true,
+    #[arg(long, value_name = "SIZE", value_parser = parse_sheet_size, allow_hyphen_values = true,
           help_heading = INPUT)]
-    pub(crate) size: Option<RectangleSize>,
+    pub(crate) size: Option<SheetSize>,
     /// Corners of the sheet by hand as "x,y x,y x,y x,y" (TL TR BR BL), when the sheet is not found.
     #[arg(long, value_name = "CORNERS", value_parser = parse_corners, allow_hyphen_values = true,
           help_heading = INPUT)]

@@ -191,12 +191,7 @@ fn with_sigma(value: f64, sigma: Option<f64>) -> String {
 
 /// A row for the sheet in each photograph.
 fn views(layout: &mut TextLayout, rig: &Rig, first: &View) {
-    let all_alike = rig.views.iter().all(|v| v.size == first.size);
-    let sizes = if all_alike {
-        format!("{:.1} x {:.1} mm", first.size.width_mm, first.size.height_mm)
-    } else {
-        "of several sizes".to_owned()
-    };
+    let sizes = sizes(rig, first);
     let with_rms = rig.views.iter().any(|v| v.rms_px.is_some());
     layout.line("sheet", format!("{sizes}{}", if with_rms { "; rms residuals in px" } else { "" }));
     let mut heads = vec!["", ">distance", ">tilt"];
@@ -239,6 +234,27 @@ fn exposure(layout: &mut TextLayout, rig: &Rig) {
     });
     layout
         .line("clipped", format!("{} of the lit sheet is overexposed", each.collect::<Vec<_>>().join(", ")));
+}
+
+/// "297.0 x 210.0 mm", or how the sheet lies where it is turned in some of the photographs.
+fn sizes(rig: &Rig, first: &View) -> String {
+    let size = first.size;
+    if rig.views.iter().all(|v| v.size == size) {
+        return format!("{:.1} x {:.1} mm", size.width_mm, size.height_mm);
+    }
+    let turned = rig.views.iter().enumerate().filter(|(_, v)| v.size == size.transposed());
+    let turned: Vec<String> = turned.map(|(i, _)| (i + 1).to_string()).collect();
+    let others = rig.views.iter().filter(|v| v.size == size).count();
+    if turned.len() + others < rig.views.len() {
+        return "of several sizes".to_owned();
+    }
+    let plural = if turned.len() == 1 { "" } else { "s" };
+    format!(
+        "{:.1} x {:.1} mm, lying the other way round in view{plural} {}",
+        size.width_mm,
+        size.height_mm,
+        turned.join(", ")
+    )
 }
 
 /// How far the sheet bends in each photograph, where it was not taken for flat.

@@ -99,7 +99,7 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
 
 fn calibrate(sheet: &DynamicImage, checker: &CheckerPattern) -> Outcome<(Detection, Calibration)> {
     let size = RectangleSize::new(SHEET_SIZE_MM[0], SHEET_SIZE_MM[1])?;
-    let mut calibrator = Calibrator::new(size).with_pattern(checker);
+    let mut calibrator = Calibrator::new(size.into()).with_pattern(checker);
     let photo = SheetPhoto::new(PhotoView::try_from(sheet)?).name("sheet.jpg");
     let detection = calibrator.add(photo)?.clone();
     Ok((detection, calibrator.calibrate()?))

@@ -87,6 +87,10 @@ fn maximum_likelihood(
     let solution = &solution.with_learned_weights();
     let mut assessment = diagnostics::verdict::assess(solution, config);
     assessment.warnings.extend(repetition);
+    // The proportion as it is measured, beside the size that has it.
+    let named = matches!(&told, Some(Told::Doubt(w)) if w.code == hypotheses::other_size::CODE);
+    let measured = named.then(|| hypotheses::aspect::hint(&observations, config, solution)).flatten();
+    assessment.warnings.extend(measured);
     match told {
         None => {}
         Some(Told::MadeGood(warnings)) => assessment.warnings.splice(0..0, warnings).for_each(drop),
@@ -128,14 +132,17 @@ fn explained(
         return (stated, Some(Told::Doubt(doubt)));
     }
     let proportion = || hypotheses::aspect::hint(observations, config, &stated);
+    let other_size = || hypotheses::other_size::hint(observations, config, Some(camera));
     match explanations(observations, config, &stated).and_then(told) {
         Some((None, Told::Doubt(warning))) => {
-            let measured = proportion().filter(|w| w.code == warning.code);
-            (stated, Some(Told::Doubt(measured.unwrap_or(warning))))
+            let measured = || proportion().filter(|w| w.code == warning.code);
+            let better = other_size().or_else(measured);
+            (stated, Some(Told::Doubt(better.unwrap_or(warning))))
         }
         Some((solution, told)) => (solution.unwrap_or(stated), Some(told)),
         None => {
-            let doubt = hypotheses::contradiction::hint(observations, config, &stated).or_else(proportion);
+            let contradiction = || hypotheses::contradiction::hint(observations, config, &stated);
+            let doubt = other_size().or_else(contradiction).or_else(proportion);
             (stated, doubt.map(Told::Doubt))
         }
     }

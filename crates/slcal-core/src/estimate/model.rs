@@ -12,6 +12,8 @@ use crate::rig::Rig;
 
 /// A focal length outside this range (in units of the longer side of the image) is not that of a lens: 170° to 0.5° of view.
 pub(crate) const FOCAL_RANGE: [f64; 2] = [0.05, 100.0];
+/// Focal lengths of ordinary lenses in units of the longer side of the image: 118° to 3° of view.
+pub(crate) const ORDINARY_FOCAL: [f64; 2] = [0.3, 20.0];
 /// Each round gains two digits or more at the strongest distortion that a projector has.
 const ROUNDS_ON_A_CURVED_COLUMN: usize = 30;
 

@@ -3,13 +3,14 @@
 use super::common_orientation::{Outcome, differ, settle, warning};
 use super::photo_tags::{Finding, PhotoTags, TaggedFocal, Turn};
 use super::sheet_photo::SheetPhoto;
+use super::sheet_sides::SheetSides;
 use super::tag_warnings::of_tags;
 use super::taken::Taken;
 use crate::assumption::AssumptionStatus;
 use crate::calibrate::{CalibrateConfig, Calibration, calibrate_observations};
 use crate::detect::{CLIPPED, CLIPPED_COST_PERCENT, DetectConfig, Detection, observe};
 use crate::error::{Error, ErrorSubject, Result};
-use crate::geometry::RectangleSize;
+use crate::geometry::SheetSize;
 use crate::observations::{Observations, ViewObservation};
 use crate::pattern::CheckerPattern;
 use crate::photo::Encoding;
@@ -40,7 +41,8 @@ use crate::rig::{Rig, Warning};
 /// ```
 #[derive(Debug, Clone)]
 pub struct Calibrator {
-    sheet: RectangleSize,
+    sheet: SheetSize,
+    sides: SheetSides,
     pattern: Option<CheckerPattern>,
     encoding: Encoding,
     config: CalibrateConfig,
@@ -54,11 +56,13 @@ pub struct Calibrator {
 }
 
 impl Calibrator {
-    /// For a sheet of this size. The width belongs to the side that runs most nearly along the image's x axis.
+    /// For a sheet of this size. The width belongs to the side that runs most nearly along the image's x axis; a paper by its
+    /// name alone is tried both ways round in every photograph.
     #[must_use]
-    pub fn new(sheet: RectangleSize) -> Self {
+    pub fn new(sheet: SheetSize) -> Self {
         Self {
             sheet,
+            sides: SheetSides::default(),
             pattern: None,
             encoding: Encoding::default(),
             config: CalibrateConfig::default(),
@@ -120,7 +124,7 @@ impl Calibrator {
             self.check_focal_length(focal)?;
         }
         let detect = DetectConfig { encoding: self.encoding, corners, ..DetectConfig::default() };
-        let mut found = observe(view, plain, self.sheet, self.pattern.as_ref(), &detect)?;
+        let mut found = observe(view, plain, self.sheet.upright(), self.pattern.as_ref(), &detect)?;
         if let Some(focal) = focal {
             self.config.focal_prior = Some(focal.prior);
             self.focal.get_or_insert_with(|| (focal, taken.title.clone()));
@@ -130,6 +134,7 @@ impl Calibrator {
         self.unsettle();
         self.taken.push(taken);
         self.detections.push(found);
+        self.sides.settle(self.sheet, size, &mut self.detections, &self.config);
         Ok(&self.detections[self.detections.len() - 1])
     }
 
@@ -276,11 +281,13 @@ impl Calibrator {
     #[must_use]
     pub fn warnings(&self) -> Vec<Warning> {
         let named = |(i, found): (usize, &Detection)| {
-            let title = found.observation.photo.clone().unwrap_or_else(|| title(i));
+            let title = title_of(found, i);
             let prefixed = |w: &Warning| Warning { message: format!("{title}: {}", w.message), ..w.clone() };
             found.warnings.iter().map(prefixed).collect::<Vec<_>>()
         };
-        self.detections.iter().enumerate().flat_map(named).collect()
+        let titles: Vec<String> = self.detections.iter().enumerate().map(|(i, d)| title_of(d, i)).collect();
+        let of_detection = self.detections.iter().enumerate().flat_map(named);
+        of_detection.chain(self.sides.warnings(self.sheet, &titles)).collect()
     }
 }
 
@@ -289,6 +296,11 @@ fn focal_sigma_percent(rig: &Rig) -> f64 {
     rig.quality.as_ref().map_or(f64::INFINITY, |q| {
         q.focal_sigma_percent_projector.unwrap_or(0.0).max(q.focal_sigma_percent_camera)
     })
+}
+
+/// The name of a photograph.
+fn title_of(found: &Detection, index: usize) -> String {
+    found.observation.photo.clone().unwrap_or_else(|| title(index))
 }
 
 /// Stands for the name of a photograph that has none.
@@ -314,7 +326,7 @@ mod tests {
     fn photographs_of_another_size_or_lens_are_refused_and_left_out() {
         let photo = photograph(640, 480);
         let view = PhotoView::try_from(&photo).unwrap();
-        let mut calibrator = Calibrator::new(RectangleSize::new(400.0, 280.0).unwrap());
+        let mut calibrator = Calibrator::new("400x280mm".parse().unwrap());
         assert!(calibrator.observations().is_err() && calibrator.calibrate().is_err());
         let first = SheetPhoto::new(view).name("a.jpg").focal_35mm(28.0);
         assert_eq!(calibrator.add(first).unwrap().pattern_corners, 0);

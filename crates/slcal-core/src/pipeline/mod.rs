@@ -10,6 +10,7 @@ mod reconstructor;
 mod sheet_photo;
 mod tag_warnings;
 mod taken;
+mod sheet_sides;
 
 pub use calibrator::Calibrator;
 public_with! { "report": pub use cloud_report::CloudReport; }
@@ -17,3 +18,4 @@ pub use photo_tags::{FocalSource, FrameChange, Orientation, PhotoTags, TaggedFoc
 pub use photo_verifier::{PhotoVerifier, VerifiedPhoto, VerifyPhotoConfig, verify_photo};
 pub use reconstructor::{ReconstructConfig, Reconstruction, Reconstructor, cloud_from_matches};
 pub use sheet_photo::SheetPhoto;
+public_with! { "stages": pub use sheet_sides::observe_sheet; }

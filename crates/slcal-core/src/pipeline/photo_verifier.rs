@@ -3,9 +3,11 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
-use crate::detect::{DetectConfig, Detection, observe};
+use super::sheet_sides::observe_sheet;
+use crate::calibrate::CalibrateConfig;
+use crate::detect::{DetectConfig, Detection};
 use crate::error::{Error, ErrorSubject, Result};
-use crate::geometry::{RectangleSize, Warp};
+use crate::geometry::{SheetSize, Warp};
 use crate::pattern::CheckerPattern;
 use crate::photo::{Encoding, PhotoView};
 use crate::rectify::rectify_checker;
@@ -16,8 +18,8 @@ use crate::verify::{Verification, VerifyConfig, outline, verify};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct VerifyPhotoConfig {
-    /// The sheet's size; default that of the rig's first view.
-    pub size: Option<RectangleSize>,
+    /// The sheet's size; default that of the rig's first view. A paper by its name alone lies as it fits.
+    pub size: Option<SheetSize>,
     /// The pattern is projected as it was drawn, anywhere on the sheet, and not rectified for the rig's first view.
     pub as_drawn: bool,
     /// The transfer curve of the photograph; default sRGB.
@@ -92,7 +94,7 @@ pub struct VerifiedPhoto {
 pub struct PhotoVerifier<'a> {
     rig: &'a Rig,
     pattern: &'a CheckerPattern,
-    size: RectangleSize,
+    size: SheetSize,
     detect: DetectConfig,
     test: VerifyConfig,
     /// The whole pattern on the panel, and the aspect that it should have.
@@ -109,7 +111,7 @@ impl<'a> PhotoVerifier<'a> {
     pub fn new(rig: &'a Rig, pattern: &'a CheckerPattern, config: &VerifyPhotoConfig) -> Result<Self> {
         config.validate()?;
         rig.projector_for(ErrorSubject::Checkerboard, pattern.projector)?;
-        let size = config.size.or_else(|| rig.views.first().map(|v| v.size)).ok_or_else(|| {
+        let size = config.size.or_else(|| rig.views.first().map(|v| v.size.into())).ok_or_else(|| {
             Error::invalid(
                 ErrorSubject::SheetSize,
                 "the sheet's size, since the rig holds no view of a sheet",
@@ -142,7 +144,8 @@ impl<'a> PhotoVerifier<'a> {
                 format!("{}x{}", found[0], found[1]),
             ));
         }
-        let detection = observe(photo, None, self.size, Some(self.pattern), &self.detect)?;
+        let known = CalibrateConfig { known_camera: Some(camera), ..CalibrateConfig::default() };
+        let detection = observe_sheet(photo, None, self.size, Some(self.pattern), &self.detect, &known)?;
         let verification =
             verify(self.rig, &detection.observation, &self.outline_px, self.aspect, self.test)?;
         Ok(VerifiedPhoto { detection, verification })
@@ -227,7 +230,7 @@ mod tests {
         let bare = Rig { views: Vec::new(), ..rig };
         let error = verify_photo(&bare, view, &pattern, &as_drawn).unwrap_err();
         assert!(matches!(&error, Error::Invalid { what, .. } if *what == ErrorSubject::SheetSize), "{error}");
-        let size = Some(config().size);
+        let size = Some(config().size.into());
         let sized = VerifyPhotoConfig { size, ..as_drawn };
         let found = verify_photo(&bare, view, &pattern, &sized).unwrap().verification;
         assert!(found.rig.pattern_off_mm < 0.1 && found.sheet.is_none(), "{found:?}");

@@ -478,8 +478,8 @@ def detect(
     photo : ndarray
         (H, W, 3) RGB or (H, W), uint8 or uint16: the sheet with the pattern projected on it.
     size_mm : (float, float) or str
-        Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
-        closest to the image's x axis.
+        Width and height of the sheet, mm, or a text such as "A4", "A2-landscape" or "594x420mm". The width is that of the sides
+        closest to the image's x axis. The name of a paper alone is tried both ways round, and the one that fits is taken.
     pattern : CheckerPattern, optional
         The projected pattern. Without it the brightest large quadrilateral with straight sides is taken for the sheet.
     plain : ndarray, optional
@@ -605,7 +605,7 @@ class ViewObservation:
     ----------
     size_mm : (float, float) or str
         Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
-        closest to the image's x axis.
+        closest to the image's x axis; the name of a paper alone is upright.
     sheet_corners : array_like, optional
         (4, 2), px: the corners TL, TR, BR, BL in the photograph. They may lie outside the image.
     sheet_edges : mapping, optional
@@ -780,8 +780,8 @@ def observe(
         (H, W, 3) RGB or (H, W), uint8 or uint16, all of one size: the sheet with the pattern projected on it, one for each
         pose.
     size_mm : (float, float) or str
-        Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
-        closest to the image's x axis.
+        Width and height of the sheet, mm, or a text such as "A4", "A2-landscape" or "594x420mm". The width is that of the sides
+        closest to the image's x axis. The name of a paper alone is tried both ways round, and the one that fits is taken.
     pattern : CheckerPattern, optional
         The projected pattern. Without it only the camera is calibrated.
     plain : sequence of ndarray, optional
@@ -844,8 +844,8 @@ def calibrate(
         One photograph per pose of the sheet: (H, W, 3) in RGB order or (H, W), uint8 or uint16, all of one size. One
         photograph of a tilted sheet is enough; two with opposite tilts are far better.
     size_mm : (float, float) or str
-        Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
-        closest to the image's x axis.
+        Width and height of the sheet, mm, or a text such as "A4", "A2-landscape" or "594x420mm". The width is that of the sides
+        closest to the image's x axis. The name of a paper alone is tried both ways round, and the one that fits is taken.
     pattern : CheckerPattern, optional
         The projected pattern. Without it only the camera is calibrated.
     plain : sequence of ndarray, optional
@@ -1647,7 +1647,7 @@ class Rig:
         pattern : CheckerPattern
             The projected pattern, as `rectify` draws it for the rig's first view unless `as_drawn`.
         size_mm : (float, float) or str, optional
-            Size of the sheet, when it is not that of the rig's first view.
+            Size of the sheet, when it is not that of the rig's first view. The name of a paper alone is tried both ways round.
         as_drawn : bool, default False
             Whether the pattern is projected as it was drawn, not rectified. The sheet may then be anywhere.
         corners : array_like, optional

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
-use slcal_core::geometry::RectangleSize;
+use slcal_core::geometry::{RectangleSize, SheetSize};
 use slcal_core::{Error, Flatness, PixelAspect};
 
 use crate::errors::{self, Raise as _, Stage, raised};
@@ -110,8 +110,13 @@ pub(crate) fn whole_pair(value: &Bound<'_, PyAny>, what: &str) -> PyResult<[u32;
     })
 }
 
-/// Width and height of a sheet in mm, or a size with its unit or a paper as text.
-pub(crate) fn sheet_size(value: &Bound<'_, PyAny>) -> PyResult<RectangleSize> {
+/// Width and height of a sheet in mm, or a size with its unit or a paper as text; a paper by its name alone is upright.
+pub(crate) fn definite_size(value: &Bound<'_, PyAny>) -> PyResult<RectangleSize> {
+    sheet_size(value).map(|size| size.upright())
+}
+
+/// The same in photographs, where a paper by its name alone may lie either way round.
+pub(crate) fn sheet_size(value: &Bound<'_, PyAny>) -> PyResult<SheetSize> {
     const WHAT: &str = "size_mm";
     if value.is_instance_of::<PyString>() {
         return parsed(value, WHAT);
@@ -119,13 +124,16 @@ pub(crate) fn sheet_size(value: &Bound<'_, PyAny>) -> PyResult<RectangleSize> {
     let items =
         value.try_iter().and_then(|items| items.map(|i| i?.extract::<f64>()).collect::<PyResult<Vec<_>>>());
     let sides: Option<[f64; 2]> = items.ok().and_then(|sides| sides.try_into().ok());
-    let sides = sides.filter(|s| s.iter().all(|side| RectangleSize::SIDE_RANGE_MM.contains(side)));
-    let [width, height] = sides.ok_or_else(|| {
+    let within = sides.filter(|s| s.iter().all(|side| RectangleSize::SIDE_RANGE_MM.contains(side)));
+    let [width, height] = within.ok_or_else(|| {
         let wanted = "width and height of the sheet, each from 1 mm to 100 m, in millimetres, such as (594, 420), or \
                       a text such as \"A2-landscape\" or \"59.4x42cm\"";
-        errors::invalid(value.py(), WHAT, wanted, &repr_of(value))
+        let size = sides.and_then(|[w, h]| RectangleSize::new(w, h).ok());
+        let unit = size.and_then(|size| size.likely_units().first().copied());
+        let hint = unit.map_or(String::new(), |(unit, size)| format!(" ({size} if those are {unit})"));
+        errors::invalid(value.py(), WHAT, wanted, &format!("{}{hint}", repr_of(value)))
     })?;
-    RectangleSize::new(width, height).raise(value.py(), Stage::Detect)
+    RectangleSize::new(width, height).map(SheetSize::from).raise(value.py(), Stage::Detect)
 }
 
 /// Photographs without the pattern: `plain`, or `screen`, its older name; with the name that was used.

@@ -7,6 +7,7 @@ use slcal_core::detect::{self, DetectConfig};
 
 pub(crate) use detection::{CornerDetection, Detection, SheetDetection};
 use slcal_core::photo::Encoding;
+use slcal_core::{CalibrateConfig, observe_sheet};
 
 use crate::convert::image::Photo;
 use crate::convert::object::{object, optional};
@@ -40,8 +41,8 @@ fn config(corners: Option<&Bound<'_, PyAny>>, gamma: Option<&Bound<'_, PyAny>>) 
 /// photo : ndarray
 ///     (H, W, 3) RGB or (H, W), uint8 or uint16: the sheet with the pattern projected on it.
 /// size_mm : (float, float) or str
-///     Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
-///     closest to the image's x axis.
+///     Width and height of the sheet, mm, or a text such as "A4", "A2-landscape" or "594x420mm". The width is that of the sides
+///     closest to the image's x axis. The name of a paper alone is tried both ways round, and the one that fits is taken.
 /// pattern : CheckerPattern, optional
 ///     The projected pattern. Without it the brightest large quadrilateral with straight sides is taken for the sheet.
 /// plain : ndarray, optional
@@ -109,7 +110,8 @@ fn detect_both(
     let (photo, plain) = (photo.pixels(), plain.as_ref().map(Photo::pixels));
     let (photo, plain) = (photo.view(py)?, plain.as_ref().map(|s| s.view(py)).transpose()?);
     let pattern = optional::<CheckerPattern>(pattern, "pattern")?.map(|p| &p.get().0);
-    py.detach(|| detect::observe(photo, plain, size, pattern, &config))
+    let assumed = CalibrateConfig::default();
+    py.detach(|| observe_sheet(photo, plain, size, pattern, &config, &assumed))
         .map(Detection)
         .raise(py, Stage::Detect)
 }

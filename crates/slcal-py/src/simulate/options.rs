@@ -108,7 +108,7 @@ pub(super) fn rig_config(options: &Options<'_, '_>) -> PyResult<RigConfig> {
     options.number("lens_shift", &mut rig.lens_shift)?;
     options.number("baseline", &mut rig.baseline_mm)?;
     options.number("distance", &mut rig.distance_mm)?;
-    options.set("size_mm", &mut rig.size, |v| option::sheet_size(v))?;
+    options.set("size_mm", &mut rig.size, |v| option::definite_size(v))?;
     options.set("camera_offset", &mut rig.camera_offset_px, |v| vector_of(v, "camera_offset"))?;
     options.set("distortion", &mut rig.distortion, distortion)?;
     options.number("pixel_aspect", &mut rig.camera_pixel_aspect)?;

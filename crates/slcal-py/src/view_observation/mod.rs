@@ -14,7 +14,7 @@ pub(crate) use arrays::{edge_sigma, edges, four_corners, pair_sigma};
 
 use crate::convert::array::rows;
 use crate::convert::object::Argument;
-use crate::convert::option::sheet_size;
+use crate::convert::option::definite_size;
 use crate::errors::{self, Raise as _, Stage};
 use crate::files;
 
@@ -29,7 +29,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// ----------
 /// size_mm : (float, float) or str
 ///     Width and height of the sheet, mm, or a text such as "A2-landscape" or "594x420mm". The width is that of the sides
-///     closest to the image's x axis.
+///     closest to the image's x axis; the name of a paper alone is upright.
 /// sheet_corners : array_like, optional
 ///     (4, 2), px: the corners TL, TR, BR, BL in the photograph. They may lie outside the image.
 /// sheet_edges : mapping, optional
@@ -91,7 +91,7 @@ impl ViewObservation {
         photo: Option<String>,
     ) -> PyResult<Self> {
         let py = size_mm.py();
-        let size = sheet_size(size_mm)?;
+        let size = definite_size(size_mm)?;
         let sheet = match (sheet_corners, sheet_edges) {
             (Some(corners), None) => arrays::by_corners(corners, sheet_sigma_px)?,
             (None, Some(edges)) => arrays::by_edges(edges, sheet_sigma_px)?,

@@ -5,7 +5,7 @@ use std::path::Path;
 use image::DynamicImage;
 use slcal_core::detect::{DetectConfig, observe};
 use slcal_core::format::KnownCamera;
-use slcal_core::geometry::RectangleSize;
+use slcal_core::geometry::SheetSize;
 use slcal_core::photo::PhotoView;
 use slcal_core::{CalibrateConfig, Calibrator, Error, ErrorSubject, PhotoTags, SheetPhoto, TaggedFocal};
 
@@ -72,6 +72,7 @@ pub(super) fn observe_all(
         busy.step();
     }
     drop(busy);
+    say_how_it_lies(args, &calibrator, printer);
     if let Some(focal) = stated {
         printer.note(format!(
             "EXIF: focal length {focal}, used as a prior of {:.0} px with σ of {:.1} %",
@@ -98,7 +99,18 @@ fn tagged_focal(path: &Path, tags: &Result<PhotoTags, String>, size: [u32; 2]) -
     })
 }
 
-fn sheet_size(args: &CalibrateArgs) -> Outcome<RectangleSize> {
+/// Says how the sheet lies that was given by its name alone.
+fn say_how_it_lies(args: &CalibrateArgs, calibrator: &Calibrator, printer: Printer) {
+    let Some(sheet) = args.size.filter(SheetSize::is_either_way) else { return };
+    for (found, path) in calibrator.detections().iter().zip(&args.photos) {
+        let size = found.observation.size;
+        let lies = if size == sheet.upright() { "upright" } else { "across" };
+        let [width, height] = [size.width_mm, size.height_mm];
+        printer.note(format!("{}: {sheet} is taken to lie {lies}, {width} x {height} mm", input_name(path)));
+    }
+}
+
+fn sheet_size(args: &CalibrateArgs) -> Outcome<SheetSize> {
     args.size.ok_or_else(|| Failure::usage("--size: expected the size of the sheet, found none"))
 }
 
@@ -110,7 +122,7 @@ fn partly(i: usize, photo: &DynamicImage, args: &CalibrateArgs) -> Partly {
     }
     let alone = || {
         let detect = DetectConfig { encoding: args.gamma.gamma, ..DetectConfig::default() };
-        observe(PhotoView::try_from(photo).ok()?, None, args.size?, None, &detect).ok()
+        observe(PhotoView::try_from(photo).ok()?, None, args.size?.upright(), None, &detect).ok()
     };
     alone().map_or(Partly::Nothing, |found| Partly::Sheet(found.observation))
 }

@@ -6,7 +6,7 @@ use crate::calibrate::config::CalibrateConfig;
 use crate::error::{Error, ErrorSubject};
 use crate::estimate::assumptions::{PrincipalPointRule, shift_axis};
 use crate::estimate::hyperparameters::WIDEST;
-use crate::estimate::model::FOCAL_RANGE;
+use crate::estimate::model::{FOCAL_RANGE, ORDINARY_FOCAL};
 use crate::estimate::solution::FocalSigma;
 use crate::estimate::{Kind, Lens, Solution};
 use crate::parameter::LensParameter;
@@ -40,8 +40,6 @@ const SHIFT_UNDETERMINED: f64 = 0.25;
 /// Known no better than this part, the focal length cannot be trusted either: the two trade off along a curve, which σ does not
 /// follow.
 const SHIFT_UNKNOWN: f64 = 0.5;
-/// Focal lengths of ordinary lenses in units of the longer side of the image: 118° to 3° of view.
-const ORDINARY_FOCAL: [f64; 2] = [0.3, 20.0];
 /// Shares of measurements left out by the robust loss that deserve a warning.
 const MANY_OUTLIERS: f64 = 0.3;
 /// Code of the warning about corners given by hand that do not fit.

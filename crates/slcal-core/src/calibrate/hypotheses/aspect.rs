@@ -4,7 +4,7 @@
 
 use nalgebra::DMatrix;
 
-use super::explanation::with_proportion as resized;
+use super::explanation::change_proportion;
 use super::misfit::{Misfit, misfit, weights};
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::maximum_likelihood::problem;
@@ -24,14 +24,12 @@ const DOUBLINGS: usize = 6;
 /// The camera and its views with the proportion of the sheets changed by a factor e^`change`, area kept.
 fn with_proportion(model: &Model, change: f64) -> Model {
     let mut model = Model { projector: None, ..model.clone() };
-    for view in &mut model.views {
-        view.size = resized(view.size, change);
-    }
+    change_proportion(&mut model.views, change);
     model
 }
 
 /// By how much χ² would fall to first order with the proportion free: the test of the score, which asks for no fit.
-fn promised(sheet: &Observations, config: &CalibrateConfig, from: &Solution) -> Option<f64> {
+pub(super) fn promised(sheet: &Observations, config: &CalibrateConfig, from: &Solution) -> Option<f64> {
     let model = with_proportion(from.model(), 0.0);
     let problem = problem(sheet, config, &model);
     let here = problem.at(&model)?;

@@ -3,8 +3,7 @@
 use nalgebra::Vector2;
 
 use crate::estimate::assumptions::shift_axis;
-use crate::estimate::{BundleAdjustment, Lens, Model};
-use crate::geometry::RectangleSize;
+use crate::estimate::{BundleAdjustment, Lens, Model, Sheet};
 use crate::parameter::LensParameter;
 
 /// 1σ of a principal point that a mistake moved, in widths, and of the logarithm of a ratio.
@@ -85,11 +84,7 @@ impl Explanation {
     ) -> (BundleAdjustment, Model) {
         let (mut problem, mut model) = (problem.clone(), model.clone());
         match self {
-            Self::Proportion => {
-                for view in &mut model.views {
-                    view.size = with_proportion(view.size, amounts.x);
-                }
-            }
+            Self::Proportion => change_proportion(&mut model.views, amounts.x),
             Self::Displaced(view) => {
                 problem.measurements.iter_mut().filter(|m| m.view == view).for_each(|m| m.seen -= amounts);
             }
@@ -106,10 +101,14 @@ pub(super) fn sideways(model: &Model) -> Option<LensParameter> {
     Some(if along == LensParameter::Cy { LensParameter::Cx } else { LensParameter::Cy })
 }
 
-/// A size whose proportion is changed by a factor e^`change`, area kept.
-pub(super) fn with_proportion(size: RectangleSize, change: f64) -> RectangleSize {
-    RectangleSize {
-        width_mm: size.width_mm * (change / 2.0).exp(),
-        height_mm: size.height_mm * (-change / 2.0).exp(),
+/// Changes the proportion of the sheets by a factor e^`change`, area kept. A sheet that lies the other way round than the first
+/// one changes its height by what that changes its width.
+pub(super) fn change_proportion(views: &mut [Sheet], change: f64) {
+    let across = |sheet: &Sheet| sheet.size.width_mm > sheet.size.height_mm;
+    let first = views.first().is_some_and(across);
+    for view in views {
+        let factor = (if across(view) == first { change } else { -change } / 2.0).exp();
+        view.size.width_mm *= factor;
+        view.size.height_mm /= factor;
     }
 }

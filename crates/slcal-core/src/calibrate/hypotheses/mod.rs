@@ -3,11 +3,15 @@
 pub(crate) mod aspect;
 pub(crate) mod centimetres;
 pub(crate) mod contradiction;
+pub(crate) mod either_way;
 pub(crate) mod explain;
 mod explanation;
 mod misfit;
 pub(crate) mod shown_scale;
 pub(crate) mod together;
+pub(crate) mod other_size;
+mod outline_fit;
+mod plausible;
 pub(crate) mod told;
 pub(crate) mod transposed;
 mod with_amounts;

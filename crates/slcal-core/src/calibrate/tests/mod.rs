@@ -9,5 +9,6 @@ mod many_views;
 mod mistakes;
 mod monte_carlo;
 mod observations;
+mod papers;
 pub(crate) mod scene;
 mod study;

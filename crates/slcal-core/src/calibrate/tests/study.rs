@@ -29,10 +29,10 @@ impl Drawn {
 }
 
 /// 1σ of k1, k2, p1, p2, k3 of ordinary cameras and projectors.
-const ORDINARY: [[f64; 5]; 2] = [[0.2, 0.2, 7e-4, 7e-4, 0.1], [0.02, 0.02, 3e-4, 3e-4, 0.01]];
+pub(crate) const ORDINARY: [[f64; 5]; 2] = [[0.2, 0.2, 7e-4, 7e-4, 0.1], [0.02, 0.02, 3e-4, 3e-4, 0.01]];
 
 /// Draws the coefficients of an ordinary lens and its pixels' aspect; lenses that fold are drawn again.
-fn draw_lens(lens: &mut Camera, sigmas: [f64; 5], draw: &mut impl FnMut(f64) -> f64) {
+pub(crate) fn draw_lens(lens: &mut Camera, sigmas: [f64; 5], draw: &mut impl FnMut(f64) -> f64) {
     lens.intrinsics.fy = lens.intrinsics.fx * draw(0.002).exp();
     loop {
         lens.distortion = Distortion::from_array(sigmas.map(&mut *draw));
