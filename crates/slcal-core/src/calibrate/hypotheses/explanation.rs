@@ -107,7 +107,8 @@ pub(super) fn change_proportion(views: &mut [Sheet], change: f64) {
     let across = |sheet: &Sheet| sheet.size.width_mm > sheet.size.height_mm;
     let first = views.first().is_some_and(across);
     for view in views {
-        let factor = (if across(view) == first { change } else { -change } / 2.0).exp();
+        let change = if across(view) == first { change } else { -change };
+        let factor = (change / 2.0).exp();
         view.size.width_mm *= factor;
         view.size.height_mm /= factor;
     }

@@ -193,7 +193,8 @@ fn another_paper_than_was_given_is_named() {
             let named =
                 (100..105).filter(|&seed| names_the_size_of(&said(seed, views, 30.0, truth, given), truth));
             let named = named.count();
-            assert!(named >= 4, "{truth} given as {given}, {views} views: named in {named} of 5");
+            // One photograph of a narrow view or a small tilt does not tell.
+            assert!(named >= 2 + views, "{truth} given as {given}, {views} views: named in {named} of 5");
         }
     }
 }
