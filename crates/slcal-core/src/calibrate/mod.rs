@@ -25,8 +25,8 @@ pub use crate::estimate::flatness::Flatness;
 pub use calibration::calibrate_observations;
 pub use config::{CalibrateConfig, Method};
 public_with! { "report": pub use diagnostics::residuals::{PairResidual, PointResidual, ViewResiduals, residuals}; }
-pub(crate) use hypotheses::together::misfit_per_residual;
 pub(crate) use hypotheses::either_way::{SheetLies, orient};
+pub(crate) use hypotheses::together::misfit_per_residual;
 pub use report::Calibration;
 public_with! { "report": pub use report::CalibrationReport; }
 public_with! { "report": pub use variance_components::NoiseFound; }

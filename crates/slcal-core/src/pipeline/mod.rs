@@ -8,9 +8,9 @@ mod photo_tags;
 mod photo_verifier;
 mod reconstructor;
 mod sheet_photo;
+mod sheet_sides;
 mod tag_warnings;
 mod taken;
-mod sheet_sides;
 
 pub use calibrator::Calibrator;
 public_with! { "report": pub use cloud_report::CloudReport; }
