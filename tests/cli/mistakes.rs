@@ -1,6 +1,5 @@
 //! Ordinary mistakes on photographs: what the summary, the exit code and the file say of each, and how far the numbers are off.
 
-use image::GenericImageView as _;
 use serde_json::Value;
 use slcal_tests::Bench;
 

@@ -64,7 +64,13 @@ fn photograph(
             inside.then(|| side.push(EdgePoint { position, sigma_px: Some(NOISE_PX) }))?;
         }
     }
-    Some(ViewObservation { photo: None, size, sheet: SheetObservation::Edges(sides), pairs: Vec::new() })
+    Some(ViewObservation {
+        photo: None,
+        size,
+        sheet: SheetObservation::Edges(sides),
+        pairs: Vec::new(),
+        panel_points: Vec::new(),
+    })
 }
 
 fn draw(seed: u64, sizes: &[RectangleSize], most: f64) -> (Camera, Observations) {
