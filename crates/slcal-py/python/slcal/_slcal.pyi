@@ -342,11 +342,54 @@ def read_image(file: _Path | IO[bytes]) -> _Image:
     """
 
 def read_tags(file: _Path | IO[bytes]) -> PhotoTags | None:
-    """"""
+    """Reads the EXIF tags of a photograph, for `calibrate(tags=...)`.
+
+    Parameters
+    ----------
+    file : path or binary file object
+        The photograph: JPEG, PNG or TIFF.
+
+    Returns
+    -------
+    PhotoTags or None
+        None where it has no tags that can be read.
+
+    Raises
+    ------
+    OSError
+        When the file cannot be read.
+    """
 
 @final
 class PhotoTags:
-    """"""
+    """What a camera wrote into a photograph (EXIF), for `calibrate`. Nothing is checked: programs that edit photographs leave
+    tags that are no longer true.
+
+    Parameters
+    ----------
+    make, model : str, optional
+        The camera.
+    focal_mm : float, optional
+        FocalLength: the lens's own focal length, mm.
+    focal_35mm : float, optional
+        FocalLengthIn35mmFilm, mm.
+    focal_plane_x_resolution : float, optional
+        FocalPlaneXResolution: pixels of the whole picture per unit.
+    focal_plane_unit : int, optional
+        FocalPlaneResolutionUnit: 2 inches (default), 3 centimetres, 4 millimetres, 5 micrometres.
+    pixels : (int, int), optional
+        PixelXDimension and PixelYDimension: the size of the picture as the camera stored it.
+    digital_zoom : float, optional
+        DigitalZoomRatio; 0 and 1 stand for none.
+    orientation : int
+        Orientation, 1 to 8, by which the pixels were turned upright.
+
+    Examples
+    --------
+    >>> tags = slcal.PhotoTags(model="Canon PowerShot G10", focal_mm=6.1)
+    >>> tags.focal((4416, 3312))["source"]
+    'sensor-table'
+    """
 
     def __new__(
         cls,
@@ -363,33 +406,50 @@ class PhotoTags:
     ) -> PhotoTags: ...
     @property
     def make(self) -> str | _MaybeNone:
-        """"""
+        """The maker of the camera."""
     @property
     def model(self) -> str | _MaybeNone:
-        """"""
+        """The camera."""
     @property
     def focal_mm(self) -> float | _MaybeNone:
-        """"""
+        """The lens's own focal length, mm."""
     @property
     def focal_35mm(self) -> float | _MaybeNone:
-        """"""
+        """Its equivalent on 35 mm film, mm."""
     @property
     def focal_plane_x_resolution(self) -> float | _MaybeNone:
-        """"""
+        """Pixels of the whole picture per unit of the focal plane."""
     @property
     def focal_plane_unit(self) -> int | _MaybeNone:
-        """"""
+        """That unit: 2 inches, 3 centimetres, 4 millimetres, 5 micrometres."""
     @property
     def pixels(self) -> tuple[int, int] | _MaybeNone:
-        """"""
+        """Width and height of the picture as the camera stored it."""
     @property
     def digital_zoom(self) -> float | _MaybeNone:
-        """"""
+        """The digital zoom; 0 and 1 stand for none."""
     @property
     def orientation(self) -> int:
-        """"""
+        """How the pixels were turned upright, 1 to 8."""
     def focal(self, size: tuple[int, int]) -> dict[str, Any]:
-        """"""
+        """The focal length that the tags state for an uncropped photograph.
+
+        Parameters
+        ----------
+        size : (int, int)
+            Width and height of the photograph, px.
+
+        Returns
+        -------
+        dict
+            "focal_px"; "sigma_share", its relative 1σ; "mm", the focal length of the tag that was used; "source":
+            "equivalent", "focal-plane" or "sensor-table".
+
+        Raises
+        ------
+        Error
+            When the tags state none that is plausible, or the photograph was cropped or zoomed digitally.
+        """
     def __eq__(self, other: object, /) -> bool: ...
 
 # What a photograph of the sheet shows
@@ -458,7 +518,7 @@ class Detection:
         """
     @property
     def clipped_percent(self) -> float:
-        """"""
+        """How much of the lit sheet is overexposed, per cent."""
     def __eq__(self, other: object, /) -> bool: ...
 
 def detect(
@@ -794,6 +854,8 @@ def observe(
         The transfer curve of the photographs.
     names : sequence of str, optional
         Names of the photographs.
+    tags : sequence of PhotoTags or None, optional
+        What the camera wrote into each photograph: see `calibrate`.
     screen : sequence of ndarray, optional
         The older name of `plain`.
 
@@ -862,6 +924,8 @@ def calibrate(
     distortion, projector_distortion : {"auto", "none", "k1", "k1k2", "full"}
         Which coefficients are estimated. "auto" estimates all five, and the ratio of fy to fx, near what ordinary lenses have.
         The others take square pixels; those of the projector need three photographs.
+    projector_pixel_aspect : {"auto", "square"} or float
+        Width of a pixel of the projector over its height. "auto": 2 for the diamond pixels of 912×1140 and 608×684, else 1.
     flatness : {"paper", "board", "flat"}, str or float
         How flat the sheet is. "paper" bends out of its plane by 0.2 % of its diagonal (1σ), "board" by 0.02 %, "flat" not at
         all. A length such as "0.5mm", or a number of millimetres, is 1σ itself. The bend is estimated: see `View.bend`.
@@ -876,6 +940,12 @@ def calibrate(
         Return a rig with the verdict "degenerate" instead of raising an error.
     names : sequence of str, optional
         Names of the photographs, for the rig's views and for messages.
+    tags : sequence of PhotoTags or None, optional
+        What the camera wrote into each photograph: `slcal.read_tags(file)`. The pixels are expected upright, as `read_image`
+        gives them. A crop and a focal length that contradicts the result are warned of; photographs whose orientation differs
+        are turned alike where they fit together only so.
+    exif : bool
+        Use the focal length in `tags` as a prior, as `focal_35mm` is one.
     screen : sequence of ndarray, optional
         The older name of `plain`.
 
@@ -1148,7 +1218,7 @@ class View:
         """Root mean square residuals; None in rigs that do not state them."""
     @property
     def clipped_percent(self) -> float | _MaybeNone:
-        """"""
+        """How much of the lit sheet is overexposed in the photograph, per cent; None where nothing is, or it was not measured."""
     def __eq__(self, other: object, /) -> bool: ...
 
 @final
