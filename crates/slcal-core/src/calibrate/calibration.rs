@@ -82,9 +82,9 @@ fn maximum_likelihood(
         Err(error) => return Err(hypotheses::transposed::explain(error, &observations, config)),
     };
     // What is assumed of the observations is tested with the σ that they state.
-    let (solution, told) = explained(&observations, config, &camera, stated);
-    let shown = shown_scale(&observations, &solution);
-    let solution = &solution.with_learned_weights();
+    let (solution, told) = explained(&observations, config, &camera, &stated);
+    let solution = &solution;
+    let shown = shown_scale(&observations, solution);
     let mut assessment = diagnostics::verdict::assess(solution, config);
     assessment.warnings.extend(repetition);
     // The proportion as it is measured, beside the size that has it.
@@ -121,29 +121,31 @@ fn maximum_likelihood(
     ))
 }
 
-/// The solution under what explains the photographs, if they ask for an explanation, and what is to be told.
+/// The solution under what explains the photographs, if they ask for an explanation, with the weights that it asks for; and
+/// what is to be told.
 fn explained(
     observations: &Observations,
     config: &CalibrateConfig,
     camera: &Solution,
-    stated: Solution,
+    stated: &Solution,
 ) -> (Solution, Option<Told>) {
+    let learned = stated.clone().with_learned_weights();
     if let Some(doubt) = hypotheses::transposed::hint(observations, config, Some(camera)) {
-        return (stated, Some(Told::Doubt(doubt)));
+        return (learned, Some(Told::Doubt(doubt)));
     }
-    let proportion = || hypotheses::aspect::hint(observations, config, &stated);
+    let proportion = || hypotheses::aspect::hint(observations, config, stated);
     let other_size = || hypotheses::other_size::hint(observations, config, Some(camera));
-    match explanations(observations, config, &stated).and_then(told) {
+    match explanations(observations, config, stated, &learned).and_then(told) {
         Some((None, Told::Doubt(warning))) => {
             let measured = || proportion().filter(|w| w.code == warning.code);
             let better = other_size().or_else(measured);
-            (stated, Some(Told::Doubt(better.unwrap_or(warning))))
+            (learned, Some(Told::Doubt(better.unwrap_or(warning))))
         }
-        Some((solution, told)) => (solution.unwrap_or(stated), Some(told)),
+        Some((solution, told)) => (solution.unwrap_or(learned), Some(told)),
         None => {
-            let contradiction = || hypotheses::contradiction::hint(observations, config, &stated);
+            let contradiction = || hypotheses::contradiction::hint(observations, config, stated);
             let doubt = other_size().or_else(contradiction).or_else(proportion);
-            (stated, doubt.map(Told::Doubt))
+            (learned, doubt.map(Told::Doubt))
         }
     }
 }

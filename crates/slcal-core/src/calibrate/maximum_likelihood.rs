@@ -13,6 +13,8 @@ use crate::observations::Observations;
 /// A sheet that bends by more than this part of its diagonal from valley to peak is none: another size or wrong corners are
 /// explained by it.
 const MOST_BENT: f64 = 0.08;
+/// The part of their σ that bends have of sheets that are nearly flat.
+const STIFF: f64 = 0.01;
 
 /// The problem that observations pose under a configuration; without a projector in the model, that of the camera alone.
 pub(crate) fn problem(
@@ -35,11 +37,25 @@ pub(crate) fn problem(
     BundleAdjustment::new(all, unknowns, priors)
 }
 
-/// The best refinement over several starts; a start that fails is passed over.
-fn best(observations: &Observations, config: &CalibrateConfig, starts: Vec<Model>) -> Option<Solution> {
-    let solutions =
-        starts.into_iter().filter_map(|start| Solution::refine(problem(observations, config, &start), start));
-    // Of those that tie, the first one; one whose sheets are none only where there is no other.
+/// The best refinement over several starts; a start that fails is passed over. Where lens or sheet had to be bent, the starts are
+/// tried again with sheets that are nearly flat at first: a bend may take up what another pose explains.
+fn best(observations: &Observations, config: &CalibrateConfig, starts: &[Model]) -> Option<Solution> {
+    let refined = |start: &Model| Solution::refine(problem(observations, config, start), start.clone());
+    let first = lowest(starts.iter().filter_map(refined));
+    if first.as_ref().is_some_and(|s| s.problem.priors.hold(s.model())) {
+        return first;
+    }
+    let stiff = |start: &Model| {
+        let mut stiff = problem(observations, config, start);
+        stiff.priors.bends.iter_mut().flatten().for_each(|sigma| *sigma *= STIFF);
+        Some(Solution::refine(stiff, start.clone())?.fit.state)
+    };
+    let again = starts.iter().filter_map(stiff).filter_map(|start| refined(&start));
+    lowest(first.into_iter().chain(again))
+}
+
+/// Of those that tie, the first one; one whose sheets are none only where there is no other.
+fn lowest(solutions: impl Iterator<Item = Solution>) -> Option<Solution> {
     let rank = |s: &Solution| (!s.model().views.iter().all(is_a_sheet), penalised_cost(&s.fit));
     solutions.min_by(|a, b| {
         let ((a_bent, a), (b_bent, b)) = (rank(a), rank(b));
@@ -73,7 +89,7 @@ fn failed(complaint: Option<Error>, device: &'static str) -> Error {
 /// Camera and poses, from the sheet alone.
 pub(crate) fn solve_camera(observations: &Observations, config: &CalibrateConfig) -> Result<Solution> {
     let (starts, complaint) = camera_starts(observations, config)?;
-    best(observations, config, starts).ok_or_else(|| failed(complaint, "camera"))
+    best(observations, config, &starts).ok_or_else(|| failed(complaint, "camera"))
 }
 
 /// Everything together from a solved camera, when the observations have a projector.
@@ -84,7 +100,7 @@ pub(crate) fn add_projector(
 ) -> Result<Solution> {
     let Some(panel) = observations.projector else { return Ok(camera.clone()) };
     let (starts, complaint) = projector_starts(observations, config, panel, camera.model())?;
-    let mut both = best(observations, config, starts).ok_or_else(|| failed(complaint, "projector"))?;
+    let mut both = best(observations, config, &starts).ok_or_else(|| failed(complaint, "projector"))?;
     both.fit.iterations += camera.fit.iterations;
     Ok(both)
 }

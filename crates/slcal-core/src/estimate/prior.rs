@@ -12,6 +12,9 @@ use crate::parameter::LensParameter;
 const CONTRADICTED: f64 = 3.0;
 const ABSURD: f64 = 6.0;
 
+/// χ² per prior that ordinary lenses and sheets stay far below.
+const ORDINARY: f64 = 3.0;
+
 /// A lens parameter that is known to be `mean` ± `sigma` (the focal length and the aspect as logarithms).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LensPrior {
@@ -74,6 +77,12 @@ impl Priors {
             lenses: lenses.collect(),
             bends: bends.map(|v| assumptions.flatness.sigmas_mm(v.size)).collect(),
         }
+    }
+
+    /// Whether a model is anywhere near what is known, or lenses and sheets had to be bent until something fitted.
+    pub(crate) fn hold(&self, model: &Model) -> bool {
+        let count = self.lenses.len() + self.bends.iter().flatten().count();
+        self.chi_squared(model) <= ORDINARY * count as f64
     }
 
     /// χ² of a model.

@@ -105,7 +105,19 @@ pub(crate) fn kept(measurements: &[Measurement], norms_px: &[f64]) -> Vec<bool> 
     measurements.iter().zip(norms_px).map(|(m, n)| is_within(loss(m), m, *n)).collect()
 }
 
-/// The minimum of the convex loss. Where the start is far off, every residual lies beyond the cutoff, and the sum of their absolute
+/// The minimum of the convex loss. A search that ends where little fits is repeated with a cutoff that comes down.
+fn first_minimum<P: RobustProblem>(problem: &mut P, start: P::State) -> Option<Minimum<P::State>> {
+    set_losses(problem, [Loss::Huber(FIRST_CUTOFF); 2]);
+    let direct = minimise_from(problem, start.clone(), INITIAL_DAMPING, COARSE_DECREASE);
+    let norms = direct.as_ref().and_then(|m| problem.norms_px(&m.state));
+    if norms.is_some_and(|norms| scales(problem.measured().0, &norms).iter().all(|s| *s < FAR)) {
+        return direct;
+    }
+    let followed = approach(problem, start);
+    direct.into_iter().chain(followed).min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
+/// The same by way of wider cutoffs. Where the start is far off, every residual lies beyond the cutoff, and the sum of their absolute
 /// values that is left has slow valleys: the cutoff follows the residuals down.
 fn approach<P: RobustProblem>(problem: &mut P, mut state: P::State) -> Option<Minimum<P::State>> {
     let (mut widths, mut iterations) = ([f64::MAX; 2], 0);
@@ -133,7 +145,7 @@ pub(crate) fn fit<P: RobustProblem>(
     start: P::State,
     spent: [usize; 2],
 ) -> Option<RobustFit<P::State>> {
-    let mut minimum = approach(problem, start)?;
+    let mut minimum = first_minimum(problem, start)?;
     let mut iterations = minimum.iterations;
     let mut before = [f64::MAX; 2];
     for _ in 0..MAX_ROUNDS {

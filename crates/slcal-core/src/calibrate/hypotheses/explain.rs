@@ -5,6 +5,7 @@ use nalgebra::Vector2;
 
 use super::explanation::Explanation;
 use super::misfit::{Misfit, misfit};
+use super::plausible::is_ordinary;
 use super::with_amounts::WithAmounts;
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::initial_guess::{camera_starts, projector_starts};
@@ -12,12 +13,16 @@ use crate::calibrate::maximum_likelihood::{problem, solve};
 use crate::estimate::assumptions::PixelAspect;
 use crate::estimate::planar_pose::{camera_from_sheet, pose_from_homography};
 use crate::estimate::{BundleAdjustment, Model, Sheet, Solution, robust};
+use crate::geometry::Camera;
 use crate::observations::{Observations, ViewObservation};
+use crate::rig::Verdict;
 
 /// Explanations are searched when a lens parameter lies further than this from its prior, in σ of what the photographs say
 /// against it, or when χ² per residual is above the second.
 const ASKED: f64 = 3.5;
 const MISFIT: f64 = 1.6;
+/// The same where the noise with its correlation is left so many times larger than stated.
+const STRUCTURED: f64 = 3.0;
 /// A parameter is judged where the photographs bring its σ below this part of the prior's.
 const DETERMINED: f64 = 0.9;
 /// By how much χ² must fall, and how much more for each quantity that an explanation adds.
@@ -27,6 +32,8 @@ const PER_PARAMETER: f64 = 6.0;
 const ALIKE: f64 = 9.0;
 /// What an explanation must leave at most, in χ² per residual.
 const EXPLAINED: f64 = 1.6;
+/// Largest displacement of a photograph by a stabiliser or a crop, in widths.
+const DISPLACED: f64 = 0.1;
 /// Mistakes that are searched at once.
 const MOST_MISTAKES: usize = 2;
 /// Steps that are spent on each start of an explanation; those that hold converge in a few.
@@ -79,22 +86,29 @@ fn against_priors(solution: &Solution) -> f64 {
 }
 
 /// Whether the fit asks for another explanation.
-fn is_asked_for(solution: &Solution, now: Misfit) -> bool {
-    solution.model().views.len() > 1 && (now.per_row() > MISFIT || against_priors(solution) > ASKED)
+fn is_asked_for(solution: &Solution, learned: &Solution) -> bool {
+    let asked = || {
+        misfit(solution).per_row() > MISFIT
+            || against_priors(solution) > ASKED
+            || noise_left(learned) > STRUCTURED
+    };
+    solution.model().views.len() > 1 && asked()
 }
 
 /// What makes the photographs fit; `None` where nothing is wrong or nothing explains it. A second mistake is searched where the
-/// first one does not explain all.
+/// first one does not explain all. `learned` is the given solution with its learned weights.
 pub(crate) fn explanations(
     observations: &Observations,
     config: &CalibrateConfig,
     given: &Solution,
+    learned: &Solution,
 ) -> Option<Explanations> {
     let all = Explanation::all(observations.views.len(), observations.projector.is_some());
     let mut search = Search { observations, config, given: given.clone(), freed: Vec::new() };
     let mut mistakes: Vec<Explained> = Vec::new();
     let mut alternatives = Vec::new();
-    while mistakes.len() < MOST_MISTAKES && is_asked_for(&search.given, misfit(&search.given)) {
+    let mut solution = learned.clone();
+    while mistakes.len() < MOST_MISTAKES && is_asked_for(&search.given, &solution) {
         let before = misfit(&search.given).chi2;
         let others = all.iter().filter(|by| !search.freed.contains(by));
         let mut found: Vec<Explained> = others.filter_map(|&by| search.under(by)).collect();
@@ -103,15 +117,20 @@ pub(crate) fn explanations(
         let mut found = found.into_iter();
         let Some(best) = found.next() else { break };
         alternatives = found.collect();
+        let is_the_last = best.by.frees(best.solution.model()).is_empty();
         search.freed.push(best.by);
         search.given = best.solution.clone();
+        solution = best.solution.clone().with_learned_weights();
         mistakes.push(best);
+        if is_the_last {
+            break;
+        }
     }
     let Misfit { chi2, rows } = misfit(&search.given);
-    if mistakes.is_empty() || chi2 > EXPLAINED * rows as f64 {
+    let fits = chi2 < EXPLAINED * rows as f64 && noise_left(&solution) < STRUCTURED;
+    if mistakes.is_empty() || !fits || !is_plausible(&search.given) {
         return None;
     }
-    let solution = search.given.with_learned_weights();
     // What is left beyond the stated noise, and the correlation of its points, make every χ² count for less.
     let unit = noise_left(&solution).powi(2);
     let last = mistakes.last()?.score();
@@ -122,6 +141,18 @@ pub(crate) fn explanations(
         alternatives,
         solution,
     })
+}
+
+/// Whether lenses and sheets are what they may be, and the photographs determine them.
+fn is_plausible(solution: &Solution) -> bool {
+    let camera = solution.model().camera;
+    let middle = Camera::image_centre(camera.width, camera.height);
+    let off = camera.intrinsics.principal_point() - middle;
+    let inside = off.x.abs() < f64::from(camera.width) && off.y.abs() < f64::from(camera.height);
+    inside
+        && is_ordinary(solution)
+        && solution.problem.priors.hold(solution.model())
+        && solution.focal_sigma().worst() < Verdict::FAIR_BELOW
 }
 
 /// By how much σ are to be multiplied for the noise that a solution leaves.
@@ -167,8 +198,8 @@ impl Search<'_> {
     /// From the solution that was given, and from the beginning.
     fn starts(&self, by: Explanation) -> Vec<Model> {
         let mut starts = vec![self.given.model().clone()];
-        let camera = if by.concerns_camera() { self.camera(by) } else { Some(self.given.model().clone()) };
-        let Some((camera, panel)) = camera.zip(self.observations.projector) else { return starts };
+        // The sheet alone: together with a projector that does not fit, the camera is spoilt.
+        let Some((camera, panel)) = self.camera(by).zip(self.observations.projector) else { return starts };
         let mut configs = vec![self.config.clone()];
         if by == Explanation::ProjectorAspect {
             configs.extend(STRETCHED.map(|ratio| CalibrateConfig {
@@ -198,7 +229,9 @@ impl Search<'_> {
             let mut wider = WithAmounts { by, problem: self.problem(&start)? };
             let fit = robust::fit(&mut wider, (start, Vector2::zeros()), [0; 2])?;
             let (model, amounts) = fit.state;
-            let (changed, model) = by.changed(&wider.problem, &model, amounts);
+            let far = matches!(by, Explanation::Displaced(_))
+                && amounts.norm() > DISPLACED * f64::from(model.camera.width);
+            let (changed, model) = (!far).then(|| by.changed(&wider.problem, &model, amounts))?;
             Some(self.explained(by, Solution::refine(changed, model)?, amounts))
         });
         found.min_by(|a, b| a.chi2.total_cmp(&b.chi2))
@@ -208,7 +241,7 @@ impl Search<'_> {
     fn starts_with_amounts(&self, by: Explanation) -> Vec<Model> {
         let given = self.given.model();
         let mut starts = vec![given.clone()];
-        if let Explanation::Displaced(view) = by {
+        if let Explanation::Displaced(view) | Explanation::OtherSheet(view) = by {
             let mut others = self.observations.clone();
             let odd = others.views.remove(view);
             starts.extend(solve(&others, self.config).ok().and_then(|solution| {

@@ -25,6 +25,8 @@ pub(super) enum Explanation {
     Proportion,
     /// The image of one photograph is displaced against those of the others.
     Displaced(usize),
+    /// One photograph shows a larger or smaller sheet than the others.
+    OtherSheet(usize),
 }
 
 impl Explanation {
@@ -33,20 +35,16 @@ impl Explanation {
         let projector = [Self::SidewaysShift, Self::ProjectorAspect];
         let mut all: Vec<_> = projector.into_iter().filter(|_| with_projector).collect();
         all.extend([Self::CameraAspect, Self::Crop, Self::Proportion]);
-        // Of two photographs either one may be called displaced.
-        let displaced = if views < 2 { 0..0 } else { usize::from(views == 2)..views };
-        all.extend(displaced.map(Self::Displaced));
+        // Of two photographs either one may be the odd one.
+        let odd = if views < 2 { 0..0 } else { usize::from(views == 2)..views };
+        all.extend(odd.clone().map(Self::Displaced));
+        all.extend(odd.map(Self::OtherSheet));
         all
     }
 
     /// Number of quantities that it adds.
     pub(super) fn parameters(self) -> usize {
         if matches!(self, Self::Crop | Self::Displaced(_)) { 2 } else { 1 }
-    }
-
-    /// Whether the camera alone is concerned, so that its own solution has to be found anew.
-    pub(super) fn concerns_camera(self) -> bool {
-        !matches!(self, Self::SidewaysShift | Self::ProjectorAspect)
     }
 
     /// The lens parameters whose priors it does away with; empty where it changes something else.
@@ -56,7 +54,7 @@ impl Explanation {
             Self::ProjectorAspect => vec![(Lens::Projector, LensParameter::Aspect)],
             Self::CameraAspect => vec![(Lens::Camera, LensParameter::Aspect)],
             Self::Crop => vec![(Lens::Camera, LensParameter::Cx), (Lens::Camera, LensParameter::Cy)],
-            Self::Proportion | Self::Displaced(_) => Vec::new(),
+            Self::Proportion | Self::Displaced(_) | Self::OtherSheet(_) => Vec::new(),
         }
     }
 
@@ -75,7 +73,7 @@ impl Explanation {
         Some(problem)
     }
 
-    /// Problem and model changed by amounts of what is no parameter of a lens: ln of the proportion, px of a displacement.
+    /// Problem and model changed by amounts of what is no parameter of a lens: ln of the proportion or of a size, px of a displacement.
     pub(super) fn changed(
         self,
         problem: &BundleAdjustment,
@@ -85,6 +83,11 @@ impl Explanation {
         let (mut problem, mut model) = (problem.clone(), model.clone());
         match self {
             Self::Proportion => change_proportion(&mut model.views, amounts.x),
+            Self::OtherSheet(view) => {
+                let size = &mut model.views[view].size;
+                size.width_mm *= amounts.x.exp();
+                size.height_mm *= amounts.x.exp();
+            }
             Self::Displaced(view) => {
                 problem.measurements.iter_mut().filter(|m| m.view == view).for_each(|m| m.seen -= amounts);
             }

@@ -6,7 +6,7 @@ use super::misfit::{Misfit, misfit};
 use super::outline_fit::Outlines;
 use super::plausible::{is_ordinary, with_usual_focal};
 use crate::calibrate::config::CalibrateConfig;
-use crate::calibrate::maximum_likelihood::solve_camera;
+use crate::calibrate::maximum_likelihood::{problem, solve_camera};
 use crate::estimate::Solution;
 use crate::geometry::{RectangleSize, UsualSheet, usual_proportions};
 use crate::observations::Observations;
@@ -61,7 +61,16 @@ pub(crate) fn hint(
     all.sort_by(|a, b| a.misfit.chi2.total_cmp(&b.misfit.chi2));
     let best = all.first()?;
     let unit = best.misfit.per_row().max(1.0);
-    let before = given.as_ref().map(misfit);
+    // The given size has to fit from there, too: a search from afar may have ended on the way.
+    let from_best = || {
+        let mut start = best.solution.model().clone();
+        let sizes = start.views.iter_mut().zip(&sheet_alone.views);
+        sizes.for_each(|(sheet, seen)| sheet.size = seen.size);
+        Solution::refine(problem(&sheet_alone, config, &start), start)
+    };
+    let again = given.is_some().then(from_best).flatten();
+    let given = given.into_iter().chain(again);
+    let before = given.map(|s| misfit(&s)).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
     let fits = best.misfit.per_row() < before.map_or(MISFITS, |m| MISFITS.max(SHARE_LEFT * m.per_row()));
     let better = before.map_or(f64::INFINITY, |m| (m.chi2 - best.misfit.chi2) / unit);
     let is_the_given_turned = best.turned && same_proportion(best.sheets[0].size, size);

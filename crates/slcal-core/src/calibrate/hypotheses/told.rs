@@ -30,7 +30,7 @@ pub(crate) fn told(found: Explanations) -> Option<(Option<Solution>, Told)> {
     }
     Some(match last.by {
         Explanation::Displaced(_) => (None, Told::Contradiction(last.warning())),
-        Explanation::Proportion => (None, Told::Doubt(last.warning())),
+        Explanation::Proportion | Explanation::OtherSheet(_) => (None, Told::Doubt(last.warning())),
         _ => (Some(solution), Told::MadeGood(mistakes.iter().map(Explained::warning).collect())),
     })
 }
@@ -48,6 +48,7 @@ impl Explained {
             Explanation::Crop => "cropped",
             Explanation::Proportion => "aspect-doubtful",
             Explanation::Displaced(_) => "photograph-offset",
+            Explanation::OtherSheet(_) => "view-contradicts",
         }
     }
 
@@ -116,6 +117,18 @@ impl Explained {
                     size.width_mm / size.height_mm
                 )
             }
+            Explanation::OtherSheet(view) => {
+                let who = if model.views.len() == 2 {
+                    "photographs 1 and 2 contradict each other".to_owned()
+                } else {
+                    format!("photograph {} contradicts the others", view + 1)
+                };
+                format!(
+                    "{who}: they fit if the sheet of photograph {} is {:.3} times as large as it was given",
+                    view + 1,
+                    self.amounts.x.exp()
+                )
+            }
             Explanation::Displaced(view) => format!(
                 "the image of photograph {} is displaced against {} by {:.1} px to the {} and {:.1} px {}; without that the \
                  residuals are {:.0} times smaller",
@@ -158,6 +171,9 @@ impl Explained {
                     size.height_mm * (-change / 2.0).exp()
                 )
             }
+            Explanation::OtherSheet(_) => "check that all photographs show the same sheet, and that neither camera nor projector was moved, \
+                                           zoomed or refocused in between; or leave that photograph out"
+                .to_owned(),
             Explanation::Displaced(_) => "switch the stabiliser of camera and lens off, crop or scale no photograph, and take the \
                                           photographs again; or calibrate from one of them"
                 .to_owned(),

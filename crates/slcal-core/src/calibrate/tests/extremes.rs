@@ -81,8 +81,8 @@ fn a_free_principal_point_is_undetermined_in_one_photograph_and_says_so() {
 }
 
 #[test]
-fn a_principal_point_against_its_prior_is_not_called_good() {
-    // A photograph cropped by 250 px of 1280 on the left: 10 σ of the prior. The pull shows in two views.
+fn a_principal_point_far_from_its_prior_is_found_and_told() {
+    // A photograph cropped by 250 px of 1280 on the left: 10 σ of the prior. Two views determine it.
     let truth = rig(768.0, vec![pose(25.0, 28.0), pose(-25.0, -28.0)]);
     let mut o = observe(&truth, 0.2, 0.1, &mut rng(4));
     for view in &mut o.views {
@@ -97,11 +97,11 @@ fn a_principal_point_against_its_prior_is_not_called_good() {
     }
     let c = calibrate_observations(&o, &CalibrateConfig::default()).unwrap();
     let quality = c.rig.quality.unwrap();
-    assert_eq!(quality.verdict, Verdict::Weak);
-    let far = quality.warnings.iter().find(|w| w.code == "principal-point-far").unwrap();
-    // σ alone would be called good: it is no reason.
-    assert_eq!(Verdict::of_focal_sigma(quality.focal_sigma_percent_camera / 100.0), Verdict::Good);
-    assert_eq!((&quality.cause, &quality.advice), (&far.message, &far.advice));
+    assert_eq!(quality.verdict, Verdict::Good);
+    assert_eq!(quality.warnings[0].code, "cropped");
+    let camera = c.rig.camera;
+    let off = (camera.model.intrinsics.cx - (639.5 - 250.0)) / camera.sigma.unwrap().cx_px;
+    assert!(off.abs() < 4.0, "{off} σ");
 }
 
 #[test]
