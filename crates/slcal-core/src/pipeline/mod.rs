@@ -4,6 +4,8 @@
 mod calibrator;
 mod cloud_report;
 mod common_orientation;
+#[cfg(test)]
+mod panel_border_tests;
 mod photo_tags;
 mod photo_verifier;
 mod reconstructor;

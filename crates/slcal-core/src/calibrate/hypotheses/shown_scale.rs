@@ -17,6 +17,8 @@ const DOUBTFUL: f64 = 5.0;
 const PRACTICAL: f64 = 0.003;
 /// Places on one axis give a scale from this part of the panel's side between them on.
 const APART: f64 = 0.5;
+/// A mirrored mark is this near to the opposite place, as a part of the panel's side, in a picture that is scaled as well.
+const NEAR_OPPOSITE: f64 = 0.1;
 /// Points of a border for which σ is computed.
 const SAMPLE: usize = 4;
 
@@ -100,6 +102,12 @@ impl AlongAxis {
         Some([scale, a.expected - scale * a.at]).filter(|s| s.iter().all(|s| s.is_finite()))
     }
 
+    /// Whether a place far from the middle of the panel is seen about where its mirror image belongs.
+    fn is_mirrored(&self, side: f64) -> bool {
+        let opposite = |s: &Seen| (s.at + s.expected - (side - 1.0)).abs() < NEAR_OPPOSITE * side;
+        self.0.iter().any(|s| opposite(s) && (s.at - s.expected).abs() > APART * side)
+    }
+
     /// 1σ of the scale.
     fn sigma(&self) -> f64 {
         let [a, b] = self.0.as_slice() else { return f64::INFINITY };
@@ -142,23 +150,27 @@ pub(crate) fn shown_scale(observations: &Observations, solution: &Solution) -> O
     axes.iter().any(|a| !a.0.is_empty()).then_some(ShownScale { axes, panel })
 }
 
-/// The borders of an axis or else its marks, those furthest apart.
+/// The borders of an axis or else its marks, those furthest apart. Marks at the opposite places come first: the light of a mirrored
+/// picture ends where it should.
 fn along_axis(axis: usize, places: &[Place], side: f64, solution: &Solution) -> AlongAxis {
-    let of_kind = |border: bool| places.iter().filter(move |p| p.axis == axis && p.is_border == border);
-    let mut seen: Vec<Seen> = Vec::new();
-    for of_kind in [of_kind(true).collect::<Vec<_>>(), of_kind(false).collect()] {
-        if !seen.is_empty() || of_kind.is_empty() {
-            continue;
-        }
+    let furthest = |border: bool| {
+        let of_kind: Vec<&Place> =
+            places.iter().filter(|p| p.axis == axis && p.is_border == border).collect();
         let first = of_kind.iter().map(|p| p.expected).fold(f64::INFINITY, f64::min);
         let last = of_kind.iter().map(|p| p.expected).fold(f64::NEG_INFINITY, f64::max);
         let ends = if last - first > APART * side { vec![first, last] } else { vec![first] };
-        for expected in ends {
+        let at_end = |expected| {
             let of_end: Vec<&Place> = of_kind.iter().filter(|p| p.expected == expected).copied().collect();
-            seen.extend(agreed(&of_end, side, solution));
-        }
+            agreed(&of_end, side, solution)
+        };
+        AlongAxis(ends.into_iter().filter_map(at_end).collect())
+    };
+    let marks = furthest(false);
+    if marks.is_mirrored(side) {
+        return marks;
     }
-    AlongAxis(seen)
+    let borders = furthest(true);
+    if borders.0.is_empty() { marks } else { borders }
 }
 
 /// One place in all photographs that show it, weighted; `None` where they contradict each other.
@@ -208,7 +220,7 @@ impl ShownScale {
     const ENDS: [[&str; 2]; 2] = [["left", "right"], ["upper", "lower"]];
 
     fn found(&self) -> String {
-        let mirrored = [0, 1].map(|k: usize| self.scale()[k].is_some_and(|s| s < 0.0));
+        let mirrored = [0, 1].map(|k: usize| self.axes[k].is_mirrored(self.panel[k]));
         if mirrored[0] || mirrored[1] {
             let how = if mirrored[0] { "left and right" } else { "top and bottom" };
             return format!("it is mirrored, {how} are exchanged: its marks are seen at the opposite places");
