@@ -5,6 +5,7 @@ use slcal_tests::Bench;
 
 use crate::bench;
 
+const PANEL: &str = "--projector 1024x768";
 const TILTS: [(&str, &str); 2] = [("a", "25,28"), ("b", "-25,-28")];
 
 /// A photograph of the sheet with one tilt or the other, as NAME.png, and the true rig.
@@ -17,9 +18,11 @@ fn photograph(bench: &Bench, name: &str, tilt: &str, more: &str) -> Value {
     serde_json::from_str(&bench.text(&format!("{name}/rig.json"))).unwrap()
 }
 
-/// Both photographs of a rig, and the truth.
-fn pair(bench: &Bench, more: &str) -> Value {
-    let truths = TILTS.map(|(name, tilt)| photograph(bench, name, tilt, more));
+/// Both photographs of a rig under one pattern, checker.json, and the truth. `panel` are the pattern's options.
+fn pair(bench: &Bench, panel: &str, more: &str) -> Value {
+    let _ = bench.run(&format!("pattern checker {panel} -o checker.png -q")).ok();
+    let more = format!("--pattern checker.json {more}");
+    let truths = TILTS.map(|(name, tilt)| photograph(bench, name, tilt, &more));
     truths[0].clone()
 }
 
@@ -59,8 +62,8 @@ fn right_and_good(found: &Value, truth: &Value) {
 #[test]
 fn right_photographs_get_no_warning_of_a_mistake() {
     let bench = bench();
-    let truth = pair(&bench, "--lens-shift 0.5");
-    let found = calibrated(&bench, "a.png b.png", "a/pattern.json");
+    let truth = pair(&bench, PANEL, "--lens-shift 0.5");
+    let found = calibrated(&bench, "a.png b.png");
     right_and_good(&found, &truth);
     assert_eq!(codes(&found), [""; 0]);
 }
@@ -68,8 +71,8 @@ fn right_photographs_get_no_warning_of_a_mistake() {
 #[test]
 fn a_sideways_shift_is_priced_from_one_photograph_and_estimated_from_two() {
     let bench = bench();
-    let truth = pair(&bench, "--lens-shift 0.5 --projector-offset 102");
-    let one = calibrated(&bench, "a.png", "a/pattern.json");
+    let truth = pair(&bench, PANEL, "--lens-shift 0.5 --projector-offset 102");
+    let one = calibrated(&bench, "a.png");
     let assumptions = rig(&one)["quality"]["assumptions"].as_array().unwrap();
     let told = assumptions.iter().find(|a| a["code"] == "projector-sideways-shift").unwrap();
     assert_eq!((&told["status"], &told["if_off_by"]), (&"assumed".into(), &5.0.into()));
@@ -78,7 +81,7 @@ fn a_sideways_shift_is_priced_from_one_photograph_and_estimated_from_two() {
     // The lens is off by twice what is priced.
     let cost = 2.0 * told["moves_percent"]["f_proj"].as_f64().unwrap().abs();
     assert!(error > 3.0 && error < 1.5 * cost, "{error} {cost}");
-    let summary = bench.run("calibrate a.png --size A2-landscape --pattern a/pattern.json -o one.json").ok();
+    let summary = bench.run("calibrate a.png --size A2-landscape --pattern checker.json -o one.json").ok();
     let words = summary.words();
     assert!(words.contains("good, if what it assumes is true (below)"), "{words}");
     assert!(
@@ -86,7 +89,7 @@ fn a_sideways_shift_is_priced_from_one_photograph_and_estimated_from_two() {
         "{words}"
     );
 
-    let two = calibrated(&bench, "a.png b.png", "a/pattern.json");
+    let two = calibrated(&bench, "a.png b.png");
     assert_eq!(codes(&two), ["projector-sideways-shift"]);
     right_and_good(&two, &truth);
 }
@@ -94,9 +97,9 @@ fn a_sideways_shift_is_priced_from_one_photograph_and_estimated_from_two() {
 #[test]
 fn a_projector_on_its_side_is_right_from_one_photograph() {
     let bench = bench();
-    let truth = pair(&bench, "--projector 768x1024 --projector-offset 384");
+    let truth = pair(&bench, "--projector 768x1024", "--projector 768x1024 --projector-offset 384");
     for photos in ["a.png", "a.png b.png"] {
-        let found = calibrated(&bench, photos, "a/pattern.json");
+        let found = calibrated(&bench, photos);
         assert!(codes(&found).contains(&"projector-on-its-side".to_owned()), "{:?}", codes(&found));
         right_and_good(&found, &truth);
     }
@@ -105,20 +108,19 @@ fn a_projector_on_its_side_is_right_from_one_photograph() {
 #[test]
 fn diamond_pixels_are_known_and_stretched_pictures_estimated() {
     let bench = bench();
-    let _ = bench.run("pattern checker --projector 912x1140 --square 30 -o diamonds.png -q").ok();
-    let diamonds = "--projector 912x1140 --projector-focal 850 --projector-pixel-aspect 2 --pattern diamonds.json --lens-shift 0.5";
-    let truth = pair(&bench, diamonds);
-    right_and_good(&calibrated(&bench, "a.png b.png", "diamonds.json"), &truth);
-    let one = calibrated(&bench, "a.png", "diamonds.json");
+    let diamonds = "--projector 912x1140 --projector-focal 850 --projector-pixel-aspect 2 --lens-shift 0.5";
+    let truth = pair(&bench, "--projector 912x1140 --square 30", diamonds);
+    right_and_good(&calibrated(&bench, "a.png b.png"), &truth);
+    let one = calibrated(&bench, "a.png");
     let off = errors(&one, &truth, "projector");
     assert!(off.iter().all(|e| e.abs() < 4.0), "{off:.1?}");
 
     let bench = crate::bench();
-    let truth = pair(&bench, "--projector-focal 1417 --projector-pixel-aspect 1.2 --lens-shift 0.5");
-    let found = calibrated(&bench, "a.png b.png", "a/pattern.json");
+    let truth = pair(&bench, PANEL, "--projector-focal 1417 --projector-pixel-aspect 1.2 --lens-shift 0.5");
+    let found = calibrated(&bench, "a.png b.png");
     assert!(codes(&found).contains(&"projector-pixel-aspect".to_owned()), "{:?}", codes(&found));
     right_and_good(&found, &truth);
-    let given = "calibrate a.png --size A2-landscape --pattern a/pattern.json -o one.json --projector-pixel-aspect 1.2 --json";
+    let given = "calibrate a.png --size A2-landscape --pattern checker.json -o one.json --projector-pixel-aspect 1.2 --json";
     let one: Value = serde_json::from_slice(&bench.run(given).ok().stdout).unwrap();
     let off = errors(&one, &truth, "projector");
     assert!(off.iter().all(|e| e.abs() < 4.0), "{off:.1?}");
@@ -131,19 +133,19 @@ fn diamond_pixels_are_known_and_stretched_pictures_estimated() {
 #[test]
 fn photographs_that_were_cropped_or_stretched_are_right_from_two() {
     let bench = bench();
-    let mut truth = pair(&bench, "--lens-shift 0.5");
+    let mut truth = pair(&bench, PANEL, "--lens-shift 0.5 --aside 100,0");
     for name in ["a.png", "b.png"] {
         let photo = image::open(bench.path(name)).unwrap();
-        photo.crop_imm(260, 0, photo.width() - 260, photo.height()).save(bench.path(name)).unwrap();
+        photo.crop_imm(300, 0, photo.width() - 300, photo.height()).save(bench.path(name)).unwrap();
     }
-    truth["camera"]["K"][0][2] = (639.5 - 260.0).into();
-    let found = calibrated(&bench, "a.png b.png", "a/pattern.json");
+    truth["camera"]["K"][0][2] = (639.5 - 300.0).into();
+    let found = calibrated(&bench, "a.png b.png");
     assert_eq!(codes(&found)[0], "cropped");
     right_and_good(&found, &truth);
 
     let bench = crate::bench();
-    let truth = pair(&bench, "--lens-shift 0.5 --pixel-aspect 1.03");
-    let found = calibrated(&bench, "a.png b.png", "a/pattern.json");
+    let truth = pair(&bench, PANEL, "--lens-shift 0.5 --pixel-aspect 1.03");
+    let found = calibrated(&bench, "a.png b.png");
     assert_eq!(codes(&found), ["camera-pixel-aspect"]);
     right_and_good(&found, &truth);
 }
@@ -151,12 +153,12 @@ fn photographs_that_were_cropped_or_stretched_are_right_from_two() {
 #[test]
 fn a_photograph_of_a_stabilised_camera_is_named_and_refused() {
     let bench = bench();
-    let _ = pair(&bench, "--lens-shift 0.5");
+    let _ = pair(&bench, PANEL, "--lens-shift 0.5");
     let photo = image::open(bench.path("b.png")).unwrap().to_rgb8();
     let (w, h) = photo.dimensions();
     let displaced = image::RgbImage::from_fn(w, h, |x, y| *photo.get_pixel((x + w - 15) % w, (y + 10) % h));
     displaced.save(bench.path("b.png")).unwrap();
-    let run = bench.run("calibrate a.png b.png --size A2-landscape --pattern a/pattern.json -o rig.json");
+    let run = bench.run("calibrate a.png b.png --size A2-landscape --pattern checker.json -o rig.json");
     run.fails(5, &["photograph 2 is displaced", "15.0 px to the right", "10.0 px up", "stabiliser"]);
     assert!(!bench.names().contains(&"rig.json".to_owned()));
 }

@@ -42,7 +42,7 @@ pub struct Assumption {
     pub text: String,
     /// The value that is assumed, or estimated, in `unit`.
     pub value: f64,
-    /// Unit of `value`, `sigma` and `if_off_by`; empty for a ratio.
+    /// Unit of `value`, `sigma` and `if_off_by`; the name of a quantity that has none.
     pub unit: String,
     /// 1σ of the value: what was assumed of it, or what the photographs say; `None` where it is taken for exact.
     pub sigma: Option<f64>,
@@ -89,7 +89,6 @@ impl Assumption {
             "square-pixels-camera" | "square-pixels-projector" => {
                 format!("a ratio that is {} % off", (self.if_off_by / self.value * 1e3).round() / 10.0)
             }
-            _ if self.unit.is_empty() => off,
             _ => format!("{off} {}", self.unit),
         }
     }

@@ -124,7 +124,7 @@ class Assumption(Report):
     text: str
     #: The value that is assumed, or estimated, in `unit`.
     value: float
-    #: Unit of `value`, `sigma` and `if_off_by`; empty for a ratio.
+    #: Unit of `value`, `sigma` and `if_off_by`; the name of a quantity that has none.
     unit: str
     #: 1σ of the value; None where it is taken for exact.
     sigma: float | None

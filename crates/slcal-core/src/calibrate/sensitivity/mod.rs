@@ -81,7 +81,7 @@ fn aspect(solution: &Solution, lens: Lens) -> Option<Assumed> {
     Some(Assumed {
         code,
         text: format!("the {owner}'s pixels are {shape}"),
-        unit: "",
+        unit: "fy/fx",
         value,
         sigma: sigma.map(|s| s * value),
         if_off_by: ASPECT * value,

@@ -9,7 +9,19 @@ use crate::format::tree::{Expecting, Node};
 use crate::rig::Rig;
 
 /// Values that are words, even where they look like numbers.
-const WORDS: [&str; 8] = ["photo", "method", "verdict", "cause", "code", "message", "advice", "parameters"];
+const WORDS: [&str; 11] = [
+    "photo",
+    "method",
+    "verdict",
+    "cause",
+    "code",
+    "message",
+    "advice",
+    "parameters",
+    "text",
+    "unit",
+    "status",
+];
 
 /// Where each of them stands in rig.json, and its name in other files.
 const PLACES: [(&str, &str); 8] = [

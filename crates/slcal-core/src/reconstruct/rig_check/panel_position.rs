@@ -177,7 +177,7 @@ fn add_coefficients(out: &mut [f64; LENS], ideal: Vector2<f64>, by_distorted: Ve
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{DMatrix, Point2, Rotation3};
+    use nalgebra::{DMatrix, Point2, Point3, Rotation3};
 
     use super::*;
     use crate::for_tests::test_rig;
@@ -240,11 +240,15 @@ mod tests {
         let (a, b) = (Point2::new(520.0, 610.0), Point2::new(760.0, 300.0));
         for parameter in lenses.chain(poses) {
             for axis in [0, 1] {
-                let at = |pixel, c| {
+                let mut rig = distorted();
+                let projector = rig.projector.unwrap();
+                let at = |pixel: Point2<f64>, depth: f64| {
+                    let lit = Point3::from(rig.camera.model.bearing(pixel).unwrap() * depth);
+                    let seen = projector.device.model.project(&projector.from_camera.pose.transform(&lit));
+                    let c = seen.unwrap()[axis];
                     if axis == 0 { Match::at(pixel, Some(c), None) } else { Match::at(pixel, None, Some(c)) }
                 };
-                let (m, n) = (at(a, 380.0), at(b, 420.0));
-                let mut rig = distorted();
+                let (m, n) = (at(a, 900.0), at(b, 1100.0));
                 rig.covariance =
                     Some(Covariance { parameters: vec![parameter.clone()], matrix: DMatrix::identity(1, 1) });
                 let stated = PanelPositions::new(&rig, 0.0).unwrap();
