@@ -26,9 +26,9 @@ fn pair(bench: &Bench, panel: &str, more: &str) -> Value {
     truths[0].clone()
 }
 
-fn calibrated(bench: &Bench, photos: &str, pattern: &str) -> Value {
+fn calibrated(bench: &Bench, photos: &str) -> Value {
     let line =
-        format!("calibrate {photos} --size A2-landscape --pattern {pattern} -o rig.json --force --json");
+        format!("calibrate {photos} --size A2-landscape --pattern checker.json -o rig.json --force --json");
     serde_json::from_slice(&bench.run(&line).ok().stdout).unwrap()
 }
 

@@ -20,7 +20,9 @@ pub(crate) enum Told {
 pub(crate) fn told(found: Explanations) -> Option<(Option<Solution>, Told)> {
     let Explanations { mut mistakes, alternatives, solution } = found;
     // Values and σ are those under all of them.
-    mistakes.iter_mut().for_each(|m| m.solution.clone_from(&solution));
+    for mistake in &mut mistakes {
+        mistake.solution.clone_from(&solution);
+    }
     let last = mistakes.last()?;
     if !alternatives.is_empty() {
         let mut warning = last.warning();
