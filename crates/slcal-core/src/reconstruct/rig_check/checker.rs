@@ -11,7 +11,7 @@ use super::findings::{RigCheckReport, SlitCount};
 use super::panel_position::{PanelPositions, coded};
 use super::scanline_runs::RunFinder;
 use super::shown_scale::shown_scale;
-use super::slit_ends::{End, Seen, SlitExtent};
+use super::slit_ends::{End, LocatedRun, Seen, SlitExtent};
 use crate::error::Result;
 use crate::matches::Matches;
 use crate::rig::Rig;
@@ -36,6 +36,7 @@ const BORDER_WITHIN: f64 = 0.03;
 pub(crate) struct RigChecker {
     positions: PanelPositions,
     runs: RunFinder,
+    located: Vec<LocatedRun>,
     extents: Vec<SlitExtent>,
     points: Vec<BorderPoint>,
     buffer: Vec<f64>,
@@ -48,6 +49,7 @@ impl RigChecker {
         Ok(Self {
             positions: PanelPositions::new(rig, min_angle_rad)?,
             runs: RunFinder::default(),
+            located: Vec::new(),
             extents: Vec::new(),
             points: Vec::new(),
             buffer: Vec::new(),
@@ -61,7 +63,7 @@ impl RigChecker {
         let axis = matches.first().and_then(coded).map(|(axis, _)| axis);
         let Some((axis, (runs, across))) = axis.zip(self.runs.find(matches)) else { return report };
         let seen = Seen { positions: &self.positions, matches, across, axis };
-        seen.extents(runs, &mut self.extents);
+        seen.extents(runs, &mut self.located, &mut self.extents);
         (report.slits, report.slits_are_rows) = (self.extents.len(), axis == 1);
         report.shown_scale = shown_scale(seen, &self.extents, &mut self.points, &mut self.buffer);
         report.outside_start = outside(seen, &self.extents, 0, &mut self.buffer);

@@ -21,6 +21,15 @@ pub(super) struct End {
     pub(super) in_frame: bool,
 }
 
+/// A run of which it is known from where on the panel its light comes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LocatedRun {
+    slit: u16,
+    coordinate: f64,
+    /// Lower position first.
+    ends: [End; 2],
+}
+
 /// Light of one slit that would fall on two surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Overlap {
@@ -54,35 +63,16 @@ pub(super) struct Seen<'a> {
 
 impl Seen<'_> {
     /// The extents of all slits whose coordinate is of the axis, in the order of their coordinates.
-    pub(super) fn extents(&self, runs: &[Run], out: &mut Vec<SlitExtent>) {
+    pub(super) fn extents(&self, runs: &[Run], located: &mut Vec<LocatedRun>, out: &mut Vec<SlitExtent>) {
+        located.clear();
+        located.extend(runs.iter().filter_map(|run| {
+            let (axis, coordinate) = coded(&self.matches[run.first[0]])?;
+            let ends = (axis == self.axis).then(|| self.ends(run))??;
+            Some(LocatedRun { slit: run.slit, coordinate, ends })
+        }));
         out.clear();
-        let of_slits = runs.chunk_by(|a, b| a.slit == b.slit);
-        out.extend(of_slits.filter_map(|of_slit| self.extent(of_slit)));
+        out.extend(located.chunk_by(|a, b| a.slit == b.slit).filter_map(extent));
         out.sort_unstable_by(|a, b| a.coordinate.total_cmp(&b.coordinate));
-    }
-
-    fn extent(&self, of_slit: &[Run]) -> Option<SlitExtent> {
-        let (_, coordinate) = coded(&self.matches[of_slit.first()?.first[0]]).filter(|c| c.0 == self.axis)?;
-        let mut extent: Option<SlitExtent> = None;
-        for (i, run) in of_slit.iter().enumerate() {
-            let Some(ends) = self.ends(run) else { continue };
-            let mut overlap = None;
-            for other in of_slit[..i].iter().filter_map(|other| self.ends(other)) {
-                overlap = longer(overlap, Some(overlap_of(ends, other)));
-            }
-            extent = Some(match extent {
-                None => SlitExtent { coordinate, ends, overlap },
-                Some(before) => SlitExtent {
-                    coordinate,
-                    ends: [
-                        if ends[0].at < before.ends[0].at { ends[0] } else { before.ends[0] },
-                        if ends[1].at > before.ends[1].at { ends[1] } else { before.ends[1] },
-                    ],
-                    overlap: longer(before.overlap, overlap),
-                },
-            });
-        }
-        extent
     }
 
     /// The ends of a run, lower position first.
@@ -110,6 +100,24 @@ impl Seen<'_> {
             pixel[k] >= near && pixel[k] <= size[k] - 1.0 - near
         })
     }
+}
+
+/// What all runs of a slit say together.
+fn extent(of_slit: &[LocatedRun]) -> Option<SlitExtent> {
+    let first = of_slit.first()?;
+    let mut extent = SlitExtent { coordinate: first.coordinate, ends: first.ends, overlap: None };
+    for (i, LocatedRun { ends, .. }) in of_slit.iter().enumerate().skip(1) {
+        for other in &of_slit[..i] {
+            extent.overlap = longer(extent.overlap, Some(overlap_of(*ends, other.ends)));
+        }
+        if ends[0].at < extent.ends[0].at {
+            extent.ends[0] = ends[0];
+        }
+        if ends[1].at > extent.ends[1].at {
+            extent.ends[1] = ends[1];
+        }
+    }
+    Some(extent)
 }
 
 fn overlap_of(a: [End; 2], b: [End; 2]) -> Overlap {
