@@ -1,6 +1,7 @@
 //! Whether the sheet's width and height were given the wrong way round.
 
 use super::other_size;
+use super::outline_fit::Outlines;
 use super::plausible::is_ordinary;
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::maximum_likelihood::{solve, solve_camera};
@@ -35,8 +36,15 @@ pub(crate) fn hint(
     if !implausible && given.is_some_and(fits_well) {
         return None;
     }
+    let sizes = |o: &Observations| o.views.iter().map(|v| v.size).collect::<Vec<_>>();
+    let outlines = Outlines::new(&sheet_alone, config);
+    let as_given = sizes(&sheet_alone);
     for view in &mut sheet_alone.views {
         view.size = view.size.transposed();
+    }
+    // A fit of a size that is wrong in another way may end anywhere; the outlines themselves tell the two ways apart.
+    if outlines.is_some_and(|o| o.chi2(&sizes(&sheet_alone)) > o.chi2(&as_given)) {
+        return None;
     }
     let other = solve(&sheet_alone, config).ok()?;
     let outliers = |s: &Solution| s.measured().filter(|(.., keep)| !keep).count();
