@@ -82,7 +82,7 @@ mod tests {
 
     fn likely(width_mm: f64, height_mm: f64) -> Vec<(&'static str, [f64; 2])> {
         let all = RectangleSize { width_mm, height_mm }.likely_units();
-        all.into_iter().map(|(unit, s)| (unit, [s.width_mm, s.height_mm].map(|mm| mm.round()))).collect()
+        all.into_iter().map(|(unit, s)| (unit, [s.width_mm, s.height_mm].map(f64::round))).collect()
     }
 
     #[test]

@@ -163,7 +163,7 @@ mod tests {
             if (10.0..30.0).contains(&v) {
                 all.push(crossing(150.25 - 0.25 * v, v, 3));
             }
-            if v as u32 % 3 == 0 {
+            if (v as u32).is_multiple_of(3) {
                 all.push(crossing(300.125, v, 5));
             }
         }
@@ -200,7 +200,9 @@ mod tests {
         matches.swap(0, 20);
         assert!(finder.find(&matches).is_none());
         // Both coordinates of another decoder's matches are measured.
-        matches.iter_mut().for_each(|m| m.camera.x += 0.3);
+        for m in &mut matches {
+            m.camera.x += 0.3;
+        }
         assert!(finder.find(&matches).is_none());
     }
 }
