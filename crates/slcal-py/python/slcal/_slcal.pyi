@@ -732,7 +732,8 @@ class ViewObservation:
     @property
     def panel_points(self) -> NDArray[np.float64]:
         """Camera x, camera y, panel x, panel y of points on the border of the projector's light and of marks: (N, 4) float64, px.
-        NaN stands for the coordinate along a border. They test whether the picture was shown pixel for pixel."""
+        NaN stands for the coordinate along a border. They test whether the picture was shown pixel for pixel.
+        """
     @property
     def photo(self) -> str | None:
         """Name of the photograph, where it has one."""
@@ -994,7 +995,7 @@ def calibrate_observations(
     observations : Observations or mapping
         A mapping has the fields of the file (schema slcal-observations/1), with arrays or lists. A σ that is not given is
         estimated from the residuals, or assumed where there are too few.
-    camera, camera_pp, projector_pp, distortion, projector_distortion, flatness, method, focal_35mm, allow_degenerate
+    camera, camera_pp, projector_pp, distortion, projector_distortion, projector_pixel_aspect, flatness, method, focal_35mm, allow_degenerate
         As for `calibrate`.
 
     Returns
