@@ -34,6 +34,8 @@ const ALIKE: f64 = 9.0;
 const EXPLAINED: f64 = 1.6;
 /// Largest displacement of a photograph by a stabiliser or a crop, in widths.
 const DISPLACED: f64 = 0.1;
+/// Photographs that are tried as the odd one.
+const MOST_ODD: usize = 2;
 /// Mistakes that are searched at once.
 const MOST_MISTAKES: usize = 2;
 /// Steps that are spent on each start of an explanation; those that hold converge in a few.
@@ -103,7 +105,7 @@ pub(crate) fn explanations(
     given: &Solution,
     learned: &Solution,
 ) -> Option<Explanations> {
-    let all = Explanation::all(observations.views.len(), observations.projector.is_some());
+    let all = Explanation::all(&odd_views(given), observations.projector.is_some());
     let mut search = Search { observations, config, given: given.clone(), freed: Vec::new() };
     let mut mistakes: Vec<Explained> = Vec::new();
     let mut alternatives = Vec::new();
@@ -153,6 +155,19 @@ fn is_plausible(solution: &Solution) -> bool {
         && is_ordinary(solution)
         && solution.problem.priors.hold(solution.model())
         && solution.focal_sigma().worst() < Verdict::FAIR_BELOW
+}
+
+/// The photographs that fit worst; of two either one may be the odd one.
+fn odd_views(given: &Solution) -> Vec<usize> {
+    let mut views: Vec<(usize, f64)> = (0..given.model().views.len()).map(|view| (view, 0.0)).collect();
+    for (m, norm, _) in given.measured() {
+        views[m.view].1 += norm / m.sigma_px;
+    }
+    if views.len() == 2 {
+        return vec![1];
+    }
+    views.sort_by(|a, b| b.1.total_cmp(&a.1));
+    views.iter().take(MOST_ODD).map(|(view, _)| *view).collect()
 }
 
 /// By how much σ are to be multiplied for the noise that a solution leaves.

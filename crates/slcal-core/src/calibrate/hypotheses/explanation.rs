@@ -30,15 +30,13 @@ pub(super) enum Explanation {
 }
 
 impl Explanation {
-    /// Those that can be told apart with this many photographs.
-    pub(super) fn all(views: usize, with_projector: bool) -> Vec<Self> {
+    /// Those that can be told apart, with the photographs that may be the odd ones.
+    pub(super) fn all(odd: &[usize], with_projector: bool) -> Vec<Self> {
         let projector = [Self::SidewaysShift, Self::ProjectorAspect];
         let mut all: Vec<_> = projector.into_iter().filter(|_| with_projector).collect();
         all.extend([Self::CameraAspect, Self::Crop, Self::Proportion]);
-        // Of two photographs either one may be the odd one.
-        let odd = if views < 2 { 0..0 } else { usize::from(views == 2)..views };
-        all.extend(odd.clone().map(Self::Displaced));
-        all.extend(odd.map(Self::OtherSheet));
+        all.extend(odd.iter().map(|view| Self::Displaced(*view)));
+        all.extend(odd.iter().map(|view| Self::OtherSheet(*view)));
         all
     }
 
