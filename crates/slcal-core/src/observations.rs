@@ -88,6 +88,19 @@ pub struct PanelPoint {
     pub sigma_px: Option<f64>,
 }
 
+impl PanelPoint {
+    /// Whether the point can be used: a finite place in the camera image, a place on the panel, and a σ in
+    /// [`ViewObservation::SIGMA_RANGE_PX`] if any.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        let limit = ViewObservation::MAX_COORDINATE_PX;
+        let mut known = self.expected.iter().flatten().peekable();
+        known.peek().is_some()
+            && known.chain(self.camera.iter()).all(|x| x.abs() <= limit)
+            && self.sigma_px.is_none_or(|s| ViewObservation::SIGMA_RANGE_PX.contains(&s))
+    }
+}
+
 /// One pose of the sheet. Its sheet and its pairs each state their σ for all points or for none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewObservation {

@@ -146,8 +146,13 @@ def test_observations_hold_views_and_detections(photo, checker):
         sheet_sigma_px=found.sheet.edge_sigma_px,
         pairs=np.column_stack([found.corners.camera_px, found.corners.projector_px]),
         pair_sigma_px=found.corners.sigma_px,
+        panel_points=found.view.panel_points,
     )
     assert view == found.view
+    assert view.panel_points.shape[1] == 5
+    for wrong in [[np.nan, 1, 2, 3, 1], [1, 1, np.nan, np.nan, 1], [1, 1, 2, 3, -1]]:
+        with pytest.raises(slcal.Error, match="panel_points"):
+            slcal.ViewObservation(SIZE, sheet_corners=CORNERS, panel_points=[wrong])
     with pytest.raises(TypeError, match=r"views.*ViewObservation"):
         slcal.Observations((1280, 960), None, found)
     with pytest.raises(TypeError, match=r"views\[1\].*dict"):

@@ -67,6 +67,10 @@ fn check_view(view: &ViewObservation, i: usize, observations: &Observations) -> 
         let expected = "of all points of a sheet or of a pattern, or of none";
         return Err(Error::invalid(what("σ"), expected, "of some"));
     }
+    if let Some(wrong) = view.panel_points.iter().find(|p| !p.is_valid()) {
+        let expected = "finite camera coordinates, one place on the panel at least, and a positive σ";
+        return Err(Error::invalid(what("points of the panel"), expected, format!("{wrong:?}")));
+    }
     if let SheetObservation::Edges(sides) = &view.sheet
         && let Some(fewest) = sides.iter().map(Vec::len).min()
         && fewest < 2

@@ -709,6 +709,7 @@ class ViewObservation:
         pairs: ArrayLike | None = None,
         sheet_sigma_px: float | Mapping[str, ArrayLike] | None = None,
         pair_sigma_px: ArrayLike | None = None,
+        panel_points: ArrayLike | None = None,
         photo: str | None = None,
     ) -> ViewObservation: ...
     @property

@@ -104,6 +104,13 @@ pub(super) fn all_finite(py: Python<'_>, view: &ArrayViewD<'_, f64>, what: &str)
 
 /// (N, K) finite numbers; a single (K,) counts as one row.
 pub(crate) fn rows_of<const K: usize>(values: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<[f64; K]>> {
+    let rows = any_rows_of::<K>(values, what)?;
+    all_finite(values.py(), &Numbers::of(values, what)?.view(), what)?;
+    Ok(rows)
+}
+
+/// The same with numbers that may be NaN or infinite.
+pub(crate) fn any_rows_of<const K: usize>(values: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<[f64; K]>> {
     let py = values.py();
     let numbers = Numbers::of(values, what)?;
     let view = numbers.view();
@@ -121,7 +128,6 @@ pub(crate) fn rows_of<const K: usize>(values: &Bound<'_, PyAny>, what: &str) -> 
             &format!("shape {}", shape_of(&view)),
         ));
     }
-    all_finite(py, &view, what)?;
     let mut flat = view.iter().copied();
     Ok(std::iter::from_fn(|| {
         let mut row = [0.0; K];

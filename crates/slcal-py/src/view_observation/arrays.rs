@@ -3,9 +3,9 @@
 use nalgebra::Point2;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
-use slcal_core::{CornerPair, EdgePoint, SheetObservation};
+use slcal_core::{CornerPair, EdgePoint, PanelPoint, SheetObservation};
 
-use crate::convert::array::{Numbers, column, rows, rows_of};
+use crate::convert::array::{Numbers, any_rows_of, column, rows, rows_of};
 use crate::convert::columns::column_of;
 use crate::errors;
 
@@ -194,4 +194,23 @@ pub(super) fn pairs_of(
         sigma_px: sigma.as_ref().map(|s| s[k]),
     };
     Ok(points.into_iter().enumerate().map(pair).collect())
+}
+
+/// Points of the panel: NaN stands for a coordinate along a border, and for a σ that is not stated.
+pub(super) fn panel_points_of(values: &Bound<'_, PyAny>) -> PyResult<Vec<PanelPoint>> {
+    const NAME: &str = "panel_points";
+    let stated = |x: f64| (!x.is_nan()).then_some(x);
+    let point = |[cx, cy, x, y, sigma]: [f64; 5]| PanelPoint {
+        camera: Point2::new(cx, cy),
+        expected: [stated(x), stated(y)],
+        sigma_px: stated(sigma),
+    };
+    let points: Vec<PanelPoint> = any_rows_of::<5>(values, NAME)?.into_iter().map(point).collect();
+    match points.iter().position(|p| !p.is_valid()) {
+        None => Ok(points),
+        Some(i) => {
+            let expected = "finite camera px, panel x or y or both, and a positive σ or NaN";
+            Err(errors::invalid(values.py(), NAME, expected, &format!("others in row {i}")))
+        }
+    }
 }

@@ -43,6 +43,9 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///     it is estimated from the residuals.
 /// pair_sigma_px : array_like, optional
 ///     1σ of the camera's coordinates of the pairs, px: (N,) or one for all. By default it is estimated from the residuals.
+/// panel_points : array_like, optional
+///     (N, 5), px: camera x, camera y, panel x, panel y and 1σ of points whose place on the panel is known, as the property
+///     `panel_points` has them.
 /// photo : str, optional
 ///     Name of the photograph.
 ///
@@ -80,7 +83,7 @@ impl Argument for ViewObservation {
 #[pymethods]
 impl ViewObservation {
     #[new]
-    #[pyo3(signature = (size_mm, *, sheet_corners=None, sheet_edges=None, pairs=None, sheet_sigma_px=None, pair_sigma_px=None, photo=None))]
+    #[pyo3(signature = (size_mm, *, sheet_corners=None, sheet_edges=None, pairs=None, sheet_sigma_px=None, pair_sigma_px=None, panel_points=None, photo=None))]
     fn new(
         size_mm: &Bound<'_, PyAny>,
         sheet_corners: Option<&Bound<'_, PyAny>>,
@@ -88,6 +91,7 @@ impl ViewObservation {
         pairs: Option<&Bound<'_, PyAny>>,
         sheet_sigma_px: Option<&Bound<'_, PyAny>>,
         pair_sigma_px: Option<&Bound<'_, PyAny>>,
+        panel_points: Option<&Bound<'_, PyAny>>,
         photo: Option<String>,
     ) -> PyResult<Self> {
         let py = size_mm.py();
@@ -101,7 +105,8 @@ impl ViewObservation {
             }
         };
         let pairs = pairs.map_or(Ok(Vec::new()), |p| arrays::pairs_of(p, pair_sigma_px))?;
-        Ok(Self(slcal_core::ViewObservation { photo, size, sheet, pairs, panel_points: Vec::new() }))
+        let panel_points = panel_points.map_or(Ok(Vec::new()), arrays::panel_points_of)?;
+        Ok(Self(slcal_core::ViewObservation { photo, size, sheet, pairs, panel_points }))
     }
 
     /// Width and height of the sheet, mm.
@@ -152,15 +157,15 @@ impl ViewObservation {
         self.0.states_pair_sigma().then(|| pair_sigma(py, &self.0.pairs)).transpose()
     }
 
-    /// Camera x, camera y, panel x, panel y of points on the border of the projector's light and of marks: (N, 4) float64, px.
-    /// NaN stands for the coordinate along a border. They test whether the picture was shown pixel for pixel.
+    /// Camera x, camera y, panel x, panel y and 1σ of points on the border of the projector's light and of marks: (N, 5)
+    /// float64, px. NaN stands for the coordinate along a border, and for a σ that was not given. They test whether the picture was shown pixel for pixel.
     #[getter]
     fn panel_points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         rows(
             py,
             self.0.panel_points.iter().map(|p| {
                 let [x, y] = p.expected.map(|c| c.unwrap_or(f64::NAN));
-                [p.camera.x, p.camera.y, x, y]
+                [p.camera.x, p.camera.y, x, y, p.sigma_px.unwrap_or(f64::NAN)]
             }),
         )
     }

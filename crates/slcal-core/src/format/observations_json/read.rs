@@ -248,7 +248,7 @@ fn panel_points(value: &Value, place: &str) -> Result<Vec<PanelPoint>> {
             expected: [optional(2)?, optional(3)?],
             sigma_px: if row.len() == 5 { Some(number(4)?) } else { None },
         };
-        if point.expected == [None; 2] || point.sigma_px.is_some_and(|s| !SIGMA_RANGE_PX.contains(&s)) {
+        if !point.is_valid() {
             return Err(wrong(
                 &place,
                 &format!("{expected}, a coordinate of the panel and a positive σ"),
