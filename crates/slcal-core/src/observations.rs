@@ -73,6 +73,13 @@ pub struct CornerPair {
     pub sigma_px: Option<f64>,
 }
 
+impl Observations {
+    /// What the camera alone is calibrated from.
+    pub(crate) fn of_camera(&self) -> Self {
+        Self { projector: None, ..self.clone() }
+    }
+}
+
 /// Where something is seen whose place on the panel is known when the picture is shown pixel for pixel and full screen: a point
 /// on the border of the projector's light, which is the panel's own, or the middle of a mark.
 ///

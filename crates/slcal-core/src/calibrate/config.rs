@@ -5,10 +5,11 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 use crate::estimate::Flatness;
 use crate::estimate::assumptions::{
-    Assumptions, DistortionModel, FocalPrior, LensAssumptions, PixelAspect, PrincipalPointRule,
+    Assumptions, DistortionModel, FocalPrior, LensAssumptions, PixelAspect, PrincipalPointRule, shift_axis,
 };
 use crate::geometry::Camera;
 use crate::named::named;
+use crate::parameter::LensParameter;
 
 /// Fewest views that separate the projector's distortion from its principal point and from the camera's lens.
 pub(crate) const VIEWS_FOR_PROJECTOR_DISTORTION: usize = 3;
@@ -140,6 +141,13 @@ impl CalibrateConfig {
 }
 
 impl CalibrateConfig {
+    /// The axis along which a shift of the projector's lens is expected, and the one across.
+    pub(crate) fn shift_axes(&self, panel: [u32; 2]) -> [LensParameter; 2] {
+        let along = shift_axis(panel, self.projector_pixel_aspect.of_projector(panel));
+        let across = if along == LensParameter::Cy { LensParameter::Cx } else { LensParameter::Cy };
+        [along, across]
+    }
+
     /// What the estimator takes for known.
     pub(crate) fn assumptions(&self) -> Assumptions {
         let camera = LensAssumptions {

@@ -136,6 +136,13 @@ impl Solution {
         of_kind.fold([0, 0], |[out, all], (.., keep)| [out + usize::from(!keep), all + 1])
     }
 
+    /// By how much the σ that were stated of a kind are to be multiplied for what the model leaves, with the correlation of edge
+    /// points.
+    pub(crate) fn noise_left(&self, kind: Kind) -> f64 {
+        let learned = if kind == Kind::Edge { self.edge_inflation } else { 1.0 };
+        self.fit.widened[kind as usize] * learned
+    }
+
     /// What another photograph like this view is expected to give, with the σ of what was kept of it.
     fn expected_view(&self, view: usize) -> ExpectedView {
         let widened = self.fit.widened;

@@ -104,16 +104,22 @@ pub(super) fn all_finite(py: Python<'_>, view: &ArrayViewD<'_, f64>, what: &str)
 
 /// (N, K) finite numbers; a single (K,) counts as one row.
 pub(crate) fn rows_of<const K: usize>(values: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<[f64; K]>> {
-    let rows = any_rows_of::<K>(values, what)?;
-    all_finite(values.py(), &Numbers::of(values, what)?.view(), what)?;
+    let numbers = Numbers::of(values, what)?;
+    let rows = rows_in(values.py(), &numbers.view(), what)?;
+    all_finite(values.py(), &numbers.view(), what)?;
     Ok(rows)
 }
 
 /// The same with numbers that may be NaN or infinite.
 pub(crate) fn any_rows_of<const K: usize>(values: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<[f64; K]>> {
-    let py = values.py();
-    let numbers = Numbers::of(values, what)?;
-    let view = numbers.view();
+    rows_in(values.py(), &Numbers::of(values, what)?.view(), what)
+}
+
+fn rows_in<const K: usize>(
+    py: Python<'_>,
+    view: &ArrayViewD<'_, f64>,
+    what: &str,
+) -> PyResult<Vec<[f64; K]>> {
     let fits = match *view.shape() {
         [n] => n == K || n == 0,
         // The second form is that of OpenCV's points.
@@ -121,12 +127,8 @@ pub(crate) fn any_rows_of<const K: usize>(values: &Bound<'_, PyAny>, what: &str)
         _ => false,
     };
     if !fits {
-        return Err(errors::invalid(
-            py,
-            what,
-            &format!("shape (N, {K})"),
-            &format!("shape {}", shape_of(&view)),
-        ));
+        let found = format!("shape {}", shape_of(view));
+        return Err(errors::invalid(py, what, &format!("shape (N, {K})"), &found));
     }
     let mut flat = view.iter().copied();
     Ok(std::iter::from_fn(|| {

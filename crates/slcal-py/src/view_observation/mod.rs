@@ -84,6 +84,7 @@ impl Argument for ViewObservation {
 impl ViewObservation {
     #[new]
     #[pyo3(signature = (size_mm, *, sheet_corners=None, sheet_edges=None, pairs=None, sheet_sigma_px=None, pair_sigma_px=None, panel_points=None, photo=None))]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments are what a Python user expects")]
     fn new(
         size_mm: &Bound<'_, PyAny>,
         sheet_corners: Option<&Bound<'_, PyAny>>,

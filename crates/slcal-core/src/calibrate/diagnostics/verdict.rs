@@ -4,7 +4,7 @@ use super::advice::{advise, percent, tilt};
 use super::far_from_prior::far_from_prior;
 use crate::calibrate::config::CalibrateConfig;
 use crate::error::{Error, ErrorSubject};
-use crate::estimate::assumptions::{PrincipalPointRule, shift_axis};
+use crate::estimate::assumptions::PrincipalPointRule;
 use crate::estimate::hyperparameters::WIDEST;
 use crate::estimate::model::{FOCAL_RANGE, ORDINARY_FOCAL};
 use crate::estimate::solution::FocalSigma;
@@ -21,9 +21,6 @@ const GEOMETRY_WARNINGS: [&str; 5] = [
     "lens-shift-undetermined",
     "poses-alike",
 ];
-
-/// Warnings about photographs that cannot be of one rig.
-const CONTRADICTIONS: [&str; 1] = ["photograph-offset"];
 
 /// Below this tilt the sheet is called almost face-on, rad (15°).
 const FACE_ON: f64 = 15.0 * std::f64::consts::PI / 180.0;
@@ -58,6 +55,8 @@ pub(crate) struct Assessment {
     advice: String,
     /// What is worse than σ indicates.
     doubt: Option<Warning>,
+    /// Whether the photographs cannot be of one rig.
+    contradicted: bool,
     pub(crate) warnings: Vec<Warning>,
 }
 
@@ -65,6 +64,7 @@ impl Assessment {
     /// Adds, before all else, a warning about an error larger than σ: the verdict is never good then.
     pub(crate) fn doubt(&mut self, warning: Warning, best: Verdict) {
         self.verdict = self.verdict.max(best);
+        self.contradicted = best == Verdict::Degenerate;
         self.doubt = Some(warning.clone());
         self.warnings.insert(0, warning);
     }
@@ -92,7 +92,7 @@ impl Assessment {
 
     /// The error that refuses a degenerate view. A model that does not fit comes first: more tilt would not help.
     pub(crate) fn refusal(&self) -> Error {
-        if let Some(w) = self.doubt.as_ref().filter(|w| CONTRADICTIONS.contains(&w.code.as_str())) {
+        if let Some(w) = self.doubt.as_ref().filter(|_| self.contradicted) {
             return Error::undetermined(ErrorSubject::Calibration, format!("{}; {}", w.message, w.advice));
         }
         let misfit = self.warnings.iter().find(|w| !GEOMETRY_WARNINGS.contains(&w.code.as_str()));
@@ -170,6 +170,7 @@ pub(crate) fn assess(solution: &Solution, config: &CalibrateConfig) -> Assessmen
         cause: cause(solution, &sigma, depth, config, limited.is_some()),
         advice: advise(solution, sigma.worst()),
         doubt: None,
+        contradicted: false,
         warnings: Vec::new(),
     };
     if let Some((w, verdict)) = implausible_focal(solution) {
@@ -181,7 +182,7 @@ pub(crate) fn assess(solution: &Solution, config: &CalibrateConfig) -> Assessmen
         assessment.warnings.push(w);
     }
     let shift = shift_undetermined(solution, config);
-    if let Some(w) = shift.as_ref().filter(|_| shift_unknown(solution)) {
+    if let Some(w) = shift.as_ref().filter(|_| shift_unknown(solution, config)) {
         assessment.worsen(Verdict::Weak, w);
     }
     let misfits = misfits(solution);
@@ -193,7 +194,7 @@ pub(crate) fn assess(solution: &Solution, config: &CalibrateConfig) -> Assessmen
     }
     // σ is widened by what the residuals are too large by, as far as they are noise: what has a shape may be worse.
     if let Some(w) = misfits.iter().find(|w| w.code.ends_with("-residuals-large")) {
-        let structured = [Kind::Edge, Kind::Pair].into_iter().any(|k| misfit(solution, k) > STRUCTURED);
+        let structured = [Kind::Edge, Kind::Pair].into_iter().any(|k| solution.noise_left(k) > STRUCTURED);
         assessment.worsen(if structured { Verdict::Weak } else { Verdict::Fair }, w);
     }
     let Assessment { verdict, cause, advice, warnings, .. } = &mut assessment;
@@ -265,14 +266,14 @@ fn bent(solution: &Solution) -> Option<(Warning, Verdict)> {
 }
 
 /// Whether a projector's lens shift is so uncertain that its focal length hangs in the air with it.
-fn shift_unknown(solution: &Solution) -> bool {
-    shift_sigma(solution).is_some_and(|(_, sigma, extent)| sigma > SHIFT_UNKNOWN * extent)
+fn shift_unknown(solution: &Solution, config: &CalibrateConfig) -> bool {
+    shift_sigma(solution, config).is_some_and(|(_, sigma, extent)| sigma > SHIFT_UNKNOWN * extent)
 }
 
 /// The axis along which the projector's lens may be shifted, σ of its principal point there, px, and the panel's extent.
-fn shift_sigma(solution: &Solution) -> Option<(LensParameter, f64, f64)> {
+fn shift_sigma(solution: &Solution, config: &CalibrateConfig) -> Option<(LensParameter, f64, f64)> {
     let p = solution.model().projector?;
-    let axis = shift_axis([p.width, p.height], p.intrinsics.fy / p.intrinsics.fx);
+    let [axis, _] = config.shift_axes([p.width, p.height]);
     let extent = if axis == LensParameter::Cx { p.width } else { p.height };
     Some((axis, solution.sigma(Lens::Projector, axis)?, f64::from(extent)))
 }
@@ -299,7 +300,7 @@ fn principal_point_limited(exact: &FocalSigma, advice: &str) -> Warning {
 }
 
 fn shift_undetermined(solution: &Solution, config: &CalibrateConfig) -> Option<Warning> {
-    let (axis, sigma, extent) = shift_sigma(solution)?;
+    let (axis, sigma, extent) = shift_sigma(solution, config)?;
     let free = matches!(config.projector_pp, PrincipalPointRule::Shift | PrincipalPointRule::Free);
     let [along, across] =
         if axis == LensParameter::Cx { ["horizontal", "vertical"] } else { ["vertical", "horizontal"] };
@@ -318,7 +319,7 @@ fn shift_undetermined(solution: &Solution, config: &CalibrateConfig) -> Option<W
 /// What is assumed of a panel that stands upright.
 fn on_its_side(solution: &Solution, config: &CalibrateConfig) -> Option<Warning> {
     let p = solution.model().projector?;
-    let upright = shift_axis([p.width, p.height], p.intrinsics.fy / p.intrinsics.fx) == LensParameter::Cx;
+    let upright = config.shift_axes([p.width, p.height])[0] == LensParameter::Cx;
     (upright && config.projector_pp == PrincipalPointRule::Shift).then(|| {
         Warning::new(
             "projector-on-its-side",
@@ -333,20 +334,13 @@ fn on_its_side(solution: &Solution, config: &CalibrateConfig) -> Option<Warning>
     })
 }
 
-/// How far measurements of a kind lie from the model, in the σ that were stated and as points that count as independent.
-fn misfit(solution: &Solution, kind: Kind) -> f64 {
-    let learned = if kind == Kind::Edge { solution.edge_inflation } else { 1.0 };
-    solution.fit.widened[kind as usize] * learned
-}
-
-/// Residuals that the noise does not explain, and measurements that were left out.
 fn misfits(solution: &Solution) -> Vec<Warning> {
     let mut warnings = Vec::new();
     for (kind, name, code) in
         [(Kind::Edge, "the sheet's edge points", "edge"), (Kind::Pair, "the projected corners", "corner")]
     {
         let [out, all] = solution.outliers(kind);
-        let widened = misfit(solution, kind);
+        let widened = solution.noise_left(kind);
         if widened > MISFIT {
             warnings.push(Warning::new(
                 &format!("{code}-residuals-large"),

@@ -6,6 +6,7 @@ use nalgebra::DMatrix;
 
 use super::explanation::change_proportion;
 use super::misfit::{Misfit, misfit, weights};
+use super::told::with_sigma;
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::maximum_likelihood::problem;
 use crate::estimate::{Model, Solution};
@@ -135,8 +136,7 @@ pub(crate) fn hint(
     if !held && observations.views.len() < 2 {
         return None;
     }
-    let mut sheet = observations.clone();
-    sheet.projector = None;
+    let sheet = observations.of_camera();
     if promised(&sheet, config, solved).is_some_and(|gain| gain < DOUBTFUL * DOUBTFUL) {
         return None;
     }
@@ -147,13 +147,11 @@ pub(crate) fn hint(
     let size = observations.views.first()?.size;
     let given = size.width_mm / size.height_mm;
     let fits = given * change.exp();
-    // As many digits as σ supports.
-    let decimals = (1.0 - (fits * sigma).max(1e-9).log10().floor()).clamp(4.0, 9.0) as usize;
     Some(Warning::new(
         "aspect-doubtful",
         format!(
-            "width to height of the sheet is {fits:.decimals$} ± {:.decimals$} as it is seen, {given:.4} as it was given ({beats:.0} σ apart)",
-            fits * sigma
+            "width to height of the sheet is {} as it is seen, {given:.4} as it was given ({beats:.0} σ apart)",
+            with_sigma(fits, fits * sigma)
         ),
         format!(
             "measure the sheet again: {:.1}x{:.1} mm or {:.1}x{:.1} mm would fit; if its size is right, the principal point \

@@ -12,10 +12,11 @@ use crate::calibrate::initial_guess::{camera_starts, projector_starts};
 use crate::calibrate::maximum_likelihood::{problem, solve};
 use crate::estimate::assumptions::PixelAspect;
 use crate::estimate::planar_pose::{camera_from_sheet, pose_from_homography};
-use crate::estimate::{BundleAdjustment, Model, Sheet, Solution, robust};
+use crate::estimate::{BundleAdjustment, Kind, Model, Sheet, Solution, robust};
 use crate::geometry::Camera;
 use crate::observations::{Observations, ViewObservation};
 use crate::rig::Verdict;
+use crate::solve::rms;
 
 /// Explanations are searched when a lens parameter lies further than this from its prior, in σ of what the photographs say
 /// against it, or when χ² per residual is above the second.
@@ -105,23 +106,24 @@ pub(crate) fn explanations(
     given: &Solution,
     learned: &Solution,
 ) -> Option<Explanations> {
-    let all = Explanation::all(&odd_views(given), observations.projector.is_some());
-    let mut search = Search { observations, config, given: given.clone(), freed: Vec::new() };
+    let sideways = observations.projector.map(|panel| config.shift_axes(panel)[1]);
+    let all = Explanation::all(&odd_views(given), sideways);
+    let before = misfit(given).chi2;
+    let mut search = Search { observations, config, given: given.clone(), before, freed: Vec::new() };
     let mut mistakes: Vec<Explained> = Vec::new();
     let mut alternatives = Vec::new();
     let mut solution = learned.clone();
     while mistakes.len() < MOST_MISTAKES && is_asked_for(&search.given, &solution) {
-        let before = misfit(&search.given).chi2;
         let others = all.iter().filter(|by| !search.freed.contains(by));
         let mut found: Vec<Explained> = others.filter_map(|&by| search.under(by)).collect();
-        found.retain(|e| before - e.score() > CLEARLY);
+        found.retain(|e| search.before - e.score() > CLEARLY);
         found.sort_by(|a, b| a.score().total_cmp(&b.score()));
         let mut found = found.into_iter();
         let Some(best) = found.next() else { break };
         alternatives = found.collect();
-        let is_the_last = best.by.frees(best.solution.model()).is_empty();
+        let is_the_last = best.by.frees().is_empty();
         search.freed.push(best.by);
-        search.given = best.solution.clone();
+        (search.given, search.before) = (best.solution.clone(), best.chi2);
         solution = best.solution.clone().with_learned_weights();
         mistakes.push(best);
         if is_the_last {
@@ -137,7 +139,7 @@ pub(crate) fn explanations(
     let unit = noise_left(&solution).powi(2);
     let last = mistakes.last()?.score();
     alternatives.retain(|e| e.score() < last + ALIKE * unit);
-    let gain = misfit(given).chi2 - mistakes.iter().map(Explained::price).sum::<f64>() - chi2;
+    let gain = before - mistakes.iter().map(Explained::price).sum::<f64>() - chi2;
     (gain > CLEARLY * unit * mistakes.len() as f64).then_some(Explanations {
         mistakes,
         alternatives,
@@ -159,45 +161,51 @@ fn is_plausible(solution: &Solution) -> bool {
 
 /// The photographs that fit worst; of two either one may be the odd one.
 fn odd_views(given: &Solution) -> Vec<usize> {
-    let mut views: Vec<(usize, f64)> = (0..given.model().views.len()).map(|view| (view, 0.0)).collect();
-    for (m, norm, _) in given.measured() {
-        views[m.view].1 += norm / m.sigma_px;
-    }
-    if views.len() == 2 {
+    let count = given.model().views.len();
+    if count == 2 {
         return vec![1];
     }
+    let typical = |view: usize| {
+        let own = given.measured().filter(|(m, ..)| m.view == view).map(|(m, norm, _)| norm / m.sigma_px);
+        (view, rms(own).unwrap_or(0.0))
+    };
+    let mut views: Vec<(usize, f64)> = (0..count).map(typical).collect();
     views.sort_by(|a, b| b.1.total_cmp(&a.1));
     views.iter().take(MOST_ODD).map(|(view, _)| *view).collect()
 }
 
 /// By how much σ are to be multiplied for the noise that a solution leaves.
 fn noise_left(solution: &Solution) -> f64 {
-    let [edges, pairs] = solution.fit.widened;
-    (edges * solution.edge_inflation).max(pairs)
+    solution.noise_left(Kind::Edge).max(solution.noise_left(Kind::Pair))
+}
+
+/// The solution with the lowest χ², and that.
+fn best(solutions: impl Iterator<Item = Solution>) -> Option<(Solution, f64)> {
+    let rated = solutions.map(|s| {
+        let chi2 = misfit(&s).chi2;
+        (s, chi2)
+    });
+    rated.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 struct Search<'a> {
     observations: &'a Observations,
     config: &'a CalibrateConfig,
     given: Solution,
+    /// Its χ².
+    before: f64,
     /// What was found before.
     freed: Vec<Explanation>,
 }
 
 impl Search<'_> {
     fn under(&self, by: Explanation) -> Option<Explained> {
-        if by.frees(self.given.model()).is_empty() {
+        if by.frees().is_empty() {
             return self.with_amounts(by);
         }
         let starts = self.starts(by);
-        let refined = starts.into_iter().filter_map(|start| self.refine(by, start));
-        let best = refined.min_by(|a, b| misfit(a).chi2.total_cmp(&misfit(b).chi2))?;
-        Some(self.explained(by, best, Vector2::zeros()))
-    }
-
-    fn explained(&self, by: Explanation, solution: Solution, amounts: Vector2<f64>) -> Explained {
-        let (chi2, before) = (misfit(&solution).chi2, misfit(&self.given).chi2);
-        Explained { by, solution, amounts, chi2, before }
+        let (solution, chi2) = best(starts.into_iter().filter_map(|start| self.refine(by, start)))?;
+        Some(Explained { by, solution, amounts: Vector2::zeros(), chi2, before: self.before })
     }
 
     fn refine(&self, by: Explanation, start: Model) -> Option<Solution> {
@@ -233,9 +241,8 @@ impl Search<'_> {
     fn camera(&self, by: Explanation) -> Option<Model> {
         let (starts, _) = camera_starts(self.observations, self.config).ok()?;
         let alone = |start: Model| self.refine(by, Model { projector: None, ..start });
-        let solved = starts.into_iter().filter_map(alone);
-        let best = solved.min_by(|a, b| misfit(a).chi2.total_cmp(&misfit(b).chi2))?;
-        Some(best.model().clone())
+        let (solution, _) = best(starts.into_iter().filter_map(alone))?;
+        Some(solution.model().clone())
     }
 
     /// By amounts that are no unknowns of the problem alone.
@@ -247,7 +254,9 @@ impl Search<'_> {
             let far = matches!(by, Explanation::Displaced(_))
                 && amounts.norm() > DISPLACED * f64::from(model.camera.width);
             let (changed, model) = (!far).then(|| by.changed(&wider.problem, &model, amounts))?;
-            Some(self.explained(by, Solution::refine(changed, model)?, amounts))
+            let solution = Solution::refine(changed, model)?;
+            let chi2 = misfit(&solution).chi2;
+            Some(Explained { by, solution, amounts, chi2, before: self.before })
         });
         found.min_by(|a, b| a.chi2.total_cmp(&b.chi2))
     }

@@ -2,7 +2,6 @@
 
 use nalgebra::Vector2;
 
-use crate::estimate::assumptions::shift_axis;
 use crate::estimate::{BundleAdjustment, Lens, Model, Sheet};
 use crate::parameter::LensParameter;
 
@@ -13,8 +12,8 @@ const ANY_RATIO: f64 = 0.5;
 /// What may have happened.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Explanation {
-    /// The projector's lens is shifted across the direction in which it usually is.
-    SidewaysShift,
+    /// The projector's lens is shifted along this axis, across the one along which it usually is.
+    SidewaysShift(LensParameter),
     /// The projector's pixels, or its picture, are stretched.
     ProjectorAspect,
     /// The photographs are stretched.
@@ -30,10 +29,11 @@ pub(super) enum Explanation {
 }
 
 impl Explanation {
-    /// Those that can be told apart, with the photographs that may be the odd ones.
-    pub(super) fn all(odd: &[usize], with_projector: bool) -> Vec<Self> {
-        let projector = [Self::SidewaysShift, Self::ProjectorAspect];
-        let mut all: Vec<_> = projector.into_iter().filter(|_| with_projector).collect();
+    /// Those that can be told apart, with the photographs that may be the odd ones and the axis along which a projector's lens is
+    /// not shifted.
+    pub(super) fn all(odd: &[usize], sideways: Option<LensParameter>) -> Vec<Self> {
+        let of_projector = |axis| [Self::SidewaysShift(axis), Self::ProjectorAspect];
+        let mut all: Vec<_> = sideways.into_iter().flat_map(of_projector).collect();
         all.extend([Self::CameraAspect, Self::Crop, Self::Proportion]);
         all.extend(odd.iter().map(|view| Self::Displaced(*view)));
         all.extend(odd.iter().map(|view| Self::OtherSheet(*view)));
@@ -46,9 +46,9 @@ impl Explanation {
     }
 
     /// The lens parameters whose priors it does away with; empty where it changes something else.
-    pub(super) fn frees(self, model: &Model) -> Vec<(Lens, LensParameter)> {
+    pub(super) fn frees(self) -> Vec<(Lens, LensParameter)> {
         match self {
-            Self::SidewaysShift => sideways(model).map(|axis| (Lens::Projector, axis)).into_iter().collect(),
+            Self::SidewaysShift(axis) => vec![(Lens::Projector, axis)],
             Self::ProjectorAspect => vec![(Lens::Projector, LensParameter::Aspect)],
             Self::CameraAspect => vec![(Lens::Camera, LensParameter::Aspect)],
             Self::Crop => vec![(Lens::Camera, LensParameter::Cx), (Lens::Camera, LensParameter::Cy)],
@@ -58,15 +58,14 @@ impl Explanation {
 
     /// The problem without the priors that it does away with; `None` where the model holds those parameters fixed.
     pub(super) fn freed(self, mut problem: BundleAdjustment, model: &Model) -> Option<BundleAdjustment> {
-        for (lens, parameter) in self.frees(model) {
-            let width = f64::from(model.lens(lens)?.width);
+        for (lens, parameter) in self.frees() {
+            // The camera alone has nothing of the projector.
+            let Some(device) = model.lens(lens) else { continue };
+            let width = f64::from(device.width);
             let wide = if parameter == LensParameter::Aspect { ANY_RATIO } else { ANYWHERE * width };
-            let prior = problem.priors.lenses.iter_mut().find(|p| (p.lens, p.parameter) == (lens, parameter));
-            match prior {
-                Some(prior) => prior.sigma = prior.sigma.max(wide),
-                None if problem.unknowns.projector_from_camera().is_none() && lens == Lens::Projector => {}
-                None => return None,
-            }
+            let mut priors = problem.priors.lenses.iter_mut();
+            let prior = priors.find(|p| (p.lens, p.parameter) == (lens, parameter))?;
+            prior.sigma = prior.sigma.max(wide);
         }
         Some(problem)
     }
@@ -93,13 +92,6 @@ impl Explanation {
         }
         (problem, model)
     }
-}
-
-/// The axis across that along which a projector's lens is usually shifted.
-pub(super) fn sideways(model: &Model) -> Option<LensParameter> {
-    let p = model.projector?;
-    let along = shift_axis([p.width, p.height], p.intrinsics.fy / p.intrinsics.fx);
-    Some(if along == LensParameter::Cy { LensParameter::Cx } else { LensParameter::Cy })
 }
 
 /// Changes the proportion of the sheets by a factor e^`change`, area kept. A sheet that lies the other way round than the first

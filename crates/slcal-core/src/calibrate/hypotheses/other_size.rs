@@ -49,8 +49,7 @@ pub(crate) fn hint(
     config: &CalibrateConfig,
     given: Option<&Solution>,
 ) -> Option<Warning> {
-    let mut sheet_alone = observations.clone();
-    sheet_alone.projector = None;
+    let sheet_alone = observations.of_camera();
     if given.is_some_and(|s| !is_doubtful(&sheet_alone, config, s)) {
         return None;
     }

@@ -5,7 +5,7 @@
 //! right size (Z. Zhang, "A flexible new technique for camera calibration", PAMI 22 (2000)). A wrong proportion asks for a
 //! focal length or a principal point that no camera has.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DVector, Matrix3, Vector3};
 
 use super::plausible::usual_focal;
 use crate::calibrate::config::CalibrateConfig;
@@ -13,6 +13,7 @@ use crate::estimate::assumptions::PrincipalPointRule;
 use crate::estimate::planar_pose::camera_from_sheet;
 use crate::geometry::{Camera, Homography, RectangleSize};
 use crate::observations::{Observations, ViewObservation};
+use crate::solve::{Block, INITIAL_DAMPING, Linearised, Loss, Problem, Structure, minimise_from};
 
 /// 1σ of the angle between the sides and of ln of their ratio: distortion and bends move corners by about a per cent.
 const TOLERANCE: f64 = 0.01;
@@ -68,57 +69,65 @@ impl Outlines {
     }
 
     /// Residuals of the lens against what is known of it, and of each outline.
-    fn residuals(&self, ratios: &[f64], lens: &Lens) -> Vec<f64> {
-        let mut all: Vec<f64> = (lens - self.mean).component_div(&self.sigma).iter().copied().collect();
+    fn residuals(&self, ratios: &[f64], lens: &Lens) -> DVector<f64> {
+        let known = (lens - self.mean).component_div(&self.sigma);
         let f = lens.x.exp() * self.side;
         let normalised = |h: Vector3<f64>| {
             let [x, y] = [h.x - lens.y * self.side * h.z, (h.y - lens.z * self.side * h.z) * self.squeeze];
             Vector3::new(x / f, y / f, h.z)
         };
-        for (square, ratio) in self.squares.iter().zip(ratios) {
+        let of_outline = |(square, ratio): (&Homography, &f64)| {
             let [across, down, _] = square.columns().map(normalised);
             let (width, height) = (across.norm(), down.norm());
-            all.push(across.dot(&down) / (width * height) / TOLERANCE);
-            all.push(((width / height).ln() - ratio) / TOLERANCE);
-        }
-        all
+            [across.dot(&down) / (width * height), (width / height).ln() - ratio].map(|off| off / TOLERANCE)
+        };
+        let outlines = self.squares.iter().zip(ratios).flat_map(of_outline);
+        DVector::from_iterator(3 + 2 * ratios.len(), known.iter().copied().chain(outlines))
     }
 
-    /// Levenberg-Marquardt with numerical derivatives: three unknowns.
-    fn lowest(&self, ratios: &[f64], mut lens: Lens) -> f64 {
-        let chi2 = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
-        let mut here = self.residuals(ratios, &lens);
-        let mut damping = 1e-3;
-        for _ in 0..STEPS {
-            let along = [0, 1, 2].map(|k| {
-                let mut moved = lens;
-                moved[k] += DIFFERENCE * self.sigma[k].min(1.0);
-                self.residuals(ratios, &moved)
-            });
-            let slope =
-                |k: usize, row: usize| (along[k][row] - here[row]) / (DIFFERENCE * self.sigma[k].min(1.0));
-            let mut normal = Matrix3::zeros();
-            let mut gradient = Vector3::zeros();
-            for (row, residual) in here.iter().enumerate() {
-                let slopes = Vector3::from_fn(|k, _| slope(k, row));
-                normal += slopes * slopes.transpose();
-                gradient += slopes * *residual;
-            }
-            let before = chi2(&here);
-            let damped = normal + Matrix3::from_diagonal(&normal.diagonal()) * damping;
-            let Some(step) = damped.lu().solve(&-gradient) else { break };
-            let next = self.residuals(ratios, &(lens + step));
-            let after = chi2(&next);
-            if after < before {
-                (lens, here, damping) = (lens + step, next, damping / 5.0);
-                if before - after < CONVERGED {
-                    break;
-                }
-            } else {
-                damping *= 5.0;
-            }
+    fn lowest(&self, ratios: &[f64], lens: Lens) -> f64 {
+        let blocks = vec![Block { len: 1, loss: Loss::Square }; 3 + 2 * ratios.len()];
+        let fit = LensFit { outlines: self, ratios, blocks };
+        minimise_from(&fit, lens, INITIAL_DAMPING, CONVERGED).map_or(f64::INFINITY, |m| m.cost)
+    }
+}
+
+/// The lens that suits outlines of given proportions best.
+struct LensFit<'a> {
+    outlines: &'a Outlines,
+    ratios: &'a [f64],
+    blocks: Vec<Block>,
+}
+
+impl Problem for LensFit<'_> {
+    type State = Lens;
+
+    fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    fn structure(&self) -> Structure<'_> {
+        Structure::dense(3)
+    }
+
+    fn linearise(&self, lens: &Lens, at: &mut Linearised) -> Option<()> {
+        at.residuals = self.outlines.residuals(self.ratios, lens);
+        for k in 0..3 {
+            let step = DIFFERENCE * self.outlines.sigma[k].min(1.0);
+            let mut moved = *lens;
+            moved[k] += step;
+            let by_step = (self.outlines.residuals(self.ratios, &moved) - &at.residuals) / step;
+            at.jacobian.set_column(k, &by_step);
         }
-        chi2(&here)
+        Some(())
+    }
+
+    fn step(&self, lens: &Lens, delta: &DVector<f64>) -> Option<Lens> {
+        Some(lens + Vector3::new(delta[0], delta[1], delta[2]))
+    }
+
+    fn max_iterations(&self) -> usize {
+        STEPS
     }
 }
 

@@ -1,7 +1,7 @@
 //! Explanations in the user's terms.
 
 use super::explain::{Explained, Explanations};
-use super::explanation::{Explanation, sideways};
+use super::explanation::Explanation;
 use crate::estimate::{Lens, Solution};
 use crate::parameter::LensParameter;
 use crate::rig::Warning;
@@ -44,7 +44,7 @@ impl Explained {
 
     fn code(&self) -> &'static str {
         match self.by {
-            Explanation::SidewaysShift => "projector-sideways-shift",
+            Explanation::SidewaysShift(_) => "projector-sideways-shift",
             Explanation::ProjectorAspect => "projector-pixel-aspect",
             Explanation::CameraAspect => "camera-pixel-aspect",
             Explanation::Crop => "cropped",
@@ -73,8 +73,7 @@ impl Explained {
     fn finding(&self) -> String {
         let model = self.solution.model();
         match self.by {
-            Explanation::SidewaysShift => {
-                let axis = sideways(model).unwrap_or(LensParameter::Cx);
+            Explanation::SidewaysShift(axis) => {
                 let (off, sigma) = self.off_centre(Lens::Projector, axis);
                 let extent =
                     model.projector.map_or(1, |p| if axis == LensParameter::Cx { p.width } else { p.height });
@@ -147,7 +146,7 @@ impl Explained {
 
     fn advice(&self) -> String {
         match self.by {
-            Explanation::SidewaysShift => "the result contains the shift and holds as it is; if the lens cannot be shifted, the picture \
+            Explanation::SidewaysShift(_) => "the result contains the shift and holds as it is; if the lens cannot be shifted, the picture \
                                            was moved on its way to the panel: switch digital shift and keystone correction off, \
                                            and take the photographs again"
                 .to_owned(),
@@ -183,8 +182,8 @@ impl Explained {
     }
 }
 
-/// Both with as many digits as σ supports.
-fn with_sigma(value: f64, sigma: f64) -> String {
-    let decimals = (1.0 - sigma.max(1e-9).log10().floor()).clamp(2.0, 9.0) as usize;
+/// Both with as many digits as σ supports, four decimals at least.
+pub(super) fn with_sigma(value: f64, sigma: f64) -> String {
+    let decimals = (1.0 - sigma.max(1e-9).log10().floor()).clamp(4.0, 9.0) as usize;
     format!("{value:.decimals$} ± {sigma:.decimals$}")
 }

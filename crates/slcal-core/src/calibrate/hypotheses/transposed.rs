@@ -28,8 +28,7 @@ pub(crate) fn hint(
     config: &CalibrateConfig,
     given: Option<&Solution>,
 ) -> Option<Warning> {
-    let mut sheet_alone = observations.clone();
-    sheet_alone.projector = None;
+    let mut sheet_alone = observations.of_camera();
     let cost = given.map_or(f64::INFINITY, |s| s.fit.cost);
     let implausible = given.is_some_and(|s| !is_ordinary(s));
     let fits_well = |s: &Solution| cost < freedom(s) + CLEARLY_LESS * (1.0 + freedom(s).sqrt() / 2.0);

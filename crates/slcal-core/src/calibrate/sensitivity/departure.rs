@@ -1,6 +1,8 @@
 //! Ways in which a rig and its photographs depart from what is assumed of them: each changes the problem that is solved.
 
-use crate::estimate::{BundleAdjustment, Kind, Lens, Model, Solution, Target};
+use nalgebra::DVector;
+
+use crate::estimate::{BundleAdjustment, Kind, Lens, Model, Solution, Target, Unknowns};
 use crate::geometry::{Camera, RectangleSize};
 use crate::parameter::LensParameter;
 
@@ -31,15 +33,19 @@ pub(super) enum Departure {
 impl Departure {
     /// The problem under the changed assumption, and where to start; `amount` is in the unit of the parameter, a share for
     /// scale and width, px for bands, mm from valley to peak for a curl.
-    pub(super) fn apply(self, solution: &Solution, amount: f64) -> Option<(BundleAdjustment, Model)> {
-        let mut model = solution.model().clone();
-        let mut problem = of_inliers(solution);
+    pub(super) fn apply(
+        self,
+        problem: &BundleAdjustment,
+        model: &Model,
+        amount: f64,
+    ) -> Option<(BundleAdjustment, Model)> {
+        let (mut problem, mut model) = (problem.clone(), model.clone());
         match self {
             Self::Lens(lens, parameter) => {
                 let prior = problem.priors.lenses.iter_mut();
                 match prior.into_iter().find(|p| (p.lens, p.parameter) == (lens, parameter)) {
                     Some(prior) => prior.mean += amount,
-                    None => *device_mut(&mut model, lens)? = moved(model.lens(lens)?, parameter, amount),
+                    None => model = with_moved(&model, lens, parameter, amount)?,
                 }
             }
             Self::ShownScale => {
@@ -89,31 +95,12 @@ pub(super) fn of_inliers(solution: &Solution) -> BundleAdjustment {
     BundleAdjustment::new(kept.collect(), unknowns.clone(), priors.clone()).within(STEPS)
 }
 
-fn device_mut(model: &mut Model, lens: Lens) -> Option<&mut Camera> {
-    match lens {
-        Lens::Camera => Some(&mut model.camera),
-        Lens::Projector => model.projector.as_mut(),
-    }
-}
-
-/// A lens with one of its parameters moved.
-fn moved(camera: &Camera, parameter: LensParameter, by: f64) -> Camera {
-    let mut c = *camera;
-    match parameter {
-        LensParameter::Focal => {
-            c.intrinsics.fx *= by.exp();
-            c.intrinsics.fy *= by.exp();
-        }
-        LensParameter::Cx => c.intrinsics.cx += by,
-        LensParameter::Cy => c.intrinsics.cy += by,
-        LensParameter::K1 => c.distortion.k1 += by,
-        LensParameter::K2 => c.distortion.k2 += by,
-        LensParameter::P1 => c.distortion.p1 += by,
-        LensParameter::P2 => c.distortion.p2 += by,
-        LensParameter::K3 => c.distortion.k3 += by,
-        LensParameter::Aspect => c.intrinsics.fy *= by.exp(),
-    }
-    c
+/// A model with a parameter of a lens moved.
+fn with_moved(model: &Model, lens: Lens, parameter: LensParameter, by: f64) -> Option<Model> {
+    let unknowns = Unknowns::all(model.views.len(), false);
+    let mut step = DVector::zeros(unknowns.len());
+    step[unknowns.lens(lens, parameter)?] = by;
+    model.moved(&unknowns, &step)
 }
 
 /// All lengths multiplied: every pixel stays where it is.

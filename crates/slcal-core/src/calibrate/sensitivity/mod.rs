@@ -7,7 +7,6 @@ use self::departure::{Departure, of_inliers};
 use crate::assumption::{Assumption, AssumptionStatus, Moves};
 use crate::calibrate::config::CalibrateConfig;
 use crate::calibrate::hypotheses::shown_scale::ShownScale;
-use crate::estimate::assumptions::shift_axis;
 use crate::estimate::{BundleAdjustment, Lens, Model, Solution};
 use crate::parameter::LensParameter;
 use crate::solve::{INITIAL_DAMPING, minimise_from, undamped};
@@ -94,14 +93,10 @@ fn aspect(solution: &Solution, lens: Lens) -> Option<Assumed> {
 fn sideways_shift(solution: &Solution, config: &CalibrateConfig) -> Option<Assumed> {
     let p = solution.model().projector?;
     let size = [p.width, p.height];
-    let along = shift_axis(size, p.intrinsics.fy / p.intrinsics.fx);
-    let (axis, extent) = if along == LensParameter::Cy {
-        (LensParameter::Cx, f64::from(p.width))
-    } else {
-        (LensParameter::Cy, f64::from(p.height))
-    };
+    let [_, axis] = config.shift_axes(size);
     let middle = config.projector_pp.start(size);
-    let middle = if axis == LensParameter::Cx { middle.x } else { middle.y };
+    let (middle, extent) = if axis == LensParameter::Cx { (middle.x, size[0]) } else { (middle.y, size[1]) };
+    let extent = f64::from(extent);
     let (value, sigma, estimated) = known(solution, Lens::Projector, axis, middle);
     let percent = |px: f64| 100.0 * px / extent;
     Some(Assumed {
@@ -214,11 +209,20 @@ fn size(solution: &Solution) -> Option<Assumed> {
     })
 }
 
-/// What a departure does: the moves, and by how much χ² grows.
-fn departed(solution: &Solution, departure: Departure, amount: f64, chi2: f64) -> Option<(Moves, f64)> {
-    let (problem, start) = departure.apply(solution, amount)?;
-    let (model, cost) = solve_again(&problem, start)?;
-    Some((moves(solution.model(), &model), cost - chi2))
+/// What departures are compared with.
+struct Base<'a> {
+    model: &'a Model,
+    problem: BundleAdjustment,
+    chi2: f64,
+}
+
+impl Base<'_> {
+    /// What a departure does: the moves, and by how much χ² grows.
+    fn departed(&self, departure: Departure, amount: f64) -> Option<(Moves, f64)> {
+        let (problem, start) = departure.apply(&self.problem, self.model, amount)?;
+        let (model, cost) = solve_again(&problem, start)?;
+        Some((moves(self.model, &model), cost - self.chi2))
+    }
 }
 
 fn solve_again(problem: &BundleAdjustment, start: Model) -> Option<(Model, f64)> {
@@ -228,13 +232,13 @@ fn solve_again(problem: &BundleAdjustment, start: Model) -> Option<(Model, f64)>
 }
 
 fn moves(from: &Model, to: &Model) -> Moves {
-    let percent = |a: f64, b: f64| 100.0 * (b / a - 1.0);
+    let percent = |a: f64, b: f64| Some(100.0 * (b / a - 1.0)).filter(|p| p.is_finite());
     let both = from.projector.zip(to.projector);
     let baseline = |m: &Model| m.projector_from_camera.translation.norm();
     Moves {
-        f_cam: Some(percent(from.camera.intrinsics.fx, to.camera.intrinsics.fx)),
-        f_proj: both.map(|(a, b)| percent(a.intrinsics.fx, b.intrinsics.fx)),
-        baseline: both.map(|_| percent(baseline(from), baseline(to))),
+        f_cam: percent(from.camera.intrinsics.fx, to.camera.intrinsics.fx),
+        f_proj: both.and_then(|(a, b)| percent(a.intrinsics.fx, b.intrinsics.fx)),
+        baseline: both.and_then(|_| percent(baseline(from), baseline(to))),
     }
 }
 
@@ -256,11 +260,10 @@ pub(crate) fn assumptions(
         flat(solution, config),
         size(solution),
     ];
-    let Some((_, chi2)) = solve_again(&of_inliers(solution), solution.model().clone()) else {
-        return Vec::new();
-    };
-    let mut all: Vec<Assumption> =
-        all.into_iter().flatten().map(|assumed| assess(solution, assumed, chi2)).collect();
+    let (model, problem) = (solution.model(), of_inliers(solution));
+    let Some((_, chi2)) = solve_again(&problem, model.clone()) else { return Vec::new() };
+    let base = Base { model, problem, chi2 };
+    let mut all: Vec<Assumption> = all.into_iter().flatten().map(|assumed| assess(&base, assumed)).collect();
     // The border of the light tells what the geometry cannot.
     if let Some((sigma, a)) = shown.and_then(ShownScale::tested).zip(all.iter_mut().find(|a| a.code == SHOWN))
         && sigma < SCALE / TESTED_SIGMAS
@@ -270,10 +273,10 @@ pub(crate) fn assumptions(
     all
 }
 
-fn assess(solution: &Solution, assumed: Assumed, chi2: f64) -> Assumption {
+fn assess(base: &Base, assumed: Assumed) -> Assumption {
     let Assumed { code, text, unit, value, sigma, if_off_by, departures, estimated } = assumed;
     let both = departures.into_iter().flat_map(|(d, amount)| [(d, amount), (d, -amount)]);
-    let tried: Vec<_> = both.filter_map(|(d, amount)| departed(solution, d, amount, chi2)).collect();
+    let tried: Vec<_> = both.filter_map(|(d, amount)| base.departed(d, amount)).collect();
     let against = tried.iter().map(|(_, more)| *more).fold(f64::INFINITY, f64::min);
     let tested = !estimated && !tried.is_empty() && against > CONTRADICTED;
     // What the photographs contradict has no cost, unless they contradict all of it.

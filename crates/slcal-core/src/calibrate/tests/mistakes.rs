@@ -276,6 +276,16 @@ fn two_mistakes_at_once_are_both_named() {
 }
 
 #[test]
+fn stretched_pictures_and_stretched_photographs_are_both_named() {
+    let mut truth = pair();
+    truth.projector.as_mut().unwrap().intrinsics.fx /= 0.9;
+    truth.camera.intrinsics.fy *= 1.03;
+    let found = calibrated(&seen(&truth, &mut rng(19))).unwrap();
+    check(&found, &truth, "projector-pixel-aspect");
+    check(&found, &truth, "camera-pixel-aspect");
+}
+
+#[test]
 fn right_photographs_are_not_accused() {
     for seed in 0..30 {
         let truth = shifted_sideways(pair(), 20.0 * ((seed as f64) * 0.7).sin());
