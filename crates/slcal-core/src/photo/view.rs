@@ -1,6 +1,6 @@
 //! Borrowed photographs: from `image` buffers or straight from a driver's memory.
 
-use image::DynamicImage;
+use image::{DynamicImage, RgbImage};
 
 use super::{Encoding, LinearTable};
 use crate::error::{Error, ErrorSubject, Result};
@@ -339,6 +339,16 @@ impl<'a> TryFrom<&'a DynamicImage> for PhotoView<'a> {
         };
         let (width, height) = (image.width() as usize, image.height() as usize);
         Self::new(samples, width, height, width * layout.channels(), layout)
+    }
+}
+
+impl<'a> TryFrom<&'a RgbImage> for PhotoView<'a> {
+    type Error = Error;
+
+    /// A view of an 8-bit RGB picture; one without pixels is refused.
+    fn try_from(image: &'a RgbImage) -> Result<Self> {
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        Self::new(Samples::U8(image.as_raw()), width, height, 3 * width, Layout::Rgb)
     }
 }
 

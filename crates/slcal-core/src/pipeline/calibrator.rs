@@ -174,6 +174,18 @@ impl Calibrator {
         }
     }
 
+    /// Leaves out a photograph that was added: the one at this place in [`detections`](Self::detections). Does nothing where there is
+    /// none.
+    pub fn remove(&mut self, index: usize) {
+        if index >= self.detections.len() {
+            return;
+        }
+        self.unsettle();
+        self.taken.remove(index);
+        self.detections.remove(index);
+        self.sides.remove(index);
+    }
+
     /// What was found in the photographs so far, in their order.
     #[must_use]
     pub fn detections(&self) -> &[Detection] {

