@@ -5,6 +5,7 @@
 //! has all files, `output` all printing and `exit` all exit codes. [`files`] is the part that the Python package uses.
 
 mod args;
+mod cloud_view;
 mod exit;
 pub mod files;
 mod io;
@@ -14,6 +15,8 @@ mod picture;
 mod quantile;
 mod report;
 mod similar;
+#[cfg(feature = "studio")]
+mod studio;
 mod summary;
 mod surface;
 mod verbs;
