@@ -16,6 +16,8 @@ use super::rectify::RectifyArgs;
 use super::report::ReportArgs;
 use super::shell::{CompletionsArgs, ManArgs};
 use super::simulate::SimulateVerb;
+#[cfg(feature = "studio")]
+use super::studio::StudioArgs;
 use super::triangulate::TriangulateArgs;
 use super::verify::VerifyArgs;
 use crate::output::ColorArg;
@@ -51,6 +53,10 @@ pub(crate) enum Verb {
     /// Run calibration and reconstruction on built-in photographs.
     #[command(after_help = examples::DEMO)]
     Demo(DemoArgs),
+    /// Show patterns, take photographs and see the results in a browser window.
+    #[cfg(feature = "studio")]
+    #[command(after_help = examples::STUDIO)]
+    Studio(StudioArgs),
     /// Draw a pattern to project.
     #[command(subcommand)]
     Pattern(PatternVerb),

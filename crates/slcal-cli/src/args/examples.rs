@@ -16,6 +16,17 @@ writes the patterns, the photographs, rig.json, clouds, pictures of what was
 found and report.html into demo/, and compares the results with the ground
 truth.";
 
+#[cfg(feature = "studio")]
+pub(super) const STUDIO: &str = "\
+Examples:
+    slcal studio --demo
+    slcal studio --projector 1920x1080 --size A3
+    slcal studio --dir scans --watch ~/Pictures/tethered --lan
+
+The first needs no hardware. The second calibrates with a webcam. The third takes
+photographs that a camera writes into a folder, or a phone sends. The display
+page goes onto the projector, full screen.";
+
 pub(super) const CHECKER: &str = "\
 Example:
     slcal pattern checker --projector 1024x768 -o checker.png

@@ -20,6 +20,8 @@ mod rectify;
 mod report;
 mod shell;
 mod simulate;
+#[cfg(feature = "studio")]
+mod studio;
 mod triangulate;
 mod value;
 mod verify;
@@ -41,5 +43,7 @@ pub(crate) use shell::{CompletionsArgs, ManArgs};
 pub(crate) use simulate::{
     Crosstalk, LightArgs, MeshFrameArg, NoiseArgs, PlaceArgs, SceneArgs, SimulateVerb, ViewsArgs, WallArg,
 };
+#[cfg(feature = "studio")]
+pub(crate) use studio::StudioArgs;
 pub(crate) use triangulate::TriangulateArgs;
 pub(crate) use verify::VerifyArgs;

@@ -26,3 +26,5 @@ pub(crate) use write::{
     Destination, bytes_of, check_distinct, check_json, check_spares, end_whole_on_interrupt, make_folder,
     png_bytes, write_all, write_whole,
 };
+#[cfg(feature = "studio")]
+pub(crate) use write::{end_normally_on_interrupt, write_private};

@@ -3,6 +3,7 @@
 use std::fs::{self, OpenOptions};
 use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 
 use image::{DynamicImage, ImageFormat};
@@ -15,8 +16,8 @@ use crate::output::{clear_on_interrupt, to_stdout};
 /// Held for reading while temporary files exist, so that an interrupt waits until they are gone.
 static TEMPORARIES: RwLock<()> = RwLock::new(());
 
-/// The exit code of a run that was interrupted, as shells report it for Ctrl-C.
-const INTERRUPTED: i32 = 130;
+/// The exit code of a run that was interrupted; 130 is what shells report for Ctrl-C.
+static INTERRUPTED: AtomicI32 = AtomicI32::new(130);
 
 /// Makes an interrupt (Ctrl-C, a request to terminate) end the run between two files, so that nothing unfinished is
 /// left behind. Interrupts that are ignored, or handled by the embedding program, stay so.
@@ -26,8 +27,14 @@ pub(crate) fn end_whole_on_interrupt() {
     let _ = ctrlc::try_set_handler(|| {
         let _alone = TEMPORARIES.write().unwrap_or_else(PoisonError::into_inner);
         clear_on_interrupt();
-        std::process::exit(INTERRUPTED);
+        std::process::exit(INTERRUPTED.load(Ordering::Relaxed));
     });
+}
+
+/// An interrupt is the usual end of this run: its exit code is 0.
+#[cfg(feature = "studio")]
+pub(crate) fn end_normally_on_interrupt() {
+    INTERRUPTED.store(0, Ordering::Relaxed);
 }
 
 fn with_temporaries() -> RwLockReadGuard<'static, ()> {
@@ -223,6 +230,16 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
     file.persist(&path).map(|_| ()).map_err(|e| e.error)
+}
+
+/// The same for a file that only this user can read.
+#[cfg(feature = "studio")]
+pub(crate) fn write_private(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let _held = with_temporaries();
+    // Temporary files are private.
+    let mut file = tempfile::Builder::new().prefix(".slcal-").suffix(".part").tempfile_in(folder_of(path))?;
+    file.write_all(bytes)?;
+    file.persist(path).map(|_| ()).map_err(|e| e.error)
 }
 
 /// The bytes that a writer of the core writes.

@@ -24,6 +24,8 @@ use crate::report::CommandLine;
 pub(crate) fn run(verb: Verb, typed: &CommandLine, printer: Printer) -> Outcome {
     match verb {
         Verb::Demo(args) => demo::run(&args, printer),
+        #[cfg(feature = "studio")]
+        Verb::Studio(args) => crate::studio::run(&args, printer),
         Verb::Pattern(verb) => pattern::run(verb, printer),
         Verb::Advise(args) => advise::run(&args),
         Verb::Calibrate(mut args) => {

@@ -38,6 +38,7 @@ from ._slcal import (
     read_image,
     read_tags,
 )
+from ._studio import Studio, studio
 
 __all__ = [
     "CalibrationError",
@@ -60,6 +61,7 @@ __all__ = [
     "Rig",
     "SheetDetection",
     "StripePattern",
+    "Studio",
     "View",
     "ViewObservation",
     "__version__",
@@ -75,4 +77,5 @@ __all__ = [
     "observe",
     "read_image",
     "read_tags",
+    "studio",
 ]

@@ -1,0 +1,110 @@
+//! The pose to photograph next, as the page draws it.
+
+use nalgebra::Point3;
+use slcal_core::advise::{Advice, CameraPlan, NextView, advise_first, advise_next};
+use slcal_core::geometry::Camera;
+use slcal_core::{CalibrateConfig, CheckerPattern, Rig, SheetSize, Verdict};
+
+use super::pose_angles::roll_deg;
+use super::state::{DemoPose, Guide};
+
+/// Focal length of a camera of which nothing is known, mm on 35 mm film: between webcams and phones.
+const USUAL_CAMERA_MM: f64 = 28.0;
+/// Throw ratio of a projector of which nothing is known.
+const USUAL_THROW: f64 = 1.5;
+/// Noise of corners before any was measured, px.
+const USUAL_NOISE_PX: f64 = 0.2;
+/// Photographs that a calibration should have: a single one leaves most assumptions untested.
+const USUAL_PHOTOGRAPHS: usize = 2;
+
+/// The first pose, before anything is known of the camera but its image's size, and the focal length of a simulated one.
+pub(super) fn first(
+    image: [u32; 2],
+    focal_px: Option<f64>,
+    panel: [u32; 2],
+    sheet: SheetSize,
+) -> slcal_core::Result<Option<Guide>> {
+    let size = sheet.upright();
+    // A paper by its name is held across, as most images lie.
+    let size = if sheet.is_either_way() && image[0] > image[1] { size.transposed() } else { size };
+    let camera = match focal_px {
+        Some(focal) => Camera::pinhole(image, focal)?,
+        None => Camera::from_35mm(image, USUAL_CAMERA_MM)?,
+    };
+    let plan = CameraPlan {
+        camera,
+        projector: Some(Camera::from_throw(panel, USUAL_THROW)?),
+        size,
+        distance_mm: None,
+        noise_px: [USUAL_NOISE_PX; 2],
+        config: CalibrateConfig::default(),
+    };
+    let advice = advise_first(&plan)?;
+    Ok(advice.next.and_then(|next| of(&next, &advice, &camera, true)))
+}
+
+/// The next pose for a rig.
+pub(super) fn next(rig: &Rig, checker: &CheckerPattern) -> slcal_core::Result<Option<Guide>> {
+    let advice = advise_next(rig, Some(checker))?;
+    let good = rig.quality.as_ref().is_some_and(|q| q.verdict == Verdict::Good);
+    let needed = !good || rig.views.len() < USUAL_PHOTOGRAPHS;
+    Ok(advice.next.and_then(|next| of(&next, &advice, &rig.camera.model, needed)))
+}
+
+fn of(next: &NextView, advice: &Advice, camera: &Camera, needed: bool) -> Option<Guide> {
+    let pose = &next.camera_from_sheet;
+    let mut quad = [[0.0; 2]; 4];
+    for (corner, place) in advice.size.corners().iter().zip(&mut quad) {
+        let p = camera.project(&pose.transform(&Point3::new(corner.x, corner.y, 0.0)))?;
+        *place = [p.x, p.y];
+    }
+    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+    let after = percent(next.after.worst_focal());
+    let gain = match &advice.now {
+        Some(now) => format!("σ of the focal lengths {} → {after}", percent(now.worst_focal())),
+        None => format!("σ of the focal lengths about {after} with a second photograph, tilt reversed"),
+    };
+    let centre = pose.transform(&Point3::new(advice.size.width_mm / 2.0, advice.size.height_mm / 2.0, 0.0));
+    Some(Guide {
+        size: camera.size(),
+        quad,
+        words: words(next),
+        gain,
+        needed,
+        turn: Some(DemoPose {
+            tilt_deg: [next.tilt_x_rad.to_degrees(), next.tilt_y_rad.to_degrees()],
+            roll_deg: roll_deg(pose),
+            distance_mm: centre.z,
+            aside_mm: [centre.x, centre.y],
+        }),
+    })
+}
+
+/// How to hold the sheet, briefly: the outline shows the rest.
+fn words(next: &NextView) -> String {
+    let part = |angle: f64, [positive, negative]: [&str; 2]| {
+        let degrees = angle.to_degrees().round();
+        let side = if degrees > 0.0 { positive } else { negative };
+        (degrees != 0.0).then(|| format!("its {side} side {:.0}° towards the camera", degrees.abs()))
+    };
+    let turns = [part(next.tilt_y_rad, ["right", "left"]), part(next.tilt_x_rad, ["top", "bottom"])];
+    let turns: Vec<String> = turns.into_iter().flatten().collect();
+    if turns.is_empty() {
+        return "Hold the sheet face-on, within the dashed outline.".to_owned();
+    }
+    format!("Turn {}, to fill the dashed outline.", turns.join(" and "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_pose_lies_within_the_picture() {
+        let guide = first([1280, 960], None, [1024, 768], "A4".parse().unwrap()).unwrap().unwrap();
+        let inside = guide.quad.iter().all(|[x, y]| (0.0..1280.0).contains(x) && (0.0..960.0).contains(y));
+        assert!(inside && guide.needed && guide.words.starts_with("Turn its "), "{guide:?}");
+        // Across, as the picture lies.
+        assert!(guide.quad[1][0] - guide.quad[0][0] > guide.quad[3][1] - guide.quad[0][1]);
+    }
+}

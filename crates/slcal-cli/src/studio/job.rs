@@ -1,0 +1,123 @@
+//! Work for the worker, and what comes back.
+
+use std::sync::Arc;
+
+use slcal_core::{Rig, SheetSize};
+
+use super::auto_shot::Quad;
+use super::live::Look;
+use super::project::{Purpose, StoredPhoto};
+use super::state::{CloudEntry, DemoScene, Guide, PageWarning, Problem};
+
+/// What panel, sheet and pattern are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bench {
+    pub(super) projector: [u32; 2],
+    pub(super) sheet: SheetSize,
+    pub(super) pattern_scale: f64,
+}
+
+/// What a live frame is looked at for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LookFor {
+    /// Nothing: it is only shown.
+    Nothing,
+    Sheet,
+    /// A cloud of each frame.
+    Cloud,
+}
+
+/// A frame of the live picture.
+#[derive(Debug, Clone)]
+pub(super) struct LiveFrame {
+    pub(super) seq: u32,
+    /// The encoded frame; `None`: the simulated camera takes one.
+    pub(super) bytes: Option<Arc<[u8]>>,
+    pub(super) look_for: LookFor,
+    /// Where the sheet is wanted, and the size of the picture in which that is.
+    pub(super) wanted: Option<([u32; 2], Quad)>,
+    /// What the simulated camera sees.
+    pub(super) scene: Option<DemoScene>,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Job {
+    /// Draws the patterns, and looks through all photographs that are there.
+    Begin(Bench),
+    /// Advises the first pose for a camera with images of this size.
+    FirstGuide([u32; 2]),
+    /// Looks for the sheet in a photograph of the project.
+    Sheet(StoredPhoto),
+    /// Calibrates from these photographs.
+    Calibrate(Vec<u32>),
+    /// Takes a photograph with the simulated camera.
+    TakeSimulated(Purpose, DemoScene),
+    /// Makes a cloud of a photograph of the project.
+    Cloud(StoredPhoto),
+    /// Keeps the last frame of a continuous scan and its cloud.
+    KeepLive,
+    /// Draws a picture so that it appears without keystone.
+    Rectify { name: String, bytes: Arc<[u8]> },
+    /// Writes the rig for another program.
+    Export(String),
+}
+
+/// What was found of the sheet in a photograph.
+#[derive(Debug, Clone)]
+pub(super) struct SheetFound {
+    pub(super) corners: usize,
+    pub(super) of: usize,
+    pub(super) outline: Option<Quad>,
+    pub(super) size: [u32; 2],
+}
+
+/// A calibration.
+#[derive(Debug, Clone)]
+pub(super) struct Calibrated {
+    pub(super) rig: Arc<Rig>,
+    /// The photographs it was made from, in the order of the rig's views.
+    pub(super) used: Vec<u32>,
+    pub(super) guide: Option<Guide>,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Done {
+    /// The patterns are drawn.
+    Begun,
+    /// All photographs that were there are looked through.
+    Looked,
+    FirstGuide(Option<Guide>),
+    Sheet {
+        photo: StoredPhoto,
+        found: Result<SheetFound, Problem>,
+    },
+    Calibrated(Result<Calibrated, Problem>),
+    /// A photograph was taken and kept.
+    Kept(Purpose, StoredPhoto),
+    Look(Look),
+    /// A cloud of a continuous scan; the bytes are as pages draw it.
+    LiveCloud {
+        look: Look,
+        points: usize,
+        bytes: Arc<[u8]>,
+    },
+    Cloud(CloudEntry),
+    Picture(String),
+    Exported {
+        files: Vec<String>,
+        left_out: Vec<String>,
+    },
+    /// Something could not be done.
+    Failed(Problem),
+}
+
+impl From<&slcal_core::Warning> for Problem {
+    fn from(w: &slcal_core::Warning) -> Self {
+        Self::new("warning", w.message.clone(), w.advice.clone())
+    }
+}
+
+/// Warnings as pages tell them.
+pub(super) fn page_warnings(warnings: &[slcal_core::Warning]) -> Vec<PageWarning> {
+    warnings.iter().map(PageWarning::from).collect()
+}

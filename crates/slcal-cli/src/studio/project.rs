@@ -1,0 +1,252 @@
+//! The project's folder: everything lies in it as it is made, and the next start continues from it.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use image::ImageFormat;
+use serde::{Deserialize, Serialize};
+
+use super::state::{CameraKind, Step};
+use crate::exit::{Exit, Failure, Outcome};
+use crate::io::write_whole;
+
+/// The settings that photographs and results do not tell.
+const SETTINGS: &str = "studio.json";
+/// Commands that do the same, one per line.
+const COMMANDS: &str = "commands.txt";
+/// Held while a studio works in the folder.
+const LOCK: &str = ".slcal-studio.lock";
+const SETTINGS_SCHEMA: &str = "slcal-studio-settings/1";
+
+/// What photographs show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Purpose {
+    Sheet,
+    Scan,
+}
+
+impl Purpose {
+    /// First part of their names.
+    fn stem(self) -> &'static str {
+        match self {
+            Self::Sheet => "sheet",
+            Self::Scan => "scan",
+        }
+    }
+}
+
+/// Settings as they are kept.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Settings {
+    pub(super) schema: String,
+    pub(super) projector: Option<[u32; 2]>,
+    pub(super) size: Option<String>,
+    #[serde(default = "one")]
+    pub(super) pattern_scale: f64,
+    pub(super) camera: Option<CameraKind>,
+    pub(super) step: Step,
+    #[serde(default)]
+    pub(super) demo: bool,
+    /// Photographs that were left out by hand.
+    #[serde(default)]
+    pub(super) left_out: Vec<String>,
+    #[serde(default)]
+    pub(super) picture: Option<String>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            schema: SETTINGS_SCHEMA.into(),
+            projector: None,
+            size: None,
+            pattern_scale: 1.0,
+            camera: None,
+            step: Step::SetUp,
+            demo: false,
+            left_out: Vec::new(),
+            picture: None,
+        }
+    }
+}
+
+/// A photograph in the folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct StoredPhoto {
+    pub(super) id: u32,
+    pub(super) name: String,
+}
+
+/// A folder that this studio has for itself.
+#[derive(Debug)]
+pub(super) struct Project {
+    folder: PathBuf,
+    /// Locked until it is dropped, or the process ends in whatever way.
+    _lock: File,
+}
+
+impl Project {
+    /// Opens or makes the folder.
+    ///
+    /// Fails when another studio works in it, when it cannot be written, and when its settings are not those of a studio.
+    pub(super) fn open(folder: &Path) -> Outcome<(Self, Settings)> {
+        let failed = |what: &str, e: &dyn std::fmt::Display| {
+            Failure::new(Exit::Other, format!("{}: {what}: {e}", folder.display()))
+        };
+        fs::create_dir_all(folder).map_err(|e| failed("expected a folder for the project", &e))?;
+        let lock = OpenOptions::new()
+            .create(true)
+            .truncate(false)
+            .write(true)
+            .open(folder.join(LOCK))
+            .map_err(|e| failed("expected a folder that can be written", &e))?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(failed(
+                    "expected a folder that nobody works in",
+                    &"another slcal studio has it open; use its window, or another --dir",
+                ));
+            }
+            Err(TryLockError::Error(e)) => return Err(failed("cannot lock the folder", &e)),
+        }
+        let settings = match fs::read(folder.join(SETTINGS)) {
+            Ok(bytes) => serde_json::from_slice::<Settings>(&bytes)
+                .ok()
+                .filter(|s| s.schema == SETTINGS_SCHEMA)
+                .ok_or_else(|| {
+                    Failure::new(
+                        Exit::Input,
+                        format!(
+                            "{}: expected the settings of a studio ({SETTINGS_SCHEMA}); remove the file, or use another --dir",
+                            folder.join(SETTINGS).display()
+                        ),
+                    )
+                })?,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => Settings::default(),
+            Err(e) => return Err(failed("cannot read its settings", &e)),
+        };
+        Ok((Self { folder: folder.to_owned(), _lock: lock }, settings))
+    }
+
+    pub(super) fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    pub(super) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Writes a file completely or not at all.
+    pub(super) fn write(&self, name: &str, bytes: &[u8]) -> Outcome {
+        write_whole(&self.path(name), bytes).map_err(|e| {
+            Failure::new(Exit::Other, format!("{}: cannot be written: {e}", self.path(name).display()))
+        })
+    }
+
+    pub(super) fn read(&self, name: &str) -> std::io::Result<Vec<u8>> {
+        fs::read(self.path(name))
+    }
+
+    /// Keeps the settings.
+    pub(super) fn save(&self, settings: &Settings) -> Outcome {
+        let text = serde_json::to_vec_pretty(settings)
+            .map_err(|e| Failure::new(Exit::Other, format!("the settings are not valid JSON: {e}")))?;
+        self.write(SETTINGS, &text)
+    }
+
+    /// Adds a command to the log.
+    pub(super) fn log(&self, command: &str) -> Outcome {
+        let path = self.path(COMMANDS);
+        OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(&path)
+            .and_then(|mut file| writeln!(file, "{command}"))
+            .map_err(|e| Failure::new(Exit::Other, format!("{}: cannot be written: {e}", path.display())))
+    }
+
+    /// Keeps a photograph as it came, under the next free name of its kind.
+    pub(super) fn keep(&self, purpose: Purpose, bytes: &[u8], extension: &str) -> Outcome<StoredPhoto> {
+        let id = self.photos(purpose).last().map_or(1, |p| p.id + 1);
+        let name = format!("{}-{id:03}.{extension}", purpose.stem());
+        self.write(&name, bytes)?;
+        Ok(StoredPhoto { id, name })
+    }
+
+    /// The photographs of a kind, in the order of their numbers.
+    pub(super) fn photos(&self, purpose: Purpose) -> Vec<StoredPhoto> {
+        const EXTENSIONS: [&str; 3] = ["jpg", "png", "tif"];
+        let names = fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let mut all: Vec<StoredPhoto> = names
+            .filter_map(|entry| {
+                let name = entry.file_name().into_string().ok()?;
+                let (stem, extension) = name.rsplit_once('.')?;
+                let number = stem.strip_prefix(purpose.stem())?.strip_prefix('-')?;
+                let digits = number.len() >= 3 && number.bytes().all(|b| b.is_ascii_digit());
+                let id = number.parse().ok().filter(|_| digits && EXTENSIONS.contains(&extension))?;
+                Some(StoredPhoto { id, name })
+            })
+            .collect();
+        all.sort_by_key(|p| p.id);
+        all
+    }
+}
+
+/// The extension of a picture's file by its content; `None` for what is no picture that can be read.
+pub(super) fn extension_of(bytes: &[u8]) -> Option<&'static str> {
+    match image::guess_format(bytes).ok()? {
+        ImageFormat::Jpeg => Some("jpg"),
+        ImageFormat::Png => Some("png"),
+        ImageFormat::Tiff => Some("tif"),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_studio_is_kept_out_and_the_next_one_goes_on() {
+        let folder = tempfile::tempdir().unwrap();
+        let dir = folder.path().join("work");
+        let (project, mut settings) = Project::open(&dir).unwrap();
+        assert_eq!(settings, Settings::default());
+        let refused = Project::open(&dir).unwrap_err();
+        assert!(refused.code() == 1 && refused.to_string().contains("another"), "{refused}");
+        settings.size = Some("A4".into());
+        project.save(&settings).unwrap();
+        let first = project.keep(Purpose::Sheet, b"one", "jpg").unwrap();
+        assert_eq!((first.id, first.name.as_str()), (1, "sheet-001.jpg"));
+        project.keep(Purpose::Scan, b"two", "png").unwrap();
+        assert_eq!(project.keep(Purpose::Sheet, b"three", "png").unwrap().name, "sheet-002.png");
+        drop(project);
+        let (project, again) = Project::open(&dir).unwrap();
+        assert_eq!(again, settings);
+        let names: Vec<String> = project.photos(Purpose::Sheet).into_iter().map(|p| p.name).collect();
+        assert_eq!(names, ["sheet-001.jpg", "sheet-002.png"]);
+        assert_eq!(project.photos(Purpose::Scan).len(), 1);
+    }
+
+    #[test]
+    fn settings_of_something_else_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join(SETTINGS), b"{\"schema\":\"other/1\"}").unwrap();
+        assert_eq!(Project::open(folder.path()).unwrap_err().code(), 3);
+    }
+
+    #[test]
+    fn only_pictures_have_an_extension() {
+        assert_eq!(extension_of(b"\xFF\xD8\xFF\xE0\0\x10JFIF"), Some("jpg"));
+        assert_eq!(extension_of(b"\x89PNG\r\n\x1a\n"), Some("png"));
+        assert_eq!(extension_of(b"GIF89a"), None);
+        assert_eq!(extension_of(b"hello"), None);
+    }
+}

@@ -1,0 +1,197 @@
+//! Starts the studio: folder, port, worker, server.
+
+use std::fmt::Write as _;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
+use std::path::Path;
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::browser;
+use super::machine::{Machine, Options};
+use super::project::{Project, Settings, extension_of};
+use super::queue::{Next, Queue};
+use super::server::access::Access;
+use super::server::hub::Hub;
+use super::server::links::Links;
+use super::server::serve;
+use super::state::CameraKind;
+use super::watch_folder::WatchFolder;
+use super::worker::{Pictures, Worker};
+use crate::args::StudioArgs;
+use crate::exit::{Exit, Failure, Outcome};
+use crate::io::end_normally_on_interrupt;
+use crate::output::{Printer, print_json, print_result, sanitized};
+
+/// The usual port, and how many after it are tried.
+const PORT: u16 = 8642;
+const PORTS: u16 = 50;
+/// The folder of `--watch` is looked at this often.
+const WATCH_EVERY: Duration = Duration::from_millis(300);
+/// What the demonstration starts with.
+const DEMO_PROJECTOR: [u32; 2] = [1024, 768];
+const DEMO_SIZE: &str = "594x420mm";
+
+pub(crate) fn run(args: &StudioArgs, printer: Printer) -> Outcome {
+    let failed =
+        |e: &dyn std::fmt::Display| Failure::new(Exit::Other, format!("cannot start the server: {e}"));
+    let (project, settings) = Project::open(&args.dir)?;
+    let settings = started(settings, args);
+    let watched = args.watch.as_deref().map(watch).transpose()?;
+    let listener = listen(args)?;
+    let at = listener.local_addr().map_err(|e| failed(&e))?;
+    let lan = args.lan.then(local_address).flatten();
+    let access = Access::new(at, lan.as_slice()).map_err(|e| failed(&e))?;
+    let here = format!("127.0.0.1:{}", at.port());
+    let there = lan.map(|ip| SocketAddr::new(ip, at.port()).to_string());
+    let links = Links::new(&access, &here, there.as_deref());
+
+    let project = Arc::new(project);
+    let (pictures, queue) = (Arc::new(Pictures::default()), Arc::new(Queue::default()));
+    let options = Options {
+        demo: args.demo,
+        lan: args.lan,
+        watch: args.watch.as_ref().map(|p| p.display().to_string()),
+    };
+    let machine = Machine::new(&settings, options);
+    let hub = Hub::new(machine, access, links.clone(), project.clone(), pictures.clone(), queue.clone());
+    end_normally_on_interrupt();
+    start_worker(Worker::new(project.clone(), pictures, args.demo), queue, hub.clone());
+    if let Some(watched) = watched {
+        start_watching(watched, project.clone(), hub.clone(), printer);
+    }
+    announce(args, &links)?;
+    if !args.no_open
+        && let Err(e) = browser::open(project.folder(), &links.operator)
+    {
+        printer.note(format!("no browser could be opened ({e}); open the address yourself"));
+    }
+    serve(&hub, listener).map_err(|e| failed(&e))
+}
+
+/// What the folder keeps, and what the command line says instead.
+fn started(kept: Settings, args: &StudioArgs) -> Settings {
+    let mut settings = kept;
+    settings.projector = args.projector.or(settings.projector);
+    settings.size = args.size.map(|s| s.to_string()).or(settings.size);
+    if args.watch.is_some() {
+        settings.camera = Some(CameraKind::Folder);
+    }
+    if args.demo {
+        settings.projector.get_or_insert(DEMO_PROJECTOR);
+        settings.size.get_or_insert_with(|| DEMO_SIZE.to_owned());
+    }
+    settings
+}
+
+fn listen(args: &StudioArgs) -> Outcome<TcpListener> {
+    let ip = if args.lan { Ipv4Addr::UNSPECIFIED } else { Ipv4Addr::LOCALHOST };
+    let bind = |port| TcpListener::bind((ip, port));
+    if let Some(port) = args.port {
+        return bind(port).map_err(|e| {
+            Failure::new(
+                Exit::Other,
+                format!("--port {port}: expected a free port, but {e}; leave --port out"),
+            )
+        });
+    }
+    (PORT..PORT + PORTS).find_map(|port| bind(port).ok()).ok_or_else(|| {
+        let last = PORT + PORTS - 1;
+        Failure::new(
+            Exit::Other,
+            format!("expected a free port from {PORT} to {last}, found none; use --port"),
+        )
+    })
+}
+
+/// This machine's address in the network. Nothing is sent: a socket is only asked which way it would go.
+fn local_address() -> Option<IpAddr> {
+    let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0)).ok()?;
+    // An address that is reserved for documentation.
+    socket.connect((Ipv4Addr::new(192, 0, 2, 1), 9)).ok()?;
+    socket.local_addr().ok().map(|at| at.ip()).filter(|ip| !ip.is_unspecified() && !ip.is_loopback())
+}
+
+fn start_worker(mut worker: Worker, queue: Arc<Queue>, hub: Arc<Hub>) {
+    thread::spawn(move || {
+        loop {
+            match queue.next() {
+                Next::Job(job) => worker.work(job, &mut |done| hub.done(done)),
+                Next::Live(frame) => {
+                    if let Some(done) = worker.look(&frame) {
+                        hub.done(done);
+                    }
+                }
+            }
+        }
+    });
+}
+
+fn watch(folder: &Path) -> Outcome<WatchFolder> {
+    WatchFolder::new(folder).map_err(|e| {
+        let message = format!("--watch {}: expected a folder that can be read: {e}", folder.display());
+        Failure::new(Exit::Input, message)
+    })
+}
+
+/// Takes photographs out of the watched folder as they are completed.
+fn start_watching(mut watched: WatchFolder, project: Arc<Project>, hub: Arc<Hub>, printer: Printer) {
+    thread::spawn(move || {
+        loop {
+            thread::sleep(WATCH_EVERY);
+            for path in watched.new_files(Instant::now()) {
+                if let Err(failure) = take(&path, &project, &hub) {
+                    printer.note(failure.to_string());
+                }
+            }
+        }
+    });
+}
+
+fn take(path: &Path, project: &Project, hub: &Hub) -> Outcome {
+    let bytes = crate::io::read_bytes(path, "a photograph")?;
+    // Cameras write other files beside their photographs.
+    let Some(extension) = extension_of(&bytes) else { return Ok(()) };
+    let Ok(purpose) = hub.purpose() else { return Ok(()) };
+    let photo = project.keep(purpose, &bytes, extension)?;
+    hub.kept(purpose, photo);
+    Ok(())
+}
+
+/// Where the pages are, for programs.
+#[derive(Serialize)]
+struct Addresses<'a> {
+    schema: &'static str,
+    operator: &'a str,
+    #[serde(flatten)]
+    links: &'a Links,
+}
+
+/// Says where the pages are.
+fn announce(args: &StudioArgs, links: &Links) -> Outcome {
+    if args.json {
+        return print_json(&Addresses {
+            schema: "slcal-studio-addresses/1",
+            operator: &links.operator,
+            links,
+        });
+    }
+    let mut text = format!(
+        "slcal studio works in {}\n\n  operator   {}\n  display    {}   (open it on the projector)\n",
+        sanitized(&args.dir.display().to_string()),
+        links.operator,
+        links.display
+    );
+    if let Some(camera) = &links.camera {
+        let _ = write!(text, "  phone      {camera}\n  watcher    {}\n\n", links.watcher);
+        text += &links.qr_text().unwrap_or_default();
+        text += "\nAnyone in this network can read along: the connection is not encrypted. A webcam, the choice of the display and \
+                 keeping it awake need the addresses with 127.0.0.1 on this machine.\n";
+    } else if args.lan {
+        text += "\nThis machine has no address in a network.\n";
+    }
+    text += "\nCtrl-C ends it; nothing is lost.\n";
+    print_result(&text)
+}

@@ -1,0 +1,68 @@
+// Which button is the one to press now, and which others stand beside it. Nothing but a decision: no element is touched.
+
+import { NEAR } from "./overlay.js";
+
+/** Two photographs are the normal path. */
+const ENOUGH_PHOTOGRAPHS = 2;
+
+const stepState = (state, step) => state.steps.find((s) => s.step === step)?.state;
+const open = (state, step) => stepState(state, step) !== "locked";
+
+/** The webcam belongs to this page and does not run: never started, stopped, or taken away. */
+const webcamMissing = (state, here) => state.camera.kind === "webcam" && !here.webcam && !state.camera.connected;
+
+function setUp(state, here) {
+  const { set_up: settings, display } = state;
+  const measured = display.measured?.fullscreen ? display.measured.viewport : null;
+  const others = [];
+  let first = null;
+  const put = (action) => (first === null ? (first = action) : others.push(action));
+  // The display window says what is wrong with it.
+  if (!display.connected || display.problem) put("open-display");
+  if (!settings.projector && measured) put("use-measured");
+  if (webcamMissing(state, here)) put("start-webcam");
+  // Without the display window the simulated camera has nothing to see.
+  if (open(state, "calibrate") && (display.connected || !state.demo)) put("go-calibrate");
+  if (display.connected && first !== "open-display") others.push("open-display");
+  return { first, others };
+}
+
+function calibrate(state, here) {
+  const used = state.photographs.filter((p) => p.used && !p.problem).length;
+  const enough = used >= ENOUGH_PHOTOGRAPHS && state.calibration && !state.guide?.needed;
+  const shoot = { files: "choose-files", phone: null, folder: null }[state.camera.kind];
+  const take = shoot === undefined ? "take" : shoot;
+  const turnable = state.demo_scene && state.guide?.turn && !(here.near >= NEAR) ? "turn-for-me" : null;
+  const open_display = state.display.connected ? null : "open-display";
+  const go = open(state, "scan") ? "go-scan" : null;
+  if (enough) return { first: go, others: [take, turnable, open_display] };
+  const start = webcamMissing(state, here) ? "start-webcam" : null;
+  const order = [open_display, start, turnable, start ? null : take].filter(Boolean);
+  return { first: order[0] ?? null, others: [...order.slice(1), go] };
+}
+
+function scan(state, here) {
+  const byHand = ["phone", "folder"].includes(state.camera.kind);
+  const once = state.camera.kind === "files" ? "choose-files" : byHand ? null : "scan-once";
+  const go = open(state, "use") && state.scan.clouds.length > 0 ? "go-use" : null;
+  if (!state.display.connected && !byHand) return { first: "open-display", others: [once, go] };
+  if (webcamMissing(state, here)) return { first: "start-webcam", others: [go] };
+  if (state.scan.continuous) return { first: "scan-stop", others: [go] };
+  return { first: once, others: [byHand || state.camera.kind === "files" ? null : "scan-start", go] };
+}
+
+function use(state) {
+  if (!state.display.connected) return { first: "open-display", others: ["choose-picture"] };
+  if (!state.use.picture) return { first: "test-picture", others: ["choose-picture"] };
+  if (state.display.wanted?.kind === "picture") return { first: "show-black", others: ["choose-picture"] };
+  return { first: "show-picture", others: ["choose-picture", "test-picture"] };
+}
+
+const STEPS = { "set-up": setUp, calibrate, scan, use };
+
+/** `here` is what only this page knows: whether its webcam runs, how near the sheet is to the dashed outline. */
+export function choose(state, here) {
+  if (!state.you.operating) return { first: null, others: [] };
+  const { first, others } = STEPS[state.step](state, here);
+  return { first, others: others.filter((action) => action && action !== first) };
+}

@@ -1,0 +1,130 @@
+// The demonstration's sheet is turned by dragging the picture, by the arrow keys, or by sliders.
+
+import { el, set, show, value } from "./dom.js";
+
+const SEND_MS = 50;
+/** What the studio answers while one still moves is old. */
+const OWN_MS = 600;
+const DEGREES_PER_PICTURE = 110;
+const KEY_DEGREES = 3;
+const MOST_TILT = 60;
+const [NEAREST, FURTHEST] = [500, 2000];
+const FIELDS = [
+  { name: "tilt-x", label: "Tilt, top or bottom nearer", unit: "°", min: -MOST_TILT, max: MOST_TILT, step: 1, get: (p) => p.tilt_deg[0], put: (p, v) => ({ ...p, tilt_deg: [v, p.tilt_deg[1]] }) },
+  { name: "tilt-y", label: "Tilt, left or right nearer", unit: "°", min: -MOST_TILT, max: MOST_TILT, step: 1, get: (p) => p.tilt_deg[1], put: (p, v) => ({ ...p, tilt_deg: [p.tilt_deg[0], v] }) },
+  { name: "roll", label: "Turned in its plane", unit: "°", min: -45, max: 45, step: 1, get: (p) => p.roll_deg, put: (p, v) => ({ ...p, roll_deg: v }) },
+  { name: "distance", label: "Distance", unit: " mm", min: NEAREST, max: FURTHEST, step: 10, get: (p) => p.distance_mm, put: (p, v) => ({ ...p, distance_mm: v }) },
+];
+
+const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
+
+export function createDemoScene(app, frame) {
+  let pose = null;
+  let moved = -Infinity;
+  let sent = -Infinity;
+  let timer = null;
+
+  const inputs = FIELDS.map((field) => {
+    const shown = el("output");
+    const input = el("input", { type: "range", min: field.min, max: field.max, step: field.step, "data-action": "turn", "data-field": field.name });
+    input.addEventListener("input", () => pose && move(field.put(pose, Number(input.value))));
+    const row = el("label", { class: "slider" }, el("span", {}, field.label), input, shown);
+    return { field, input, shown, row };
+  });
+  const objects = ["sheet", "sphere"].map((object) => {
+    const input = el("input", { type: "radio", name: "demo-object", value: object, "data-action": "object", "data-object": object });
+    input.addEventListener("change", () => app.send({ event: "object", object }));
+    return { object, input, row: el("label", { class: "choice" }, input, el("span", {}, object === "sheet" ? "The sheet" : "A sphere")) };
+  });
+  const what = el("div", { class: "choices", role: "radiogroup", "aria-label": "What stands before the camera" }, ...objects.map((o) => o.row));
+  const hint = el("p", { class: "hint" }, "Drag the picture to turn the sheet.", el("span", { class: "by-mouse" }, " With Shift it turns in its plane, the wheel moves it nearer or further, the arrow keys turn it, too."));
+  const sliders = el("details", {}, el("summary", {}, "Turn it by sliders"), ...inputs.map((i) => i.row));
+  const root = el("section", { class: "part demo-scene", "data-state": "demo-scene" }, el("h3", {}, "The simulated scene"), what, hint, sliders);
+
+  function drawPose() {
+    for (const { field, input, shown } of inputs) {
+      const v = Math.round(field.get(pose));
+      if (Number(input.value) !== v) input.value = String(v);
+      const written = `${v}${field.unit}`.replace("-", "−");
+      if (shown.value !== written) shown.value = written;
+    }
+  }
+
+  function send() {
+    timer = null;
+    sent = performance.now();
+    app.send({ event: "turn", ...pose });
+  }
+
+  function move(to) {
+    pose = {
+      ...to,
+      tilt_deg: to.tilt_deg.map((v) => clamp(v, -MOST_TILT, MOST_TILT)),
+      roll_deg: clamp(to.roll_deg, -45, 45),
+      distance_mm: clamp(to.distance_mm, NEAREST, FURTHEST),
+    };
+    moved = performance.now();
+    drawPose();
+    timer ??= setTimeout(send, Math.max(0, sent + SEND_MS - moved));
+  }
+
+  const active = () => Boolean(app.state?.demo_scene && app.operating() && app.state.demo_scene.object === "sheet");
+  const turned = (by, roll = 0) => ({ ...pose, tilt_deg: [pose.tilt_deg[0] + by[0], pose.tilt_deg[1] + by[1]], roll_deg: pose.roll_deg + roll });
+
+  let grip = null;
+  frame.addEventListener("pointerdown", (event) => {
+    if (!active() || event.button !== 0 || event.target.closest("button")) return;
+    frame.setPointerCapture(event.pointerId);
+    grip = { x: event.clientX, y: event.clientY, pose };
+  });
+  frame.addEventListener("pointermove", (event) => {
+    if (!grip) return;
+    const scale = DEGREES_PER_PICTURE / frame.clientWidth;
+    const [dx, dy] = [(event.clientX - grip.x) * scale, (event.clientY - grip.y) * scale];
+    move(event.shiftKey
+      ? { ...grip.pose, roll_deg: grip.pose.roll_deg + dx }
+      : { ...grip.pose, tilt_deg: [grip.pose.tilt_deg[0] + dy, grip.pose.tilt_deg[1] + dx] });
+  });
+  const release = () => (grip = null);
+  frame.addEventListener("pointerup", release);
+  frame.addEventListener("pointercancel", release);
+  frame.addEventListener("wheel", (event) => {
+    if (!active()) return;
+    event.preventDefault();
+    move({ ...pose, distance_mm: pose.distance_mm * Math.exp(event.deltaY * 0.0005) });
+  }, { passive: false });
+  frame.addEventListener("keydown", (event) => {
+    const step = { ArrowLeft: [0, -KEY_DEGREES], ArrowRight: [0, KEY_DEGREES], ArrowUp: [-KEY_DEGREES, 0], ArrowDown: [KEY_DEGREES, 0] }[event.key];
+    if (!step || !active()) return;
+    event.preventDefault();
+    move(event.shiftKey ? turned([0, 0], step[1]) : turned(step));
+  });
+
+  return {
+    root,
+    draw(state) {
+      const scene = state.demo_scene;
+      show(root, Boolean(scene));
+      frame.classList.toggle("turnable", active());
+      set(frame, "tabindex", active() ? "0" : null);
+      set(frame, "role", active() ? "group" : null);
+      set(frame, "aria-label", active() ? "Picture of the simulated camera: arrow keys turn the sheet" : null);
+      if (!scene) return;
+      for (const { object, input } of objects) input.checked = scene.object === object;
+      for (const { input } of [...objects, ...inputs]) input.disabled = !state.you.operating;
+      show(what, state.step === "scan" || state.step === "use");
+      show(hint, scene.object === "sheet");
+      show(sliders, scene.object === "sheet");
+      if (pose === null || performance.now() - moved > OWN_MS) {
+        const { object, ...now } = scene;
+        pose = now;
+        drawPose();
+      }
+    },
+    /** The pose of the dashed outline. */
+    turnTo(to) {
+      moved = -Infinity;
+      app.send({ event: "turn", ...to });
+    },
+  };
+}

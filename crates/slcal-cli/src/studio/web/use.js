@@ -1,0 +1,59 @@
+// Step 4: a picture that lies straight on the sheet, the report, and the rig for other programs.
+
+import { button, el, keyed, set, show, text } from "./dom.js";
+import { withRole } from "./session.js";
+
+/** Name, what it is, and whether it is several files: those are written into the folder, not downloaded. */
+const FORMATS = {
+  opencv: ["OpenCV", "YAML for cv2.FileStorage", false],
+  npz: ["NumPy", "arrays for Python", false],
+  blender: ["Blender", "a script that builds the scene", false],
+  kalibr: ["Kalibr", "a camchain", false],
+  ros: ["ROS", "camera_info of both devices", true],
+  colmap: ["COLMAP", "cameras, images and points", true],
+};
+
+export function createUse(app) {
+  const status = el("p", { class: "status", "data-state": "picture-shown" });
+  const exports = el("ul", { class: "exports" });
+  const buttons = [];
+  const drawExports = keyed(exports, (f) => f, (format) => {
+    const [name, about, several] = FORMATS[format] ?? [format, "", false];
+    // The file lies in the folder, too, as everything that is made here.
+    const write = () => app.operating() && app.send({ event: "export", format });
+    const control = several
+      ? button("export", `Write for ${name}`, write, { "data-format": format, class: "small" })
+      : el("a", { class: "button small", "data-action": "export", "data-format": format, download: "", href: withRole(`/api/exports/${format}`, app.role), onclick: write }, `Save for ${name}`);
+    if (several) buttons.push(control);
+    return { root: el("li", {}, control, el("small", {}, about)), draw: () => {} };
+  });
+  const reports = el("ul", { class: "exports" });
+  const drawReports = keyed(reports, (r) => r, (path) => ({
+    root: el("li", {}, el("a", { class: "button small", href: withRole(path, app.role), target: "_blank", "data-action": "report" }, "Open the report"), el("small", {}, "every number with its uncertainty")),
+    draw: () => {},
+  }));
+  const written = el("p", { class: "hint", "data-state": "exported" });
+  const folder = el("p", { class: "hint", "data-state": "dir" });
+  const files = el("section", { class: "part" }, el("h3", {}, "The rig for other programs"), exports, written, reports, folder);
+  const root = el("div", { class: "step-panel", "data-state": "panel", "data-step": "use" },
+    el("section", { class: "part" }, el("h3", {}, "A picture on the sheet"), status), files);
+  return {
+    root,
+    draw(state) {
+      const { use, display } = state;
+      const shown = display.wanted?.kind === "picture";
+      set(status, "data-value", shown ? "shown" : use.picture ? "ready" : "none");
+      text(status, shown ? `${use.picture ?? "The picture"} is projected; it lies straight on the sheet as it was photographed last.`
+        : use.picture ? `${use.picture} is ready.` : "The rig knows where the sheet is, so that a picture lies straight on it, without keystone.");
+      drawExports(use.exports ?? []);
+      for (const b of buttons) b.disabled = !state.you.operating;
+      drawReports(use.reports ?? []);
+      show(files, (use.exports ?? []).length + (use.reports ?? []).length > 0);
+      const names = use.exported ?? [];
+      show(written, names.length > 0);
+      text(written, names.length > 0 ? `In the folder now: ${names.join(", ")}.` : "");
+      show(folder, Boolean(state.dir));
+      text(folder, state.dir ? `Everything lies in ${state.dir}.` : "");
+    },
+  };
+}

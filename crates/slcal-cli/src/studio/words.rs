@@ -1,0 +1,158 @@
+//! The state in one sentence, the next thing to do in one sentence, and the command that does the same.
+
+use super::state::{CameraKind, State, Step};
+
+/// What the head of the page says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Words {
+    pub(super) sentence: String,
+    pub(super) next: String,
+    pub(super) command: Option<String>,
+}
+
+pub(super) fn words(state: &State) -> Words {
+    let (sentence, next) = match state.step {
+        Step::SetUp => set_up(state),
+        Step::Calibrate => calibrate(state),
+        Step::Scan => scan(state),
+        Step::Use => in_use(state),
+    };
+    Words { sentence, next, command: command(state) }
+}
+
+fn set_up(state: &State) -> (String, String) {
+    match (state.set_up.missing, &state.display.problem) {
+        (Some(missing), _) => ("Nothing is calibrated yet.".into(), missing.into()),
+        (None, Some(problem)) => (sentence(&problem.message), sentence(&problem.advice)),
+        (None, None) => {
+            ("Projector, sheet and camera are set.".into(), "Calibrate: photograph the sheet twice.".into())
+        }
+    }
+}
+
+fn calibrate(state: &State) -> (String, String) {
+    if let Some(problem) = state.display.problem.as_ref().or(state.camera.problem.as_ref()) {
+        return (sentence(&problem.message), sentence(&problem.advice));
+    }
+    let used = state.used().len();
+    let said = match (&state.calibration, used) {
+        (Some(c), n) => format!("The calibration from {} is {}.", photographs(n), c.verdict),
+        (None, 0) => "No photograph of the sheet yet.".into(),
+        (None, n) => format!("The sheet was found in {}.", photographs(n)),
+    };
+    let next = match &state.guide {
+        Some(guide) if guide.needed => format!("{} {}", guide.words, how_to_take(state)),
+        _ if state.calibration.is_some() => "Scan an object, or project a picture.".into(),
+        _ => format!("Hold the sheet into the projected checkerboard, tilted. {}", how_to_take(state)),
+    };
+    (said, next)
+}
+
+fn how_to_take(state: &State) -> &'static str {
+    match state.camera.kind {
+        Some(CameraKind::Demo | CameraKind::Webcam) if state.auto_shot => {
+            "The photograph is taken when it is still."
+        }
+        Some(CameraKind::Demo | CameraKind::Webcam) => "Press space to take the photograph.",
+        Some(CameraKind::Phone) => "Take the photograph with the phone.",
+        Some(CameraKind::Folder) => "Take the photograph with the camera.",
+        Some(CameraKind::Files) => "Drop the photograph here.",
+        None => "Choose a camera first.",
+    }
+}
+
+fn scan(state: &State) -> (String, String) {
+    if let Some(problem) = state.display.problem.as_ref().or(state.camera.problem.as_ref()) {
+        return (sentence(&problem.message), sentence(&problem.advice));
+    }
+    if state.scan.continuous {
+        let points = state.scan.live.as_ref().map_or(0, |l| l.points);
+        return (
+            format!("Scanning: {points} points, {:.1} clouds a second.", state.scan.fps),
+            "Stop to keep the last cloud.".into(),
+        );
+    }
+    match state.scan.clouds.last() {
+        Some(cloud) => (
+            format!("{} has {} points.", cloud.name, cloud.points),
+            "Turn the cloud, save it, or scan again.".into(),
+        ),
+        None => ("No cloud yet.".into(), "Put an object where the stripes fall, and scan.".into()),
+    }
+}
+
+fn in_use(state: &State) -> (String, String) {
+    match &state.in_use.picture {
+        Some(name) => (
+            format!("{name} is projected without keystone onto the sheet of the first photograph."),
+            "Choose another picture, or export the rig.".into(),
+        ),
+        None => ("The rig is calibrated.".into(), "Choose a picture to project, or export the rig.".into()),
+    }
+}
+
+/// The command that does the same in the project's folder.
+pub(super) fn command(state: &State) -> Option<String> {
+    let [w, h] = state.set_up.projector?;
+    let size = quoted(state.set_up.size.as_deref()?);
+    match state.step {
+        Step::SetUp => Some(format!("slcal pattern checker --projector {w}x{h} -o checker.png")),
+        Step::Calibrate => {
+            let used = state.photographs.iter().filter(|p| p.used && p.problem.is_none());
+            let names: Vec<&str> = used.map(|p| p.name.as_str()).collect();
+            let photos = if names.is_empty() { "sheet-001.jpg".to_owned() } else { names.join(" ") };
+            Some(format!("slcal calibrate {photos} --size {size} --pattern checker.json -o rig.json"))
+        }
+        Step::Scan => {
+            let last = state.scan.clouds.last();
+            let photo = last.map_or("scan-001.jpg", |c| c.photo.rsplit('/').next().unwrap_or(&c.photo));
+            let cloud = last.map_or("scan-001.ply", |c| c.name.as_str());
+            Some(format!("slcal reconstruct --rig rig.json --pattern stripes.json {photo} --mesh -o {cloud}"))
+        }
+        Step::Use => {
+            let picture = state.in_use.picture.as_deref().unwrap_or("picture.png");
+            Some(format!("slcal rectify --rig rig.json --image {} -o projected.png", quoted(picture)))
+        }
+    }
+}
+
+/// A word as a shell takes it.
+pub(super) fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
+fn photographs(n: usize) -> String {
+    match n {
+        1 => "one photograph".into(),
+        2 => "two photographs".into(),
+        n => format!("{n} photographs"),
+    }
+}
+
+/// With a capital letter and a full stop.
+fn sentence(clause: &str) -> String {
+    let mut letters = clause.trim_end_matches('.').chars();
+    letters.next().map_or_else(String::new, |first| format!("{}{}.", first.to_uppercase(), letters.as_str()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_a_shell_are_quoted() {
+        assert_eq!(quoted("594x420mm"), "594x420mm");
+        assert_eq!(quoted("it's $HOME.png"), r"'it'\''s $HOME.png'");
+        assert_eq!(quoted(""), "''");
+    }
+
+    #[test]
+    fn sentences_begin_and_end() {
+        assert_eq!(sentence("no display shows it."), "No display shows it.");
+        assert_eq!(sentence(""), "");
+    }
+}

@@ -1,0 +1,364 @@
+//! The work on photographs, on a thread of its own: detection, calibration, clouds, the simulated camera.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use image::{DynamicImage, RgbImage};
+use slcal_core::format::{
+    ExchangeFormat, ExportConfig, ExportedFile, export_rig, read_ply, write_observations, write_pattern,
+    write_ply, write_rig,
+};
+use slcal_core::pattern::Pattern;
+use slcal_core::{
+    Calibrator, CheckerConfig, CheckerPattern, PhotoView, ReconstructConfig, Reconstructor, Rig, SheetPhoto,
+    StripeConfig, StripePattern, rectify_picture, residuals,
+};
+
+use super::auto_shot::nearness;
+use super::guide;
+use super::job::{Bench, Calibrated, Done, Job, LiveFrame, LookFor, SheetFound, page_warnings};
+use super::live::Look;
+use super::project::{Project, Purpose, StoredPhoto};
+use super::simulated_camera::{FOCAL_PX, SimulatedCamera, jpeg};
+use super::state::{CloudEntry, DemoScene, Problem};
+use crate::cloud_view::packed;
+use crate::exit::{Failure, Outcome};
+use crate::io::{bytes_of, decode_photo, png_bytes, read_tags};
+use crate::report::{Photo, RigPage, rig_html};
+
+/// Pictures that the worker shares with the server.
+#[derive(Debug, Default)]
+pub(super) struct Pictures {
+    /// The newest live frame.
+    live: Mutex<Option<Arc<RgbImage>>>,
+    /// What the display painted last; only the demonstration sends it.
+    painted: Mutex<Option<Arc<RgbImage>>>,
+}
+
+impl Pictures {
+    pub(super) fn live(&self) -> Option<Arc<RgbImage>> {
+        self.live.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    pub(super) fn paint(&self, picture: RgbImage) {
+        *self.painted.lock().unwrap_or_else(PoisonError::into_inner) = Some(Arc::new(picture));
+    }
+
+    fn painted(&self) -> Option<Arc<RgbImage>> {
+        self.painted.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn show(&self, frame: Arc<RgbImage>) {
+        *self.live.lock().unwrap_or_else(PoisonError::into_inner) = Some(frame);
+    }
+}
+
+/// What follows from panel, sheet and pattern.
+struct Prepared {
+    bench: Bench,
+    checker: CheckerPattern,
+    stripes: StripePattern,
+    calibrator: Calibrator,
+    /// The photographs of the calibrator, in its order.
+    ids: Vec<u32>,
+    simulated: SimulatedCamera,
+}
+
+/// The worker's memory between jobs.
+pub(super) struct Worker {
+    project: Arc<Project>,
+    pictures: Arc<Pictures>,
+    demo: bool,
+    prepared: Option<Prepared>,
+    rig: Option<Arc<Rig>>,
+    scanner: Option<Reconstructor>,
+    /// The newest frame of the continuous scan that gave a cloud.
+    last: Option<Arc<RgbImage>>,
+}
+
+impl Worker {
+    pub(super) fn new(project: Arc<Project>, pictures: Arc<Pictures>, demo: bool) -> Self {
+        Self { project, pictures, demo, prepared: None, rig: None, scanner: None, last: None }
+    }
+
+    /// Does a job, and tells what came of it, in one or more parts.
+    pub(super) fn work(&mut self, job: Job, tell: &mut dyn FnMut(Done)) {
+        let outcome = match job {
+            Job::Begin(bench) => self.begin(bench, tell),
+            Job::FirstGuide(image) => self.first_guide(image).map(Done::FirstGuide),
+            Job::Sheet(photo) => Ok(self.sheet(photo)),
+            Job::Calibrate(used) => self.calibrate(&used),
+            Job::TakeSimulated(purpose, scene) => self.take(purpose, scene),
+            Job::Cloud(photo) => self.cloud(&photo),
+            Job::KeepLive => self.keep_live(),
+            Job::Rectify { name, bytes } => self.rectify(name, &bytes),
+            Job::Export(format) => self.export(&format),
+        };
+        tell(outcome.unwrap_or_else(|failure| Done::Failed(problem(&failure))));
+    }
+
+    /// Looks at a live frame.
+    pub(super) fn look(&mut self, frame: &LiveFrame) -> Option<Done> {
+        let picture = match (&frame.bytes, frame.scene) {
+            (Some(bytes), _) => decode_photo(bytes, "live frame").ok()?.0.to_rgb8(),
+            (None, Some(scene)) => {
+                let painted = self.pictures.painted();
+                // A cloud needs the size that was calibrated.
+                let small = frame.look_for != LookFor::Cloud;
+                self.prepared.as_mut()?.simulated.frame(scene, painted.as_deref(), small).ok()?
+            }
+            (None, None) => return None,
+        };
+        let picture = Arc::new(picture);
+        self.pictures.show(picture.clone());
+        match (frame.look_for, &self.prepared) {
+            (LookFor::Sheet, Some(prepared)) => {
+                let mut look = Look::for_sheet(frame.seq, &picture, prepared.bench.sheet, &prepared.checker);
+                look.near = look.sheet.zip(frame.wanted).map(|(seen, (size, quad))| {
+                    let scale = f64::from(look.size[0]) / f64::from(size[0].max(1));
+                    nearness(&seen, &quad.map(|p| p.map(|x| x * scale)))
+                });
+                Some(Done::Look(look))
+            }
+            (LookFor::Cloud, Some(_)) => Some(self.live_cloud(frame.seq, &picture)),
+            _ => Some(Done::Look(Look::at(frame.seq, &picture))),
+        }
+    }
+
+    /// Draws the patterns, and looks through the photographs that are there.
+    fn begin(&mut self, bench: Bench, tell: &mut dyn FnMut(Done)) -> Outcome<Done> {
+        (self.prepared, self.rig, self.scanner, self.last) = (None, None, None, None);
+        let usual = CheckerPattern::new(bench.projector, &CheckerConfig::default())?;
+        let square_px = (usual.square_px * bench.pattern_scale).round();
+        let config = CheckerConfig { square_px: Some(square_px), marks: true, ..CheckerConfig::default() };
+        let checker = CheckerPattern::new(bench.projector, &config)?;
+        let stripes = StripePattern::new(bench.projector, &StripeConfig::default())?;
+        self.project.write("checker.png", &png_bytes(&DynamicImage::ImageRgb8(checker.image()?))?)?;
+        self.project.write("stripes.png", &png_bytes(&DynamicImage::ImageRgb8(stripes.image()?))?)?;
+        let description = |pattern: Pattern| bytes_of(|out| write_pattern(&pattern, out));
+        self.project.write("checker.json", &description(Pattern::Checker(checker.clone()))?)?;
+        self.project.write("stripes.json", &description(Pattern::Stripes(stripes.clone()))?)?;
+        let simulated = SimulatedCamera::new(bench.projector, bench.sheet.upright());
+        if self.demo {
+            let truth = simulated.rig(false)?;
+            self.project.write("truth_rig.json", &bytes_of(|out| write_rig(&truth, out))?)?;
+        }
+        let calibrator = Calibrator::new(bench.sheet).with_pattern(&checker);
+        self.prepared = Some(Prepared { bench, checker, stripes, calibrator, ids: Vec::new(), simulated });
+        tell(Done::Begun);
+        for photo in self.project.photos(Purpose::Sheet) {
+            let found = self.sheet(photo);
+            tell(found);
+        }
+        for photo in self.project.photos(Purpose::Scan) {
+            if let Some(entry) = self.stored_cloud(&photo) {
+                tell(Done::Cloud(entry));
+            }
+        }
+        Ok(Done::Looked)
+    }
+
+    fn first_guide(&self, image: [u32; 2]) -> Outcome<Option<super::state::Guide>> {
+        let Some(prepared) = &self.prepared else { return Ok(None) };
+        // The outline is to be where the simulated sheet goes.
+        let focal = self.demo.then_some(FOCAL_PX);
+        Ok(guide::first(image, focal, prepared.bench.projector, prepared.bench.sheet)?)
+    }
+
+    fn sheet(&mut self, photo: StoredPhoto) -> Done {
+        let found = self.find_sheet(&photo).map_err(|failure| problem(&failure));
+        Done::Sheet { photo, found }
+    }
+
+    fn find_sheet(&mut self, photo: &StoredPhoto) -> Outcome<SheetFound> {
+        let (picture, bytes) = self.load(&photo.name)?;
+        let prepared = self.prepared.as_mut().ok_or_else(not_set_up)?;
+        let mut shot = SheetPhoto::new(PhotoView::try_from(&picture)?).name(&photo.name);
+        if let Ok(tags) = read_tags(&bytes) {
+            shot = shot.tags(tags);
+        }
+        let found = prepared.calibrator.add(shot)?;
+        let result = SheetFound {
+            corners: found.observation.pairs.len(),
+            of: found.pattern_corners,
+            outline: found.observation.sheet.corners().map(|quad| quad.map(|p| [p.x, p.y])),
+            size: [picture.width(), picture.height()],
+        };
+        prepared.ids.push(photo.id);
+        Ok(result)
+    }
+
+    fn load(&self, name: &str) -> Outcome<(DynamicImage, Vec<u8>)> {
+        let bytes = self
+            .project
+            .read(name)
+            .map_err(|e| Failure::input(&self.project.path(name), format!("cannot be read: {e}")))?;
+        Ok((decode_photo(&bytes, name)?.0, bytes))
+    }
+
+    fn calibrate(&mut self, used: &[u32]) -> Outcome<Done> {
+        (self.rig, self.scanner) = (None, None);
+        let prepared = self.prepared.as_ref().ok_or_else(not_set_up)?;
+        let mut calibrator = prepared.calibrator.clone();
+        for i in (0..prepared.ids.len()).rev().filter(|i| !used.contains(&prepared.ids[*i])) {
+            calibrator.remove(i);
+        }
+        let used: Vec<u32> = prepared.ids.iter().copied().filter(|id| used.contains(id)).collect();
+        let calibration = match calibrator.calibrate() {
+            Ok(calibration) => calibration,
+            Err(error) => return Ok(Done::Calibrated(Err(problem(&error.into())))),
+        };
+        let rig = Arc::new(calibration.rig);
+        self.project.write(
+            "observations.json",
+            &bytes_of(|out| write_observations(&calibration.observations, out))?,
+        )?;
+        self.project.write("rig.json", &bytes_of(|out| write_rig(&rig, out))?)?;
+        let guide = guide::next(&rig, &prepared.checker).ok().flatten();
+        let config = ReconstructConfig { mesh: true, ..ReconstructConfig::default() };
+        self.scanner = Some(Reconstructor::new(&rig, &prepared.stripes, config)?);
+        self.rig = Some(rig.clone());
+        Ok(Done::Calibrated(Ok(Calibrated { rig, used, guide })))
+    }
+
+    fn take(&mut self, purpose: Purpose, scene: DemoScene) -> Outcome<Done> {
+        let painted = self.pictures.painted();
+        let prepared = self.prepared.as_mut().ok_or_else(not_set_up)?;
+        let photo = prepared.simulated.photograph(scene, painted.as_deref())?;
+        Ok(Done::Kept(purpose, self.project.keep(purpose, &photo, "jpg")?))
+    }
+
+    fn cloud(&mut self, photo: &StoredPhoto) -> Outcome<Done> {
+        let picture = self.load(&photo.name)?.0.to_rgb8();
+        self.reconstruct(photo, &picture)
+    }
+
+    fn reconstruct(&mut self, photo: &StoredPhoto, picture: &RgbImage) -> Outcome<Done> {
+        let scanner = self.scanner.as_mut().ok_or_else(not_calibrated)?;
+        let result = scanner.reconstruct(PhotoView::try_from(picture)?)?;
+        let bytes = bytes_of(|out| write_ply(&result.cloud, out))?;
+        let entry = entry(photo, result.cloud.points.len(), result.cloud.triangles.len());
+        let entry = CloudEntry { warnings: page_warnings(&result.warnings()), ..entry };
+        self.project.write(&entry.name, &bytes)?;
+        Ok(Done::Cloud(entry))
+    }
+
+    /// A cloud that an earlier run left; `None` where it has none.
+    fn stored_cloud(&self, photo: &StoredPhoto) -> Option<CloudEntry> {
+        let bytes = self.project.read(&cloud_name(photo)).ok()?;
+        let cloud = read_ply(bytes.as_slice()).ok()?;
+        Some(entry(photo, cloud.points.len(), cloud.triangles.len()))
+    }
+
+    fn live_cloud(&mut self, seq: u32, picture: &Arc<RgbImage>) -> Done {
+        let mut look = Look::at(seq, picture);
+        let Some(scanner) = self.scanner.as_mut() else { return Done::Look(look) };
+        let view = PhotoView::try_from(picture.as_ref());
+        match view.and_then(|view| scanner.reconstruct(view)) {
+            Ok(result) => {
+                let points = result.cloud.points.len();
+                look.stripes = Some(points);
+                self.last = Some(picture.clone());
+                Done::LiveCloud { look, points, bytes: packed(&result.cloud).into() }
+            }
+            Err(error) => {
+                look.problem = Some(problem(&error.into()));
+                Done::Look(look)
+            }
+        }
+    }
+
+    fn keep_live(&mut self) -> Outcome<Done> {
+        let Some(picture) = self.last.take() else { return Ok(Done::Looked) };
+        let photo = self.project.keep(Purpose::Scan, &jpeg(&picture), "jpg")?;
+        self.reconstruct(&photo, &picture)
+    }
+
+    fn rectify(&mut self, name: String, bytes: &[u8]) -> Outcome<Done> {
+        let rig = self.rig.clone().ok_or_else(not_calibrated)?;
+        let picture = decode_photo(bytes, &name)?.0.to_rgb8();
+        let (drawn, _) = rectify_picture(&rig, 0, &picture)?;
+        self.project.write("picture.png", &png_bytes(&DynamicImage::ImageRgb8(drawn))?)?;
+        Ok(Done::Picture(name))
+    }
+
+    fn export(&mut self, format: &str) -> Outcome<Done> {
+        let rig = self.rig.clone().ok_or_else(not_calibrated)?;
+        let format: ExchangeFormat = format.parse()?;
+        let export = export_rig(&rig, format, &lossy())?;
+        let folder = format!("export-{}", format.name());
+        crate::io::make_folder(&self.project.path(&folder))?;
+        let mut files = Vec::new();
+        for file in export.files {
+            let name = format!("{folder}/{}", file.name);
+            self.project.write(&name, &file.bytes)?;
+            files.push(name);
+        }
+        Ok(Done::Exported { files, left_out: export.left_out })
+    }
+}
+
+/// What a format cannot hold is left out, and told.
+fn lossy() -> ExportConfig {
+    ExportConfig { lossy: true, ..ExportConfig::default() }
+}
+
+/// The files of a rig for another program.
+pub(super) fn exported(rig: &Rig, format: &str) -> slcal_core::Result<Vec<ExportedFile>> {
+    Ok(export_rig(rig, format.parse()?, &lossy())?.files)
+}
+
+/// The report on the rig of a project.
+pub(super) fn report(project: &Project, rig: &Rig, command: Option<String>) -> Vec<u8> {
+    let observations = project
+        .read("observations.json")
+        .ok()
+        .and_then(|bytes| slcal_core::format::read_observations(bytes.as_slice()).ok());
+    let photos = rig.views.iter().map(|view| {
+        let name = view.photo.as_deref()?;
+        let picture = decode_photo(&project.read(name).ok()?, name).ok()?.0;
+        Photo::new(&picture, rig.views.len()).ok()
+    });
+    let page = RigPage {
+        rig,
+        rig_name: "rig.json".into(),
+        checker_name: Some("checker.json".into()),
+        photos: photos.collect(),
+        observations: observations.as_ref(),
+        residuals: observations
+            .as_ref()
+            .ok_or_else(|| "there are no observations".to_owned())
+            .and_then(|o| residuals(rig, o).map_err(|e| e.to_string())),
+        cloud: None,
+        made_by: command.into_iter().collect(),
+    };
+    rig_html(&page)
+}
+
+fn cloud_name(photo: &StoredPhoto) -> String {
+    format!("scan-{:03}.ply", photo.id)
+}
+
+fn entry(photo: &StoredPhoto, points: usize, triangles: usize) -> CloudEntry {
+    CloudEntry {
+        id: photo.id,
+        name: cloud_name(photo),
+        points,
+        triangles,
+        url: format!("/api/clouds/{}", photo.id),
+        photo: format!("/api/scans/{}.jpg", photo.id),
+        saved: vec!["ply".into()],
+        warnings: Vec::new(),
+    }
+}
+
+fn problem(failure: &Failure) -> Problem {
+    Problem::new("failed", failure.to_string(), "")
+}
+
+fn not_set_up() -> Failure {
+    Failure::new(crate::exit::Exit::Other, "expected the projector and the sheet to be set up first")
+}
+
+fn not_calibrated() -> Failure {
+    Failure::new(crate::exit::Exit::Other, "expected a calibration first")
+}
