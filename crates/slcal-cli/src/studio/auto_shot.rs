@@ -14,6 +14,19 @@ const MOVED_SHARE: f64 = 0.05;
 /// The corners of a sheet, px.
 pub(super) type Quad = [[f64; 2]; 4];
 
+/// A side is longer than the opposite one by this factor when the sheet is tilted enough to say something about focal lengths.
+const TILTED: f64 = 1.1;
+
+/// Whether perspective shows: a sheet that is seen face-on says nothing about focal lengths.
+pub(super) fn is_tilted(quad: &Quad) -> bool {
+    let side = |i: usize| {
+        let (a, b) = (quad[i], quad[(i + 1) % 4]);
+        (a[0] - b[0]).hypot(a[1] - b[1]).max(1.0)
+    };
+    let ratio = |i: usize| (side(i) / side(i + 2)).max(side(i + 2) / side(i));
+    ratio(0).max(ratio(1)) >= TILTED
+}
+
 /// What one frame shows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
@@ -118,6 +131,13 @@ mod tests {
         assert!(never(|_, s| s.complete = false));
         assert!(never(|_, s| s.near = Some(0.2)));
         assert!(!never(|_, s| s.near = None));
+    }
+
+    #[test]
+    fn only_perspective_is_tilt() {
+        assert!(!is_tilted(&seen(0.0).quad));
+        assert!(!is_tilted(&[[0.0, 0.0], [400.0, 50.0], [350.0, 350.0], [-50.0, 300.0]]));
+        assert!(is_tilted(&[[0.0, 0.0], [400.0, 40.0], [400.0, 260.0], [0.0, 300.0]]));
     }
 
     #[test]

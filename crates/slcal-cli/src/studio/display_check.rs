@@ -10,8 +10,8 @@ pub(super) fn check(panel: [u32; 2], measured: Option<&Measured>) -> Option<Prob
     let Some(m) = measured else {
         return Some(Problem::new(
             "display-missing",
-            "no display is open",
-            "open the display page in a browser window and move it to the projector",
+            "the display window is not open",
+            "open the display window and move it to the projector",
         ));
     };
     let shown = |[w, h]: [u32; 2]| format!("{w}x{h}");

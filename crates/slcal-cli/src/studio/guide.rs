@@ -17,25 +17,40 @@ const USUAL_NOISE_PX: f64 = 0.2;
 /// Photographs that a calibration should have: a single one leaves most assumptions untested.
 const USUAL_PHOTOGRAPHS: usize = 2;
 
-/// The first pose, before anything is known of the camera but its image's size, and the focal length of a simulated one.
-pub(super) fn first(
-    image: [u32; 2],
-    focal_px: Option<f64>,
-    panel: [u32; 2],
-    sheet: SheetSize,
-) -> slcal_core::Result<Option<Guide>> {
+/// Devices as they are roughly known before anything was photographed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RoughDevices {
+    camera: Camera,
+    projector: Camera,
+    distance_mm: Option<f64>,
+}
+
+impl RoughDevices {
+    /// Usual ones with images and a panel of these sizes.
+    pub(super) fn usual(image: [u32; 2], panel: [u32; 2]) -> slcal_core::Result<Self> {
+        let camera = Camera::from_35mm(image, USUAL_CAMERA_MM)?;
+        Ok(Self { camera, projector: Camera::from_throw(panel, USUAL_THROW)?, distance_mm: None })
+    }
+
+    /// Those of a simulated rig, at which the sheet is held at this distance.
+    pub(super) fn simulated(rig: &Rig, distance_mm: f64) -> slcal_core::Result<Self> {
+        let projector = rig.require_projector()?.device.model;
+        Ok(Self { camera: rig.camera.model, projector, distance_mm: Some(distance_mm) })
+    }
+}
+
+/// The first pose.
+pub(super) fn first(devices: &RoughDevices, sheet: SheetSize) -> slcal_core::Result<Option<Guide>> {
+    let RoughDevices { camera, projector, distance_mm } = *devices;
+    let image = camera.size();
     let size = sheet.upright();
     // A paper by its name is held across, as most images lie.
     let size = if sheet.is_either_way() && image[0] > image[1] { size.transposed() } else { size };
-    let camera = match focal_px {
-        Some(focal) => Camera::pinhole(image, focal)?,
-        None => Camera::from_35mm(image, USUAL_CAMERA_MM)?,
-    };
     let plan = CameraPlan {
         camera,
-        projector: Some(Camera::from_throw(panel, USUAL_THROW)?),
+        projector: Some(projector),
         size,
-        distance_mm: None,
+        distance_mm,
         noise_px: [USUAL_NOISE_PX; 2],
         config: CalibrateConfig::default(),
     };
@@ -101,7 +116,8 @@ mod tests {
 
     #[test]
     fn the_first_pose_lies_within_the_picture() {
-        let guide = first([1280, 960], None, [1024, 768], "A4".parse().unwrap()).unwrap().unwrap();
+        let devices = RoughDevices::usual([1280, 960], [1024, 768]).unwrap();
+        let guide = first(&devices, "A4".parse().unwrap()).unwrap().unwrap();
         let inside = guide.quad.iter().all(|[x, y]| (0.0..1280.0).contains(x) && (0.0..960.0).contains(y));
         assert!(inside && guide.needed && guide.words.starts_with("Turn its "), "{guide:?}");
         // Across, as the picture lies.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use slcal_core::Rig;
 
-use super::auto_shot::{AutoShot, Seen};
+use super::auto_shot::{AutoShot, Seen, is_tilted};
 use super::display_check;
 use super::event::{DisplayEvent, OperatorEvent, ScanMode};
 use super::job::{Bench, Calibrated, Done, Job, LiveFrame, LookFor};
@@ -154,6 +154,7 @@ impl Machine {
         };
         let effects = machine.begin();
         machine.set_up_changed();
+        machine.check_display(None);
         machine.show_for_step();
         (machine, effects)
     }
@@ -317,7 +318,7 @@ impl Machine {
     fn set_up_changed(&mut self) {
         let set_up = &mut self.state.set_up;
         set_up.missing = if set_up.projector.is_none() {
-            Some("Give the projector's native resolution.")
+            Some("Open the display window on the projector: it measures the resolution. Or type it.")
         } else if set_up.sheet().is_none() {
             Some("Give the size of the white sheet.")
         } else if set_up.camera.is_none() {
@@ -557,6 +558,11 @@ impl Machine {
         display.problem = match set_up.projector {
             // The simulated projector shows the page's canvas, however large its window is.
             Some(_) if *demo && display.connected => None,
+            Some(_) if *demo => Some(Problem::new(
+                "display-missing",
+                "the display window, which is the simulated projector, is not open",
+                "open the display window",
+            )),
             Some(panel) => display_check::check(panel, display.measured.as_ref()).or(of_page),
             None => None,
         };
@@ -753,15 +759,17 @@ impl Machine {
 
     fn looked(&mut self, mut look: Look, now_ms: u64) -> Vec<Effect> {
         self.live_since_ms = None;
+        // Before anything is calibrated the guide's pose is a guess: any tilt will do.
+        let first = self.state.calibration.is_none();
         let seen = look.sheet.map(|quad| Seen {
             quad,
-            near: look.near,
+            near: look.near.filter(|_| !first),
             sharpness: look.sharpness.unwrap_or(0.0),
-            complete: look.is_complete(),
+            complete: look.is_complete() && (!first || is_tilted(&quad)),
         });
         let decision = self.auto.frame(now_ms, seen);
         (look.still, look.ready) = (decision.still, decision.ready);
-        let wanted = self.state.guide.as_ref().is_some_and(|g| g.needed);
+        let wanted = first || self.state.guide.as_ref().is_some_and(|g| g.needed);
         let now = self.state.auto_shot
             && wanted
             && look.ready

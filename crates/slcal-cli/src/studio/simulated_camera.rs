@@ -14,7 +14,7 @@ use super::state::{DemoObject, DemoPose, DemoScene};
 
 /// Size of its photographs, px, and their focal length.
 pub(super) const PHOTO_PX: [u32; 2] = [1280, 960];
-pub(super) const FOCAL_PX: f64 = 1450.0;
+const FOCAL_PX: f64 = 1450.0;
 /// Size of the live frames: a fraction of that.
 const LIVE_DIVISOR: u32 = 2;
 /// Throw ratio of its projector: focal length over width of the panel.
@@ -22,7 +22,8 @@ const THROW: f64 = 1.6;
 /// Lens shift of its projector, heights of the panel: it stands on a table and throws upwards.
 const LENS_SHIFT: f64 = 0.3;
 const BASELINE_MM: f64 = 260.0;
-const DISTANCE_MM: f64 = 1000.0;
+/// Where the sheet is held at first, and the projector is aimed at.
+pub(super) const DISTANCE_MM: f64 = 1000.0;
 /// Radius of the sphere to scan, mm, and the distance of the wall behind it.
 pub(super) const SPHERE_MM: f64 = 130.0;
 const WALL_MM: f64 = 320.0;
@@ -135,6 +136,29 @@ mod tests {
     use slcal_core::{CheckerConfig, CheckerPattern, PhotoView};
 
     use super::*;
+
+    #[test]
+    fn the_first_pose_that_is_advised_shows_the_whole_pattern() {
+        use super::super::auto_shot::{is_tilted, nearness};
+        use super::super::guide::{RoughDevices, first};
+        for (panel, size) in
+            [([1024, 768], "594x420mm"), ([1920, 1080], "594x420mm"), ([1280, 800], "A2-landscape")]
+        {
+            let sheet: slcal_core::SheetSize = size.parse().unwrap();
+            let checker = CheckerPattern::new(panel, &CheckerConfig::default()).unwrap();
+            let mut camera = SimulatedCamera::new(panel, sheet.upright());
+            let devices = RoughDevices::simulated(&camera.rig(false).unwrap(), DISTANCE_MM).unwrap();
+            let guide = first(&devices, sheet).unwrap().unwrap();
+            let scene = DemoScene { pose: guide.turn.unwrap(), object: DemoObject::Sheet };
+            let frame = camera.frame(scene, Some(&checker.image().unwrap()), false).unwrap();
+            let view = PhotoView::try_from(&frame).unwrap();
+            let found =
+                observe(view, None, sheet.upright(), Some(&checker), &DetectConfig::default()).unwrap();
+            assert_eq!(found.observation.pairs.len(), found.pattern_corners, "{panel:?}");
+            let quad = found.observation.sheet.corners().unwrap().map(|p| [p.x, p.y]);
+            assert!(nearness(&quad, &guide.quad) > 0.9 && is_tilted(&quad), "{quad:?} {:?}", guide.quad);
+        }
+    }
 
     #[test]
     fn the_checkerboard_that_was_painted_is_found_on_the_sheet() {

@@ -14,11 +14,11 @@ use slcal_core::{
 };
 
 use super::auto_shot::nearness;
-use super::guide;
+use super::guide::{self, RoughDevices};
 use super::job::{Bench, Calibrated, Done, Job, LiveFrame, LookFor, SheetFound, page_warnings};
 use super::live::Look;
 use super::project::{Project, Purpose, StoredPhoto};
-use super::simulated_camera::{FOCAL_PX, SimulatedCamera, jpeg};
+use super::simulated_camera::{DISTANCE_MM, SimulatedCamera, jpeg};
 use super::state::{CloudEntry, DemoScene, Problem};
 use crate::cloud_view::packed;
 use crate::exit::{Failure, Outcome};
@@ -159,9 +159,13 @@ impl Worker {
 
     fn first_guide(&self, image: [u32; 2]) -> Outcome<Option<super::state::Guide>> {
         let Some(prepared) = &self.prepared else { return Ok(None) };
-        // The outline is to be where the simulated sheet goes.
-        let focal = self.demo.then_some(FOCAL_PX);
-        Ok(guide::first(image, focal, prepared.bench.projector, prepared.bench.sheet)?)
+        // A simulated sheet goes where the outline is: that must be possible.
+        let devices = if self.demo {
+            RoughDevices::simulated(&prepared.simulated.rig(false)?, DISTANCE_MM)?
+        } else {
+            RoughDevices::usual(image, prepared.bench.projector)?
+        };
+        Ok(guide::first(&devices, prepared.bench.sheet)?)
     }
 
     fn sheet(&mut self, photo: StoredPhoto) -> Done {

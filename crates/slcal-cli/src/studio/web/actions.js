@@ -32,7 +32,7 @@ function calibrate(state, here) {
   const enough = used >= ENOUGH_PHOTOGRAPHS && state.calibration && !state.guide?.needed;
   const shoot = { files: "choose-files", phone: null, folder: null }[state.camera.kind];
   const take = shoot === undefined ? "take" : shoot;
-  const turnable = state.demo_scene && state.guide?.turn && !(here.near >= NEAR) ? "turn-for-me" : null;
+  const turnable = state.demo_scene && state.guide?.turn && !here.turned && !(here.near >= NEAR) ? "turn-for-me" : null;
   const open_display = state.display.connected ? null : "open-display";
   const go = open(state, "scan") ? "go-scan" : null;
   if (enough) return { first: go, others: [take, turnable, open_display] };
@@ -60,7 +60,7 @@ function use(state) {
 
 const STEPS = { "set-up": setUp, calibrate, scan, use };
 
-/** `here` is what only this page knows: whether its webcam runs, how near the sheet is to the dashed outline. */
+/** `here` is what only this page knows: whether its webcam runs, how near the sheet is to the dashed outline, whether it was turned there. */
 export function choose(state, here) {
   if (!state.you.operating) return { first: null, others: [] };
   const { first, others } = STEPS[state.step](state, here);

@@ -20,6 +20,7 @@ const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
 
 export function createDemoScene(app, frame) {
   let pose = null;
+  let reached = null; // the outline to which it was turned, until it is moved by hand
   let moved = -Infinity;
   let sent = -Infinity;
   let timer = null;
@@ -64,6 +65,7 @@ export function createDemoScene(app, frame) {
       distance_mm: clamp(to.distance_mm, NEAREST, FURTHEST),
     };
     moved = performance.now();
+    reached = null;
     drawPose();
     timer ??= setTimeout(send, Math.max(0, sent + SEND_MS - moved));
   }
@@ -121,10 +123,12 @@ export function createDemoScene(app, frame) {
         drawPose();
       }
     },
-    /** The pose of the dashed outline. */
-    turnTo(to) {
+    /** Onto the dashed outline. */
+    turnTo(guide) {
       moved = -Infinity;
-      app.send({ event: "turn", ...to });
+      reached = String(guide.quad);
+      app.send({ event: "turn", ...guide.turn });
     },
+    turned: (guide) => guide !== null && reached === String(guide.quad),
   };
 }

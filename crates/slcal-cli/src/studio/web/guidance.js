@@ -4,7 +4,7 @@ import { choose } from "./actions.js";
 import { button, el, set, show, text } from "./dom.js";
 import { pixels } from "./words.js";
 
-/** A click just after the buttons changed was meant for the one that was there before. */
+/** A click just after a button took the place of another was meant for that one. */
 const SETTLE_MS = 350;
 
 /** name: [data-action, label, further attributes] */
@@ -35,11 +35,13 @@ export function createGuidance(app, handlers) {
   const sentence = el("p", { class: "sentence", "data-state": "sentence" });
   const next = el("p", { class: "next", "data-state": "next" });
   const busy = el("p", { class: "busy", "data-state": "busy", role: "status" });
-  let changed = 0;
+  let primary = null;
+  let placed = -Infinity; // when the present primary button came to its place
   const buttons = new Map();
   for (const [name, [action, label, attributes]] of Object.entries(BUTTONS)) {
     const press = () => {
-      if (performance.now() - changed > SETTLE_MS && ready(name)) handlers[name]();
+      const settled = name !== primary || performance.now() - placed > SETTLE_MS;
+      if (settled && ready(name)) handlers[name]();
     };
     buttons.set(name, button(action, label, press, attributes));
   }
@@ -50,7 +52,6 @@ export function createGuidance(app, handlers) {
     el("div", { "aria-live": "polite" }, sentence, next), busy, row);
 
   let before = "";
-  let primary = null;
   const arrange = (state) => {
     const { first, others } = choose(state, app.here());
     const wanted = [first, ...others].filter(Boolean);
@@ -66,9 +67,9 @@ export function createGuidance(app, handlers) {
       if (row.contains(focused) && (focused.hidden || focused === buttons.get(primary))) {
         buttons.get(first ?? wanted[0])?.focus({ preventScroll: true });
       }
+      if (primary !== first) placed = performance.now();
       primary = first;
       before = now;
-      changed = performance.now();
     }
     const viewport = state.display.measured?.viewport;
     if (viewport) text(buttons.get("use-measured"), `Use ${pixels(viewport)}, as the display has`);

@@ -88,7 +88,7 @@ export function createPicture(app, video) {
     const tilt = live?.tilt_deg ?? (kind === "photograph" ? photo.tilt_deg : null);
     say(readings.tilt, tilt ? `tilt ${tilt.map(degrees).join(", ")}` : "");
     const near = guide?.needed ? nearness(live?.near) : null;
-    say(readings.near, { far: "away from the dashed outline", nearing: "nearly there", reached: "there: hold it still" }[near]);
+    say(readings.near, { far: "away from the dashed outline", nearing: "nearly there", reached: live?.problem ? "on the dashed outline" : "there: hold it still" }[near]);
     set(readings.near, "data-value", near === "reached" ? "good" : near === "nearing" ? "fair" : null);
   }
 

@@ -52,7 +52,7 @@ function build(role) {
     state: null,
     live: null,
     operating: () => Boolean(app.state?.you.operating),
-    here: () => ({ webcam: webcam.running, near: app.live?.near ?? null }),
+    here: () => ({ webcam: webcam.running, near: app.live?.near ?? null, turned: scene.turned(app.state?.guide ?? null) }),
     // Who only looks on changes nothing.
     send: (event) => (app.operating() || event.event === "take-over") && socket.send(event),
     problem: (name, problem) => notices.problem(name, problem),
@@ -153,7 +153,7 @@ function build(role) {
     "use-measured": () => app.send({ event: "set-up", projector: app.state.display.measured.viewport, size: app.state.set_up.size }),
     "start-webcam": () => app.startWebcam(),
     "go-calibrate": step("calibrate"),
-    "turn-for-me": () => scene.turnTo(app.state.guide.turn),
+    "turn-for-me": () => scene.turnTo(app.state.guide),
     take: () => app.send({ event: "take" }),
     "choose-files": () => drop.choose(),
     "go-scan": step("scan"),

@@ -43,7 +43,7 @@ export function createUse(app) {
       const { use, display } = state;
       const shown = display.wanted?.kind === "picture";
       set(status, "data-value", shown ? "shown" : use.picture ? "ready" : "none");
-      text(status, shown ? `${use.picture ?? "The picture"} is projected; it lies straight on the sheet as it was photographed last.`
+      text(status, shown ? `${use.picture ?? "The picture"} is projected; it lies straight on the sheet where the photograph shows it.`
         : use.picture ? `${use.picture} is ready.` : "The rig knows where the sheet is, so that a picture lies straight on it, without keystone.");
       drawExports(use.exports ?? []);
       for (const b of buttons) b.disabled = !state.you.operating;

@@ -18,10 +18,12 @@ export function plusMinus(value, sigma) {
   return `${value.toFixed(d)} ± ${sigma.toFixed(d)}`;
 }
 
-/** With a capital letter and a full stop: messages come as clauses, too. Symbols such as σ stay as they are. */
+/** With a capital letter and a full stop: messages come as clauses, too. Symbols (σ) and names of files stay as they are. */
 export function sentence(clause) {
   const bare = (clause ?? "").trim();
-  return bare === "" ? "" : `${/[a-z]/.test(bare[0]) ? bare[0].toUpperCase() : bare[0]}${bare.slice(1)}${/[.!?…:]$/.test(bare) ? "" : "."}`;
+  if (bare === "") return "";
+  const begun = /^[a-z][a-z'’-]*(?=[\s,:;]|\.?$)/.test(bare) ? bare[0].toUpperCase() + bare.slice(1) : bare;
+  return /[.!?…:]$/.test(begun) ? begun : `${begun}.`;
 }
 
 /** What was wrong and what to do, as one text. */
