@@ -34,17 +34,17 @@ class Page:
         return self.driver.execute_script(script, *args)
 
     def cdp(self, command: str, **options: Any) -> dict[str, Any]:
-        return self.driver.execute_cdp_cmd(command, options)
+        return dict(self.driver.execute_cdp_cmd(command, options))
 
     def complaints(self) -> list[str]:
         """Errors and warnings in the console, breaches of the page's policy among them."""
-        entries = self.driver.get_log("browser")
+        entries = logged(self.driver, "browser")
         return [e["message"] for e in entries if e["level"] in {"SEVERE", "WARNING"} and not graphics(e["message"])]
 
     def requests(self) -> list[str]:
         """Addresses that were asked for, beyond the page itself and what it carries."""
         asked = []
-        for entry in self.driver.get_log("performance"):
+        for entry in logged(self.driver, "performance"):
             message = json.loads(entry["message"])["message"]
             if message["method"] == "Network.requestWillBeSent":
                 asked.append(message["params"]["request"]["url"])
@@ -84,40 +84,56 @@ def chromium() -> tuple[str, str] | None:
 
 
 @contextmanager
-def opened(path: Path, size: tuple[int, int] = (1280, 900), scheme: str = "light", scripts: bool = True) -> Iterator[Page]:
-    """A report, all of it drawn, in a window of a size under a colour scheme."""
+def launched(*arguments: str, preferences: dict[str, Any] | None = None) -> Iterator[webdriver.Chrome]:
+    """A browser with a profile of its own, which logs its console and its network."""
     found = chromium()
     if found is None:
         raise RuntimeError("expected chromium and chromedriver, found none; install them")
     browser, driver_path = found
-    with tempfile.TemporaryDirectory() as profile:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         options = Options()
         options.binary_location = browser
         for argument in (
             "--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
             "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader",
-            "--enable-unsafe-swiftshader", f"--user-data-dir={profile}", "--hide-scrollbars",
+            "--enable-unsafe-swiftshader", f"--user-data-dir={profile}", "--hide-scrollbars", *arguments,
         ):
             options.add_argument(argument)
+        # No bar that says that the browser is being driven: it would take room from pages in full screen.
+        options.add_experimental_option("excludeSwitches", ["enable-automation"])
+        options.add_experimental_option("prefs", preferences or {})
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         driver = webdriver.Chrome(options=options, service=Service(driver_path))
         try:
-            width, height = size
-            page = Page(driver, 0.0)
-            page.cdp("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1,
-                     mobile=width < 600)
-            page.cdp("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-            page.cdp("Emulation.setScriptExecutionDisabled", value=not scripts)
-            # The first page of a new window asks for things of its own.
-            driver.get("about:blank")
-            driver.get_log("performance")
-            start = time.monotonic()
-            driver.get(path.resolve().as_uri())
-            while scripts and page.run("return document.documentElement.dataset.drawn !== 'all' && !!document.getElementById('figures')"):
-                if time.monotonic() - start > PATIENCE_S:
-                    raise TimeoutError(f"not all plots of {path} drawn after {PATIENCE_S} s: {driver.get_log('browser')}")
-                time.sleep(0.02)
-            page.seconds = time.monotonic() - start
-            yield page
+            yield driver
         finally:
             driver.quit()
+
+
+def logged(driver: webdriver.Chrome, kind: str) -> list[dict[str, Any]]:
+    """What was logged since the last time: by the console ("browser") or of the network ("performance")."""
+    read: Any = driver.get_log  # It has no types.
+    return list(read(kind))
+
+
+@contextmanager
+def opened(path: Path, size: tuple[int, int] = (1280, 900), scheme: str = "light", scripts: bool = True) -> Iterator[Page]:
+    """A report, all of it drawn, in a window of a size under a colour scheme."""
+    with launched() as driver:
+        width, height = size
+        page = Page(driver, 0.0)
+        page.cdp("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1,
+                 mobile=width < 600)
+        page.cdp("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+        page.cdp("Emulation.setScriptExecutionDisabled", value=not scripts)
+        # The first page of a new window asks for things of its own.
+        driver.get("about:blank")
+        logged(driver, "performance")
+        start = time.monotonic()
+        driver.get(path.resolve().as_uri())
+        while scripts and page.run("return document.documentElement.dataset.drawn !== 'all' && !!document.getElementById('figures')"):
+            if time.monotonic() - start > PATIENCE_S:
+                raise TimeoutError(f"not all plots of {path} drawn after {PATIENCE_S} s: {logged(driver, 'browser')}")
+            time.sleep(0.02)
+        page.seconds = time.monotonic() - start
+        yield page

@@ -19,6 +19,7 @@ mod report;
 mod simulate;
 mod sizes;
 mod snapshots;
+mod studio;
 mod terminal;
 mod verify;
 

@@ -2,6 +2,7 @@
 
 pub mod exif;
 mod scene;
+pub mod studio;
 
 use std::fs;
 use std::io::Write as _;

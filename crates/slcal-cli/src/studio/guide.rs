@@ -5,8 +5,8 @@ use slcal_core::advise::{Advice, CameraPlan, NextView, advise_first, advise_next
 use slcal_core::geometry::Camera;
 use slcal_core::{CalibrateConfig, CheckerPattern, Rig, SheetSize, Verdict};
 
-use super::pose_angles::roll_deg;
-use super::state::{DemoPose, Guide};
+use super::pose_angles::demo_pose;
+use super::state::Guide;
 
 /// Focal length of a camera of which nothing is known, mm on 35 mm film: between webcams and phones.
 const USUAL_CAMERA_MM: f64 = 28.0;
@@ -79,19 +79,13 @@ fn of(next: &NextView, advice: &Advice, camera: &Camera, needed: bool) -> Option
         Some(now) => format!("σ of the focal lengths {} → {after}", percent(now.worst_focal())),
         None => format!("σ of the focal lengths about {after} with a second photograph, tilt reversed"),
     };
-    let centre = pose.transform(&Point3::new(advice.size.width_mm / 2.0, advice.size.height_mm / 2.0, 0.0));
     Some(Guide {
         size: camera.size(),
         quad,
         words: words(next),
         gain,
         needed,
-        turn: Some(DemoPose {
-            tilt_deg: [next.tilt_x_rad.to_degrees(), next.tilt_y_rad.to_degrees()],
-            roll_deg: roll_deg(pose),
-            distance_mm: centre.z,
-            aside_mm: [centre.x, centre.y],
-        }),
+        turn: Some(demo_pose(pose, advice.size)),
     })
 }
 

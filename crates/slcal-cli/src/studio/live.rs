@@ -10,6 +10,8 @@ use super::state::Problem;
 
 /// More of the sheet overexposed than this makes its corners unreliable, per cent.
 const CLIPPED_PERCENT: f64 = 5.0;
+/// The sheet must hold this share of the pattern's corners.
+const ENOUGH_CORNERS: f64 = 0.8;
 /// Width of an edge in a picture that is perfectly sharp, px.
 const SHARP_EDGE_PX: f64 = 1.6;
 
@@ -79,7 +81,7 @@ impl Look {
                 format!("{percent:.0} % of the sheet is overexposed"),
                 "lower the exposure of the camera or dim the projector",
             ))
-        } else if found.observation.pairs.len() < found.pattern_corners {
+        } else if (self.corners.len() as f64) < ENOUGH_CORNERS * found.pattern_corners as f64 {
             Some(Problem::new(
                 "pattern-beside-sheet",
                 format!(
@@ -113,10 +115,14 @@ fn not_found(error: &Error) -> Problem {
                     "put the sheet where the projected checkerboard falls, and focus the camera on it",
                 )
             };
-            Problem::new(code, format!("{what} is not seen"), advice)
+            Problem::new(code, format!("{} is not seen", with_article(&what)), advice)
         }
         other => Problem::new("not-measured", other.to_string(), "move the sheet"),
     }
+}
+
+fn with_article(what: &str) -> String {
+    if what.starts_with("the ") { what.to_owned() } else { format!("the {what}") }
 }
 
 /// How sharp the sheet's sides are: the width of a pixel's edge over the median width of theirs.

@@ -11,12 +11,12 @@ use super::event::{DisplayEvent, OperatorEvent, ScanMode};
 use super::job::{Bench, Calibrated, Done, Job, LiveFrame, LookFor};
 use super::live::Look;
 use super::page_calibration::PageCalibration;
-use super::pose_angles::tilt_deg;
+use super::pose_angles::{demo_pose, tilt_deg};
 use super::project::{Purpose, Settings, StoredPhoto};
 use super::simulated_camera::{FIRST_POSE, PHOTO_PX};
 use super::state::{
-    CameraKind, CameraState, CloudEntry, DemoObject, DemoScene, Display, LiveCloud, Photograph, Picture,
-    Problem, SCHEMA, Scan, SetUp, State, Step, Use, Wanted,
+    CameraKind, CameraState, CloudEntry, DemoObject, DemoPose, DemoScene, Display, LiveCloud, Photograph,
+    Picture, Problem, SCHEMA, Scan, SetUp, State, Step, Use, Wanted,
 };
 use super::words::command;
 
@@ -82,6 +82,8 @@ pub(super) struct Machine {
     /// Looking through photographs of an earlier run.
     beginning: bool,
     begun: Option<Bench>,
+    /// Where the sheet was photographed last.
+    last_pose: Option<DemoPose>,
 }
 
 impl Machine {
@@ -151,6 +153,7 @@ impl Machine {
             last_cloud_ms: None,
             beginning: false,
             begun: None,
+            last_pose: None,
         };
         let effects = machine.begin();
         machine.set_up_changed();
@@ -353,7 +356,11 @@ impl Machine {
         if let Some(scene) = &mut self.state.demo_scene {
             match step {
                 Step::SetUp => {}
-                Step::Calibrate | Step::Use => scene.object = DemoObject::Sheet,
+                Step::Calibrate => scene.object = DemoObject::Sheet,
+                // A picture is drawn for the sheet where it was photographed last.
+                Step::Use => {
+                    (scene.object, scene.pose) = (DemoObject::Sheet, self.last_pose.unwrap_or(scene.pose));
+                }
                 Step::Scan => scene.object = DemoObject::Sphere,
             }
         }
@@ -669,11 +676,7 @@ impl Machine {
                 vec![Effect::Save, Effect::Log(command(&self.state).unwrap_or_default())]
             }
             Done::Exported { files, left_out } => {
-                self.state.in_use.exported = files;
-                if !left_out.is_empty() {
-                    self.state.problem =
-                        Some(Problem::new("export-left-out", left_out.join("; "), "rig.json has all of it"));
-                }
+                (self.state.in_use.exported, self.state.in_use.left_out) = (files, left_out);
                 Vec::new()
             }
             Done::Failed(problem) => {
@@ -697,6 +700,7 @@ impl Machine {
         if let Some(size) = found.as_ref().map(|f| f.size).filter(|_| self.state.camera.size.is_none()) {
             self.state.camera.size = Some(size);
         }
+        self.state.photographs.retain(|p| p.id != photo.id);
         self.state.photographs.push(Photograph {
             id: photo.id,
             url: format!("/api/photographs/{}.jpg", photo.id),
@@ -738,6 +742,8 @@ impl Machine {
                 self.state.guide = guide;
                 self.keep_turn_to_demo();
                 self.state.problem = None;
+                self.state.in_use.reports = vec!["/report"];
+                self.last_pose = rig.views.last().map(|v| demo_pose(&v.camera_from_sheet, v.size));
                 self.rig = Some(rig);
                 command(&self.state)
                     .filter(|_| self.state.step == Step::Calibrate)

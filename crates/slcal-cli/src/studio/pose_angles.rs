@@ -1,6 +1,9 @@
 //! The tilt of a sheet, in degrees.
 
-use slcal_core::Pose;
+use slcal_core::nalgebra::Point2;
+use slcal_core::{Pose, RectangleSize};
+
+use super::state::DemoPose;
 
 /// Turns about the camera's horizontal and vertical axis of R = Rx·Ry·Rz; positive: the top side, or the right side, is nearer.
 pub(super) fn tilt_deg(pose: &Pose) -> [f64; 2] {
@@ -12,6 +15,17 @@ pub(super) fn tilt_deg(pose: &Pose) -> [f64; 2] {
 pub(super) fn roll_deg(pose: &Pose) -> f64 {
     let r = pose.rotation.matrix();
     (-r[(0, 1)]).atan2(r[(0, 0)]).to_degrees()
+}
+
+/// The same pose for the simulated sheet, which is placed by its middle.
+pub(super) fn demo_pose(pose: &Pose, size: RectangleSize) -> DemoPose {
+    let middle = pose.lift(Point2::new(size.width_mm / 2.0, size.height_mm / 2.0));
+    DemoPose {
+        tilt_deg: tilt_deg(pose),
+        roll_deg: roll_deg(pose),
+        distance_mm: middle.z,
+        aside_mm: [middle.x, middle.y],
+    }
 }
 
 #[cfg(test)]

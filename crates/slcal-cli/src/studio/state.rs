@@ -203,6 +203,8 @@ pub(super) struct CloudEntry {
     pub(super) triangles: usize,
     pub(super) url: String,
     pub(super) photo: String,
+    /// Name of the photograph's file.
+    pub(super) photo_name: String,
     pub(super) saved: Vec<String>,
     pub(super) warnings: Vec<PageWarning>,
 }
@@ -243,6 +245,8 @@ pub(super) struct Use {
     pub(super) exports: Vec<&'static str>,
     /// Files that were written for other programs, within the project's folder.
     pub(super) exported: Vec<String>,
+    /// What that format cannot hold.
+    pub(super) left_out: Vec<String>,
     pub(super) reports: Vec<&'static str>,
 }
 

@@ -68,13 +68,13 @@ fn scan(state: &State) -> (String, String) {
     if state.scan.continuous {
         let points = state.scan.live.as_ref().map_or(0, |l| l.points);
         return (
-            format!("Scanning: {points} points, {:.1} clouds a second.", state.scan.fps),
+            format!("Scanning: {} points, {:.1} clouds a second.", grouped(points), state.scan.fps),
             "Stop to keep the last cloud.".into(),
         );
     }
     match state.scan.clouds.last() {
         Some(cloud) => (
-            format!("{} has {} points.", cloud.name, cloud.points),
+            format!("{} has {} points.", cloud.name, grouped(cloud.points)),
             "Turn the cloud, save it, or scan again.".into(),
         ),
         None => ("No cloud yet.".into(), "Put an object where the stripes fall, and scan.".into()),
@@ -84,7 +84,7 @@ fn scan(state: &State) -> (String, String) {
 fn in_use(state: &State) -> (String, String) {
     match &state.in_use.picture {
         Some(name) => (
-            format!("{name} is projected without keystone onto the sheet of the first photograph."),
+            format!("{name} is projected without keystone onto the sheet of the last photograph."),
             "Choose another picture, or export the rig.".into(),
         ),
         None => ("The rig is calibrated.".into(), "Choose a picture to project, or export the rig.".into()),
@@ -105,7 +105,7 @@ pub(super) fn command(state: &State) -> Option<String> {
         }
         Step::Scan => {
             let last = state.scan.clouds.last();
-            let photo = last.map_or("scan-001.jpg", |c| c.photo.rsplit('/').next().unwrap_or(&c.photo));
+            let photo = last.map_or("scan-001.jpg", |c| c.photo_name.as_str());
             let cloud = last.map_or("scan-001.ply", |c| c.name.as_str());
             Some(format!("slcal reconstruct --rig rig.json --pattern stripes.json {photo} --mesh -o {cloud}"))
         }
@@ -133,6 +133,20 @@ fn photographs(n: usize) -> String {
     }
 }
 
+/// A number with its thousands apart.
+fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            // A narrow space at which no line breaks.
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// With a capital letter and a full stop.
 fn sentence(clause: &str) -> String {
     let mut letters = clause.trim_end_matches('.').chars();
@@ -148,6 +162,14 @@ mod tests {
         assert_eq!(quoted("594x420mm"), "594x420mm");
         assert_eq!(quoted("it's $HOME.png"), r"'it'\''s $HOME.png'");
         assert_eq!(quoted(""), "''");
+    }
+
+    #[test]
+    fn thousands_stand_apart() {
+        assert_eq!(
+            [0, 999, 1000, 1_234_567].map(grouped),
+            ["0", "999", "1\u{202f}000", "1\u{202f}234\u{202f}567"]
+        );
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use image::{DynamicImage, RgbImage};
+use slcal_core::detect::Detection;
 use slcal_core::format::{
     ExchangeFormat, ExportConfig, ExportedFile, export_rig, read_ply, write_observations, write_pattern,
     write_ply, write_rig,
@@ -58,8 +59,9 @@ struct Prepared {
     checker: CheckerPattern,
     stripes: StripePattern,
     calibrator: Calibrator,
-    /// The photographs of the calibrator, in its order.
+    /// The photographs of the calibrator and their sizes, in its order.
     ids: Vec<u32>,
+    sizes: Vec<[u32; 2]>,
     simulated: SimulatedCamera,
 }
 
@@ -143,7 +145,15 @@ impl Worker {
             self.project.write("truth_rig.json", &bytes_of(|out| write_rig(&truth, out))?)?;
         }
         let calibrator = Calibrator::new(bench.sheet).with_pattern(&checker);
-        self.prepared = Some(Prepared { bench, checker, stripes, calibrator, ids: Vec::new(), simulated });
+        self.prepared = Some(Prepared {
+            bench,
+            checker,
+            stripes,
+            calibrator,
+            ids: Vec::new(),
+            sizes: Vec::new(),
+            simulated,
+        });
         tell(Done::Begun);
         for photo in self.project.photos(Purpose::Sheet) {
             let found = self.sheet(photo);
@@ -174,6 +184,11 @@ impl Worker {
     }
 
     fn find_sheet(&mut self, photo: &StoredPhoto) -> Outcome<SheetFound> {
+        // One that arrived while all were looked through comes twice.
+        let prepared = self.prepared.as_ref().ok_or_else(not_set_up)?;
+        if let Some(at) = prepared.ids.iter().position(|id| *id == photo.id) {
+            return Ok(sheet_found(&prepared.calibrator.detections()[at], prepared.sizes[at]));
+        }
         let (picture, bytes) = self.load(&photo.name)?;
         let prepared = self.prepared.as_mut().ok_or_else(not_set_up)?;
         let mut shot = SheetPhoto::new(PhotoView::try_from(&picture)?).name(&photo.name);
@@ -181,13 +196,10 @@ impl Worker {
             shot = shot.tags(tags);
         }
         let found = prepared.calibrator.add(shot)?;
-        let result = SheetFound {
-            corners: found.observation.pairs.len(),
-            of: found.pattern_corners,
-            outline: found.observation.sheet.corners().map(|quad| quad.map(|p| [p.x, p.y])),
-            size: [picture.width(), picture.height()],
-        };
+        let size = [picture.width(), picture.height()];
+        let result = sheet_found(found, size);
         prepared.ids.push(photo.id);
+        prepared.sizes.push(size);
         Ok(result)
     }
 
@@ -280,7 +292,8 @@ impl Worker {
     fn rectify(&mut self, name: String, bytes: &[u8]) -> Outcome<Done> {
         let rig = self.rig.clone().ok_or_else(not_calibrated)?;
         let picture = decode_photo(bytes, &name)?.0.to_rgb8();
-        let (drawn, _) = rectify_picture(&rig, 0, &picture)?;
+        // Onto the sheet where it was photographed last.
+        let (drawn, _) = rectify_picture(&rig, rig.views.len().saturating_sub(1), &picture)?;
         self.project.write("picture.png", &png_bytes(&DynamicImage::ImageRgb8(drawn))?)?;
         Ok(Done::Picture(name))
     }
@@ -338,6 +351,15 @@ pub(super) fn report(project: &Project, rig: &Rig, command: Option<String>) -> V
     rig_html(&page)
 }
 
+fn sheet_found(found: &Detection, size: [u32; 2]) -> SheetFound {
+    SheetFound {
+        corners: found.observation.pairs.len(),
+        of: found.pattern_corners,
+        outline: found.observation.sheet.corners().map(|quad| quad.map(|p| [p.x, p.y])),
+        size,
+    }
+}
+
 fn cloud_name(photo: &StoredPhoto) -> String {
     format!("scan-{:03}.ply", photo.id)
 }
@@ -350,6 +372,7 @@ fn entry(photo: &StoredPhoto, points: usize, triangles: usize) -> CloudEntry {
         triangles,
         url: format!("/api/clouds/{}", photo.id),
         photo: format!("/api/scans/{}.jpg", photo.id),
+        photo_name: photo.name.clone(),
         saved: vec!["ply".into()],
         warnings: Vec::new(),
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use axum::Router;
 use axum::body::{Body, Bytes, to_bytes};
 use axum::extract::{Path, Query, Request, State};
-use axum::http::{HeaderMap, HeaderValue, Response, StatusCode, header};
+use axum::http::{HeaderMap, HeaderValue, Method, Response, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::IntoResponse;
 use axum::routing::{get, post};
@@ -77,8 +77,9 @@ async fn guard(State(hub): Shared, request: Request, next: Next) -> Response<Bod
     let checked = {
         let access = hub.access();
         let headers = request.headers();
-        let changes =
-            request.method() != axum::http::Method::GET && request.method() != axum::http::Method::HEAD;
+        let reads = [Method::GET, Method::HEAD].contains(request.method());
+        // A connection carries events.
+        let changes = !reads || request.uri().path() == "/ws";
         access.check_host(headers).and_then(|()| if changes { check_origin(headers) } else { Ok(()) })
     };
     secured(match checked {

@@ -62,7 +62,8 @@ function build() {
     if (!known) return { value: "looking", word: "Arrived.", more: "The studio is looking at it …" };
     if (known.problem) return { value: "refused", word: "Not used.", more: whole(known.problem.message), advice: whole(known.problem.advice) };
     const tilt = known.tilt_deg ? `, tilt ${known.tilt_deg.map(degrees).join(", ")}` : "";
-    return { value: "good", word: "Good.", more: `Sheet and ${known.of && known.corners !== known.of ? `${known.corners} of ${known.of}` : known.corners} corners found${tilt}.` };
+    const corners = known.of && known.corners !== known.of ? `${known.corners} of ${known.of}` : known.corners;
+    return { value: "good", word: "Good.", more: `Sheet and ${corners} corners found${tilt}.` };
   }
 
   function draw() {

@@ -1,19 +1,37 @@
 // The demonstration's sheet is turned by dragging the picture, by the arrow keys, or by sliders.
 
-import { el, set, show, value } from "./dom.js";
+import { el, set, show } from "./dom.js";
 
 const SEND_MS = 50;
 /** What the studio answers while one still moves is old. */
 const OWN_MS = 600;
 const DEGREES_PER_PICTURE = 110;
 const KEY_DEGREES = 3;
+const KEY_MM = 10;
+const KEY_NEARER = 0.97;
+/** Width of what the simulated camera sees at a distance of one. */
+const WIDTH_OVER_DISTANCE = 0.88;
+const MOST_ASIDE = 400;
 const MOST_TILT = 60;
 const [NEAREST, FURTHEST] = [500, 2000];
+const part = (list, i, v) => list.map((old, k) => (k === i ? v : old));
+const tilt = (i) => ({
+  unit: "°", min: -MOST_TILT, max: MOST_TILT, step: 1,
+  get: (p) => p.tilt_deg[i], put: (p, v) => ({ ...p, tilt_deg: part(p.tilt_deg, i, v) }),
+});
+const aside = (i) => ({
+  unit: " mm", min: -MOST_ASIDE, max: MOST_ASIDE, step: 5,
+  get: (p) => p.aside_mm[i], put: (p, v) => ({ ...p, aside_mm: part(p.aside_mm, i, v) }),
+});
 const FIELDS = [
-  { name: "tilt-x", label: "Tilt, top or bottom nearer", unit: "°", min: -MOST_TILT, max: MOST_TILT, step: 1, get: (p) => p.tilt_deg[0], put: (p, v) => ({ ...p, tilt_deg: [v, p.tilt_deg[1]] }) },
-  { name: "tilt-y", label: "Tilt, left or right nearer", unit: "°", min: -MOST_TILT, max: MOST_TILT, step: 1, get: (p) => p.tilt_deg[1], put: (p, v) => ({ ...p, tilt_deg: [p.tilt_deg[0], v] }) },
-  { name: "roll", label: "Turned in its plane", unit: "°", min: -45, max: 45, step: 1, get: (p) => p.roll_deg, put: (p, v) => ({ ...p, roll_deg: v }) },
-  { name: "distance", label: "Distance", unit: " mm", min: NEAREST, max: FURTHEST, step: 10, get: (p) => p.distance_mm, put: (p, v) => ({ ...p, distance_mm: v }) },
+  { name: "tilt-x", label: "Tilt, top or bottom nearer", ...tilt(0) },
+  { name: "tilt-y", label: "Tilt, left or right nearer", ...tilt(1) },
+  { name: "aside-x", label: "Left or right", ...aside(0) },
+  { name: "aside-y", label: "Up or down", ...aside(1) },
+  { name: "roll", label: "Turned in its plane", unit: "°", min: -45, max: 45, step: 1,
+    get: (p) => p.roll_deg, put: (p, v) => ({ ...p, roll_deg: v }) },
+  { name: "distance", label: "Distance", unit: " mm", min: NEAREST, max: FURTHEST, step: 10,
+    get: (p) => p.distance_mm, put: (p, v) => ({ ...p, distance_mm: v }) },
 ];
 
 const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
@@ -38,7 +56,8 @@ export function createDemoScene(app, frame) {
     return { object, input, row: el("label", { class: "choice" }, input, el("span", {}, object === "sheet" ? "The sheet" : "A sphere")) };
   });
   const what = el("div", { class: "choices", role: "radiogroup", "aria-label": "What stands before the camera" }, ...objects.map((o) => o.row));
-  const hint = el("p", { class: "hint" }, "Drag the picture to turn the sheet.", el("span", { class: "by-mouse" }, " With Shift it turns in its plane, the wheel moves it nearer or further, the arrow keys turn it, too."));
+  const hint = el("p", { class: "hint" }, "Drag the picture to turn the sheet.", el("span", { class: "by-mouse" },
+    " With Shift or the right button it moves, by the wheel it comes nearer. By keyboard: arrow keys, with Shift, + and −."));
   const sliders = el("details", {}, el("summary", {}, "Turn it by sliders"), ...inputs.map((i) => i.row));
   const root = el("section", { class: "part demo-scene", "data-state": "demo-scene" }, el("h3", {}, "The simulated scene"), what, hint, sliders);
 
@@ -63,6 +82,7 @@ export function createDemoScene(app, frame) {
       tilt_deg: to.tilt_deg.map((v) => clamp(v, -MOST_TILT, MOST_TILT)),
       roll_deg: clamp(to.roll_deg, -45, 45),
       distance_mm: clamp(to.distance_mm, NEAREST, FURTHEST),
+      aside_mm: to.aside_mm.map((v) => clamp(v, -MOST_ASIDE, MOST_ASIDE)),
     };
     moved = performance.now();
     reached = null;
@@ -71,22 +91,22 @@ export function createDemoScene(app, frame) {
   }
 
   const active = () => Boolean(app.state?.demo_scene && app.operating() && app.state.demo_scene.object === "sheet");
-  const turned = (by, roll = 0) => ({ ...pose, tilt_deg: [pose.tilt_deg[0] + by[0], pose.tilt_deg[1] + by[1]], roll_deg: pose.roll_deg + roll });
+  const turned = (from, right, down) => ({ ...from, tilt_deg: [from.tilt_deg[0] + down, from.tilt_deg[1] - right] });
+  const shifted = (from, right, down) => ({ ...from, aside_mm: [from.aside_mm[0] + right, from.aside_mm[1] + down] });
 
   let grip = null;
   frame.addEventListener("pointerdown", (event) => {
-    if (!active() || event.button !== 0 || event.target.closest("button")) return;
+    if (!active() || ![0, 2].includes(event.button) || event.target.closest("button")) return;
     frame.setPointerCapture(event.pointerId);
-    grip = { x: event.clientX, y: event.clientY, pose };
+    grip = { x: event.clientX, y: event.clientY, pose, moves: event.shiftKey || event.button === 2 };
   });
   frame.addEventListener("pointermove", (event) => {
     if (!grip) return;
-    const scale = DEGREES_PER_PICTURE / frame.clientWidth;
-    const [dx, dy] = [(event.clientX - grip.x) * scale, (event.clientY - grip.y) * scale];
-    move(event.shiftKey
-      ? { ...grip.pose, roll_deg: grip.pose.roll_deg + dx }
-      : { ...grip.pose, tilt_deg: [grip.pose.tilt_deg[0] + dy, grip.pose.tilt_deg[1] + dx] });
+    const scale = (grip.moves ? WIDTH_OVER_DISTANCE * grip.pose.distance_mm : DEGREES_PER_PICTURE) / frame.clientWidth;
+    const by = [(event.clientX - grip.x) * scale, (event.clientY - grip.y) * scale];
+    move(grip.moves ? shifted(grip.pose, ...by) : turned(grip.pose, ...by));
   });
+  frame.addEventListener("contextmenu", (event) => active() && event.preventDefault());
   const release = () => (grip = null);
   frame.addEventListener("pointerup", release);
   frame.addEventListener("pointercancel", release);
@@ -96,10 +116,14 @@ export function createDemoScene(app, frame) {
     move({ ...pose, distance_mm: pose.distance_mm * Math.exp(event.deltaY * 0.0005) });
   }, { passive: false });
   frame.addEventListener("keydown", (event) => {
-    const step = { ArrowLeft: [0, -KEY_DEGREES], ArrowRight: [0, KEY_DEGREES], ArrowUp: [-KEY_DEGREES, 0], ArrowDown: [KEY_DEGREES, 0] }[event.key];
-    if (!step || !active()) return;
+    if (!active() || event.target !== frame || event.ctrlKey || event.altKey || event.metaKey) return;
+    const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    const nearer = { "+": KEY_NEARER, "=": KEY_NEARER, "-": 1 / KEY_NEARER }[event.key];
+    if (!way && !nearer) return;
     event.preventDefault();
-    move(event.shiftKey ? turned([0, 0], step[1]) : turned(step));
+    if (nearer) move({ ...pose, distance_mm: pose.distance_mm * nearer });
+    else if (event.shiftKey) move(shifted(pose, ...way.map((v) => v * KEY_MM)));
+    else move(turned(pose, ...way.map((v) => v * KEY_DEGREES)));
   });
 
   return {
@@ -110,7 +134,9 @@ export function createDemoScene(app, frame) {
       frame.classList.toggle("turnable", active());
       set(frame, "tabindex", active() ? "0" : null);
       set(frame, "role", active() ? "group" : null);
-      set(frame, "aria-label", active() ? "Picture of the simulated camera: arrow keys turn the sheet" : null);
+      set(frame, "aria-label", active()
+        ? "Picture of the simulated camera: arrow keys turn the sheet, with Shift they move it, plus and minus bring it nearer or further"
+        : null);
       if (!scene) return;
       for (const { object, input } of objects) input.checked = scene.object === object;
       for (const { input } of [...objects, ...inputs]) input.disabled = !state.you.operating;
@@ -119,7 +145,7 @@ export function createDemoScene(app, frame) {
       show(sliders, scene.object === "sheet");
       if (pose === null || performance.now() - moved > OWN_MS) {
         const { object, ...now } = scene;
-        pose = now;
+        pose = { aside_mm: [0, 0], ...now };
         drawPose();
       }
     },

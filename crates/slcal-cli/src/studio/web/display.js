@@ -5,7 +5,7 @@ import { Measure, refusal } from "./display_screen.js";
 import { say, set, show, text } from "./dom.js";
 import { enter, withRole } from "./session.js";
 import { Socket } from "./socket.js";
-import { pixels, sentence } from "./words.js";
+import { pixels } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const canvas = $("panel");
@@ -17,15 +17,17 @@ let measure = null;
 let told = ""; // what was last measured, as it was sent
 let shown = null; // sequence that is on the panel
 let turn = 0; // counts what is wanted: a picture that loads slowly must not come up after a later one
-let pictureProblem = null;
+let loading = null; // sequence that is on its way
+let unshowable = null; // the sequence that could not be shown, and why
 
 /** After two animation frames what was painted is on the screen. */
 const painted = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
 const panelOf = (s) => s.set_up.projector ?? measure.now().viewport;
 
 function problemNow(measured) {
-  if (!state || state.demo || !state.set_up.projector) return pictureProblem;
-  return refusal(state.set_up.projector, measured) ?? pictureProblem;
+  const ofPicture = unshowable?.sequence === state.display.wanted?.sequence ? unshowable.problem : null;
+  if (state.demo || !state.set_up.projector) return ofPicture;
+  return refusal(state.set_up.projector, measured) ?? ofPicture;
 }
 
 /** Device pixels as CSS pixels: the canvas then takes exactly as many pixels of the screen as it has. Whether that changed anything. */
@@ -54,7 +56,8 @@ function drawCard(measured, problem) {
   const panel = state.set_up.projector;
   if (demo) {
     text($("title"), "The simulated projector");
-    text($("message"), `It throws on the sheet exactly what is painted above, ${panel ? pixels(panel) : ""} pixels (drawn smaller here).`);
+    const size = panel ? ` ${pixels(panel)} pixels` : "";
+    text($("message"), `It throws on the sheet exactly what is painted above:${size}, drawn smaller here.`);
     text($("advice"), "Leave this window open and go back to the studio.");
   } else if (problem?.code === "display-not-full-screen") {
     text($("title"), measured.whole ? "Not quite full screen" : "Press F or double-click for full screen");
@@ -65,14 +68,19 @@ function drawCard(measured, problem) {
     text($("title"), "Not shown: it would not be pixel for pixel");
     text($("message"), problem.message);
     text($("advice"), problem.advice);
+  } else if (measured.fullscreen) {
+    text($("title"), "Do you see all four corner marks and the thin frame?");
+    text($("message"), "If one is cut off, switch off overscan, zoom and keystone correction at the projector.");
+    text($("advice"), window.isSecureContext ? "" : "Switch off the screen saver of this computer: this page may not do so over plain HTTP.");
   } else {
-    text($("title"), measured.fullscreen ? "Do you see all four corner marks and the thin frame?" : "Press F or double-click for full screen");
-    text($("message"), measured.fullscreen ? "If one is cut off, switch off overscan, zoom and keystone correction at the projector." : "Drag this window onto the projector first.");
-    text($("advice"), measured.fullscreen && !window.isSecureContext ? "Switch off the screen saver of this computer: this page may not do so over plain HTTP." : "");
+    text($("title"), "Press F or double-click for full screen");
+    text($("message"), "Drag this window onto the projector first.");
+    text($("advice"), "");
   }
   show($("advice"), $("advice").textContent !== "");
   show($("full-screen"), !demo && !measured.fullscreen);
-  say($("facts"), demo ? "" : `Screen ${pixels(measured.viewport)} pixels, ${Math.round(measured.device_pixel_ratio * 100)} %${panel ? `; projector ${pixels(panel)}` : ""}`);
+  say($("facts"), demo ? "" :
+    `Screen ${pixels(measured.viewport)} pixels, ${Math.round(measured.device_pixel_ratio * 100)} %${panel ? `; projector ${pixels(panel)}` : ""}`);
 }
 
 /** Brings what is wanted onto the panel, as far as nothing speaks against it. */
@@ -95,19 +103,14 @@ async function present() {
   // Not `hidden`: it must keep the size that is measured.
   canvas.style.visibility = problem?.code === "display-not-full-screen" ? "hidden" : "visible";
   if (problem) {
-    if (shown !== null) {
-      turn++;
-      shown = null;
-      paint(canvas, panel, "black");
-    }
-    if (problem !== pictureProblem) return;
+    if (shown !== null || loading !== null) darken(panel);
+    return;
   }
-  if (!wanted || wanted.sequence === shown || wanted.sequence === present.loading) return;
+  if (!wanted || wanted.sequence === shown || wanted.sequence === loading) return;
 
   const mine = ++turn;
-  present.loading = wanted.sequence;
+  loading = wanted.sequence;
   let picture = null;
-  pictureProblem = null;
   try {
     if (wanted.url) picture = await fetchPicture(wanted.url);
     if (picture && (picture.width !== panel[0] || picture.height !== panel[1])) {
@@ -115,14 +118,19 @@ async function present() {
     }
   } catch (error) {
     if (mine !== turn) return;
-    pictureProblem = { code: "display-picture-size", message: `The picture cannot be shown: ${error.message}.`, advice: "Correct the projector's pixels in Set up." };
-    present.loading = null;
-    shown = wanted.sequence; // Not painted, but not to be tried again either.
-    paint(canvas, panel, "black");
+    unshowable = {
+      sequence: wanted.sequence,
+      problem: {
+        code: "display-picture-size",
+        message: `The picture cannot be shown: ${error.message}.`,
+        advice: "Correct the projector's pixels in Set up, or have the picture shown once more.",
+      },
+    };
+    darken(panel);
     return present();
   }
   if (mine !== turn) return;
-  present.loading = null;
+  loading = null;
   paint(canvas, panel, wanted.kind, picture);
   shown = wanted.sequence;
   picture?.close();
@@ -130,7 +138,13 @@ async function present() {
   else await painted();
   if (mine === turn) socket.send({ event: "painted", sequence: wanted.sequence });
 }
-present.loading = null;
+
+/** Nothing is shown, and what is still on its way does not come up. */
+function darken(panel) {
+  turn++;
+  shown = loading = null;
+  paint(canvas, panel, "black");
+}
 
 /** The demonstration's camera sees the pixels that were painted here. Also in a window that is hidden: nobody need look at it. */
 async function handBack(sequence) {
@@ -143,9 +157,8 @@ function lost({ up, ended }) {
   say($("lost"), up ? "" : ended ? "The studio was started anew: open its display window once more." : "No connection to the studio; trying again.");
   told = "";
   if (up) return;
-  turn++;
-  shown = present.loading = null;
-  if (state) paint(canvas, panelOf(state), "black");
+  unshowable = null;
+  if (state) darken(panelOf(state));
   show(card, false);
 }
 

@@ -61,8 +61,11 @@ export function createGuidance(app, handlers) {
       for (const [name, b] of buttons) {
         show(b, wanted.includes(name));
         b.classList.toggle("primary", name === first);
-        b.style.order = String(wanted.indexOf(name));
       }
+      // In the order in which they are seen, for the tab key; the one that has the focus would lose it if it were moved.
+      const nodes = wanted.map((name) => buttons.get(name));
+      const stays = nodes.indexOf(focused);
+      nodes.forEach((b, i) => i !== stays && row.insertBefore(b, i < stays ? focused : null));
       // Whoever works by keyboard stays at the button that comes next.
       if (row.contains(focused) && (focused.hidden || focused === buttons.get(primary))) {
         buttons.get(first ?? wanted[0])?.focus({ preventScroll: true });
@@ -73,7 +76,7 @@ export function createGuidance(app, handlers) {
     }
     const viewport = state.display.measured?.viewport;
     if (viewport) text(buttons.get("use-measured"), `Use ${pixels(viewport)}, as the display has`);
-    text(buttons.get("open-display"), state.display.connected ? "Bring the display window to the front" : "Open the display window");
+    text(buttons.get("open-display"), state.display.connected ? "Show the display window" : "Open the display window");
     text(buttons.get("take"), state.photographs.length > 0 && first !== "take" ? "Take another photograph" : "Take the photograph");
     text(buttons.get("scan-once"), state.scan.clouds.length > 0 ? "Scan again" : "Scan");
     // Not `disabled`, which would take the focus away from whoever has just pressed it.

@@ -81,7 +81,8 @@ export function createPicture(app, video) {
     say(readings.size, kind === "none" || kind === "guide" ? "" : `${pixels(full)} px`);
     const corners = live?.corners?.length ?? (kind === "photograph" ? photo.corners : 0);
     const looked = state.step === "calibrate" || live?.stripes || kind === "photograph";
-    say(readings.corners, kind === "none" || kind === "guide" || !looked ? "" : live?.stripes ? `${live.stripes} stripe points` : corners ? `${corners} corners` : found?.sheet ? "sheet seen" : "no sheet");
+    const seen = live?.stripes ? `${live.stripes} stripe points` : corners ? `${corners} corners` : found?.sheet ? "sheet seen" : "no sheet";
+    say(readings.corners, kind === "none" || kind === "guide" || !looked ? "" : seen);
     set(readings.corners, "data-value", corners || live?.stripes ? "good" : found?.sheet ? "fair" : "weak");
     say(readings.sharpness, typeof live?.sharpness === "number" ? `sharpness ${(100 * live.sharpness).toFixed(0)} %` : "");
     say(readings.clipped, live?.clipped_percent > 0 ? `${live.clipped_percent.toFixed(1)} % clipped` : "");
@@ -100,6 +101,7 @@ export function createPicture(app, video) {
     while (waiting) {
       const now = waiting;
       waiting = null;
+      const kind = app.state.camera.kind;
       const image = new Image();
       image.src = withRole(now.url, app.role);
       try {
@@ -107,6 +109,7 @@ export function createPicture(app, video) {
       } catch {
         continue; // The studio has a newer one already.
       }
+      if (app.state.camera.kind !== kind) continue; // Of the camera before.
       if (canvas.width !== image.naturalWidth || canvas.height !== image.naturalHeight) {
         [canvas.width, canvas.height] = [image.naturalWidth, image.naturalHeight];
       }

@@ -192,6 +192,7 @@ function build(role) {
     main, command.root, ...drop.nodes);
 
   function draw(state) {
+    if (page.dataset.step !== state.step) main.scrollTop = 0;
     set(page, "data-step", state.step);
     set(page, "data-operating", String(state.you.operating));
     document.title = `${TITLES[state.step]} · slcal studio`;
@@ -210,6 +211,8 @@ function build(role) {
     state({ state }) {
       const before = app.state;
       app.state = state;
+      // How near the sheet was to an outline says nothing of the one that has taken its place.
+      if (app.live && String(before?.guide?.quad) !== String(state.guide?.quad)) app.live.near = null;
       if (before && before.camera.kind !== state.camera.kind) app.live = null;
       // Somebody else operates now: the camera belongs to that page.
       if (before?.you.operating && !state.you.operating && webcam.running) release();

@@ -23,13 +23,16 @@ export function createUse(app) {
     const write = () => app.operating() && app.send({ event: "export", format });
     const control = several
       ? button("export", `Write for ${name}`, write, { "data-format": format, class: "small" })
-      : el("a", { class: "button small", "data-action": "export", "data-format": format, download: "", href: withRole(`/api/exports/${format}`, app.role), onclick: write }, `Save for ${name}`);
+      : el("a", { class: "button small", "data-action": "export", "data-format": format, download: "", onclick: write,
+        href: withRole(`/api/exports/${format}`, app.role) }, `Save for ${name}`);
     if (several) buttons.push(control);
     return { root: el("li", {}, control, el("small", {}, about)), draw: () => {} };
   });
   const reports = el("ul", { class: "exports" });
   const drawReports = keyed(reports, (r) => r, (path) => ({
-    root: el("li", {}, el("a", { class: "button small", href: withRole(path, app.role), target: "_blank", "data-action": "report" }, "Open the report"), el("small", {}, "every number with its uncertainty")),
+    root: el("li", {},
+      el("a", { class: "button small", href: withRole(path, app.role), target: "_blank", "data-action": "report" }, "Open the report"),
+      el("small", {}, "every number with its uncertainty")),
     draw: () => {},
   }));
   const written = el("p", { class: "hint", "data-state": "exported" });
