@@ -17,6 +17,8 @@ cargo test --locked -p slcal-core --features rayon --test threads
 for feature in "" report advise evaluate exchange npz stages simulate; do
     RUSTFLAGS="-D warnings" cargo check --locked --quiet -p slcal-core --features "$feature" --target-dir target/bare
 done
+# The command without the browser window.
+RUSTFLAGS="-D warnings" cargo check --locked --quiet -p slcal-cli --no-default-features --target-dir target/bare
 
 echo "== Python"
 rm -rf target/wheels
@@ -37,6 +39,9 @@ cargo build --locked --release --quiet -p slcal-cli
 
 echo "== Reports in a browser"
 .venv/bin/python tests/browser/check_reports.py --slcal target/release/slcal
+
+echo "== The studio in a browser"
+.venv/bin/python tests/browser/check_studio.py --slcal target/release/slcal
 
 echo "== Commands in the documentation"
 .venv/bin/python scripts/console_blocks.py --check

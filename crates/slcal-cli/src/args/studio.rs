@@ -39,7 +39,12 @@ pub(crate) struct StudioArgs {
     /// Port of the server [default: 8642, or the next one that is free].
     #[arg(long, value_name = "N", help_heading = SETTINGS)]
     pub(crate) port: Option<u16>,
-    /// Print the address only; do not open a browser.
+    /// Open the display page alone, in kiosk mode where the browser has one: for a machine at the projector.
+    ///
+    /// Operate from another machine, with --lan.
+    #[arg(long, conflicts_with = "no_open", help_heading = SETTINGS)]
+    pub(crate) display_only: bool,
+    /// Print the addresses only; do not open a browser.
     #[arg(long, help_heading = SETTINGS)]
     pub(crate) no_open: bool,
 }

@@ -63,9 +63,12 @@ pub(crate) fn run(args: &StudioArgs, printer: Printer) -> Outcome {
         start_watching(watched, project.clone(), hub.clone(), printer);
     }
     announce(args, &links)?;
-    if !args.no_open
-        && let Err(e) = browser::open(project.folder(), &links.operator)
-    {
+    let opened = match (args.no_open, args.display_only) {
+        (true, _) => Ok(()),
+        (_, true) => browser::open_kiosk(project.folder(), &links.display),
+        (_, false) => browser::open(project.folder(), &links.operator),
+    };
+    if let Err(e) = opened {
         printer.note(format!("no browser could be opened ({e}); open the address yourself"));
     }
     serve(&hub, listener).map_err(|e| failed(&e))
@@ -185,7 +188,12 @@ fn announce(args: &StudioArgs, links: &Links) -> Outcome {
         links.display
     );
     if let Some(camera) = &links.camera {
-        let _ = write!(text, "  phone      {camera}\n  watcher    {}\n\n", links.watcher);
+        let _ = write!(
+            text,
+            "  elsewhere  {}   (operator)\n  phone      {camera}\n  watcher    {}\n\n",
+            links.operator_elsewhere.as_deref().unwrap_or_default(),
+            links.watcher
+        );
         text += &links.qr_text().unwrap_or_default();
         text += "\nAnyone in this network can read along: the connection is not encrypted. A webcam, the choice of the display and \
                  keeping it awake need the addresses with 127.0.0.1 on this machine.\n";

@@ -11,6 +11,8 @@ use super::access::{Access, Role};
 pub(in crate::studio) struct Links {
     #[serde(skip)]
     pub(in crate::studio) operator: String,
+    /// The operator's page for other machines, where they are let in.
+    pub(in crate::studio) operator_elsewhere: Option<String>,
     pub(in crate::studio) display: String,
     /// For phones, where others of the network are let in.
     pub(in crate::studio) camera: Option<String>,
@@ -30,6 +32,7 @@ impl Links {
             .map(|code| code.render::<svg::Color<'_>>().min_dimensions(200, 200).quiet_zone(true).build());
         Self {
             operator: address(here, "", Role::Operator),
+            operator_elsewhere: lan.map(|host| address(host, "", Role::Operator)),
             display: address(here, "display", Role::Display),
             watcher: address(lan.unwrap_or(here), "", Role::Watcher),
             camera,
