@@ -189,16 +189,17 @@ def lies_without_keystone(studio: Studio) -> None:
 
 def on_the_sheet(photo: Any, width: int) -> list[tuple[int, int]]:
     """Where the discs' middles are in a picture of this width, by the outline that was found in a photograph."""
-    rows, right = [], []
-    for (u, v), (x, y) in zip([(0, 0), (1, 0), (1, 1), (0, 1)], photo["outline"], strict=True):
+    rows: list[list[float]] = []
+    right: list[float] = []
+    for (u, v), (x, y) in zip([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)], photo["outline"], strict=True):
         rows += [[u, v, 1, 0, 0, 0, -u * x, -v * x], [0, 0, 0, u, v, 1, -u * y, -v * y]]
         right += [x, y]
     h = np.append(np.linalg.solve(np.array(rows, float), np.array(right)), 1.0).reshape(3, 3)
     scale = width / photo["size"][0]
     places = []
     for u, v in DISCS:
-        p = h @ np.array([u, v, 1.0])
-        places.append((round((p[0] / p[2] + 0.5) * scale - 0.5), round((p[1] / p[2] + 0.5) * scale - 0.5)))
+        place = h @ np.array([u, v, 1.0])
+        places.append((round((place[0] / place[2] + 0.5) * scale - 0.5), round((place[1] / place[2] + 0.5) * scale - 0.5)))
     return places
 
 

@@ -21,7 +21,7 @@ pub(super) fn open_kiosk(folder: &Path, address: &str) -> std::io::Result<()> {
         command.arg("--kiosk");
         start(command, &page).is_ok()
     };
-    if KIOSKS.iter().any(|name| kiosk(&name)) { Ok(()) } else { start(opener(), &page) }
+    if KIOSKS.iter().any(kiosk) { Ok(()) } else { start(opener(), &page) }
 }
 
 /// A file that leads to an address which holds a secret. Arguments of programs are seen by other users; this file is read by

@@ -25,6 +25,8 @@ const LIVE_LONGEST_PX: u32 = 1280;
 /// The simulated camera takes a live frame this often, ms, and at the latest after the second time where one is lost.
 const DEMO_LIVE_MS: u64 = 200;
 const DEMO_LOST_MS: u64 = 5000;
+/// A photograph that has not arrived after this time does not come any more, ms.
+const SHOT_LOST_MS: u64 = 20_000;
 /// Weight of the newest interval in the rate of clouds.
 const RATE_WEIGHT: f64 = 0.2;
 /// Scale of the pattern, as a share of the usual one.
@@ -72,8 +74,9 @@ pub(super) struct Machine {
     shots: u64,
     /// A photograph that waits until the display has painted.
     waiting: Option<Purpose>,
-    /// A photograph that is on its way.
-    shooting: bool,
+    /// When a photograph was asked for that is on its way.
+    shooting_since_ms: Option<u64>,
+    now_ms: u64,
     /// When the simulated camera was last asked for a frame, until the frame comes.
     live_since_ms: Option<u64>,
     last_live_ms: u64,
@@ -146,7 +149,8 @@ impl Machine {
             auto: AutoShot::default(),
             shots: 0,
             waiting: None,
-            shooting: false,
+            shooting_since_ms: None,
+            now_ms: 0,
             live_since_ms: None,
             last_live_ms: 0,
             live_seq: 0,
@@ -194,6 +198,9 @@ impl Machine {
                     "plug it in again, close other programs that use it, and choose it again",
                 ));
                 self.stop_scanning();
+                if self.shooting_since_ms.take().is_some() {
+                    self.state.busy = None;
+                }
                 Ok(Vec::new())
             }
             OperatorEvent::Take => self.take(self.purpose()),
@@ -446,7 +453,7 @@ impl Machine {
 
     fn shoot(&mut self, purpose: Purpose) -> Vec<Effect> {
         self.waiting = None;
-        self.shooting = true;
+        self.shooting_since_ms = Some(self.now_ms);
         self.auto.taken();
         self.state.busy = Some("taking a photograph");
         if let Some(scene) = self.state.demo_scene {
@@ -458,7 +465,7 @@ impl Machine {
 
     /// A photograph was kept in the project's folder.
     pub(super) fn kept(&mut self, purpose: Purpose, photo: StoredPhoto) -> Vec<Effect> {
-        self.shooting = false;
+        self.shooting_since_ms = None;
         match purpose {
             Purpose::Sheet => {
                 self.state.busy = Some("finding the sheet");
@@ -623,6 +630,7 @@ impl Machine {
 
     /// Time passes: the simulated camera takes its live frames. `watched` says whether a page looks on.
     pub(super) fn tick(&mut self, now_ms: u64, watched: bool) -> Vec<Effect> {
+        self.now_ms = now_ms;
         if !self.state.demo || !watched || self.begun.is_none() {
             return Vec::new();
         }
@@ -635,6 +643,20 @@ impl Machine {
         self.last_live_ms = now_ms;
         self.live_seq = self.live_seq.wrapping_add(1);
         vec![Effect::Live(self.live_frame(self.live_seq, None))]
+    }
+
+    /// Gives a photograph up that does not come; whether there was one.
+    pub(super) fn give_up(&mut self, now_ms: u64) -> bool {
+        let late = self.shooting_since_ms.is_some_and(|since| now_ms.saturating_sub(since) > SHOT_LOST_MS);
+        if late {
+            (self.shooting_since_ms, self.state.busy) = (None, None);
+            self.state.problem = Some(Problem::new(
+                "photograph-lost",
+                "the photograph did not arrive",
+                "take it again; if that fails too, reload the page or choose the camera again",
+            ));
+        }
+        late
     }
 
     /// What the worker found.
@@ -680,7 +702,7 @@ impl Machine {
                 Vec::new()
             }
             Done::Failed(problem) => {
-                (self.state.busy, self.shooting, self.beginning) = (None, false, false);
+                (self.state.busy, self.shooting_since_ms, self.beginning) = (None, None, false);
                 self.state.problem = Some(problem);
                 Vec::new()
             }
@@ -782,7 +804,7 @@ impl Machine {
             && self.state.step == Step::Calibrate
             && self.state.display.shows_what_is_wanted()
             && self.state.busy.is_none()
-            && !self.shooting;
+            && self.shooting_since_ms.is_none();
         let mut effects = vec![Effect::Look(look)];
         if now {
             effects.extend(self.shoot(Purpose::Sheet));
@@ -941,6 +963,10 @@ mod tests {
         machine.display(DisplayEvent::Painted { sequence });
         let effects = machine.operate(OperatorEvent::Take).unwrap();
         assert!(matches!(effects[..], [Effect::Shoot { shot: 1, purpose: Purpose::Sheet }]));
+        // The page does not deliver it.
+        assert!(!machine.give_up(SHOT_LOST_MS) && machine.state.busy.is_some());
+        assert!(machine.give_up(SHOT_LOST_MS + 1) && machine.state.busy.is_none());
+        assert_eq!(machine.state.problem.as_ref().unwrap().code, "photograph-lost");
         // Somebody zooms the page.
         machine.display(DisplayEvent::Measured {
             measured: Measured { screen: [1126, 845], ..measured },

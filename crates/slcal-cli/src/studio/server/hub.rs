@@ -230,6 +230,10 @@ impl Hub {
         for effect in effects {
             self.follow(effect, &mut inner);
         }
+        if inner.machine.give_up(now) {
+            drop(inner);
+            self.change(|_| Vec::new());
+        }
     }
 
     /// What a photograph shows that arrives now.
