@@ -14,3 +14,4 @@ pub(crate) mod verification;
 pub(crate) use display_encoding::for_display;
 pub(crate) use drawing::Drawing;
 pub(crate) use drawing::legend::Swatch;
+pub(crate) use drawing::path_data::push_lines;

@@ -10,6 +10,7 @@ use slcal_core::{Rig, Sag, View};
 use super::number::{decimals_of, derived, field, fixed, significant};
 use super::page::Section;
 use super::rig_page::{RigPage, photo_name};
+use crate::picture::push_lines;
 use crate::picture::vector_scale::round_down;
 
 /// Width of the figure, in units of which a letter of the page is about 16 high.
@@ -108,9 +109,7 @@ fn put(text: &mut String, what: std::fmt::Arguments<'_>) {
 
 fn path(points: &[Spot]) -> String {
     let mut text = String::new();
-    for (i, [x, y]) in points.iter().enumerate() {
-        put(&mut text, format_args!("{}{x:.1} {y:.1}", if i == 0 { "M" } else { "L" }));
-    }
+    push_lines(&mut text, points.iter().copied());
     text
 }
 

@@ -1,7 +1,7 @@
 //! A vector drawing over a photograph, written as SVG or as pixels.
 //!
 //! A [`Drawing`] (`canvas`) holds `primitive`s and a `legend`. `legend_layout` arranges the legend, `legend_placement` puts it where it
-//! covers least. `svg` writes the drawing for pages, `raster` paints it over the photograph.
+//! covers least. `svg` writes the drawing for pages with `path_data`, `raster` paints it over the photograph.
 
 mod appearance;
 mod canvas;
@@ -11,6 +11,7 @@ pub(super) mod font;
 pub(crate) mod legend;
 mod legend_layout;
 pub(super) mod legend_placement;
+pub(super) mod path_data;
 pub(super) mod primitive;
 mod raster;
 mod svg;

@@ -8,6 +8,7 @@ use super::appearance;
 use super::canvas::Drawing;
 use super::color::Color;
 use super::font::{CAPITALS, Font};
+use super::path_data::{Number, push_lines};
 use super::primitive::{Anchor, Item, Pen, Primitive};
 
 /// Verdana is as wide as DejaVu Sans, where that is missing.
@@ -127,10 +128,7 @@ fn path(primitive: &Primitive) -> String {
     let mut d = String::new();
     let mut parts = |parts: &[Vec<Point2<f64>>], end: &str| {
         for part in parts {
-            for (i, p) in part.iter().enumerate() {
-                let letter = if i == 0 { "M" } else { "L" };
-                let _ = write!(d, "{letter}{} {}", Number(p.x), Number(p.y));
-            }
+            push_lines(&mut d, part.iter().map(|p| [p.x, p.y]));
             d.push_str(end);
         }
     };
@@ -156,17 +154,6 @@ fn dashes(unit: f64) -> String {
 
 fn hex([r, g, b]: Color) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
-}
-
-/// A coordinate in hundredths of a pixel, as short as it can be written.
-struct Number(f64);
-
-impl std::fmt::Display for Number {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let text = format!("{:.2}", if self.0.is_finite() { self.0 } else { 0.0 });
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        f.write_str(if text == "-0" { "0" } else { text })
-    }
 }
 
 /// Text that stands in an element or an attribute as it is; control characters, which XML cannot hold, are left out.
@@ -242,12 +229,5 @@ mod tests {
         // A radius of two units of 0.75 px.
         assert_eq!(path("#e69f00"), "M8.75 20.5a1.5 1.5 0 1 0 3 0a1.5 1.5 0 1 0-3 0");
         assert_eq!(path("#ffffff"), "M1 2L3.12 4");
-    }
-
-    #[test]
-    fn numbers_are_short_and_never_nan() {
-        let words = [0.0, -0.001, 1.0, 100.0, 2.50, -3.456, 1e7, f64::NAN, f64::INFINITY];
-        let texts = words.map(|x| Number(x).to_string());
-        assert_eq!(texts, ["0", "0", "1", "100", "2.5", "-3.46", "10000000", "0", "0"]);
     }
 }
