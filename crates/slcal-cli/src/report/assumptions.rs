@@ -7,6 +7,9 @@ use super::page::Section;
 use super::rig_page::RigPage;
 use super::verdict::sentence;
 
+/// The columns; where a window is narrow, their cells stand below each other, each with its title.
+const TITLES: [&str; 5] = ["Assumption", "Status", "Value", "What a departure would do", "What checks it"];
+
 /// A row for each assumption, those that the verdict rests on first.
 pub(super) fn section(page: &RigPage) -> Option<Section> {
     let quality = page.rig.quality.as_ref()?;
@@ -18,8 +21,8 @@ pub(super) fn section(page: &RigPage) -> Option<Section> {
     let content = html! {
         p { "The result holds if these are true. The moves say by how much focal lengths and baseline would change, found by \
              solving again. Assumptions in bold cost more than the stated σ, and nothing in the photographs confirms them." }
-        div.scroll { table {
-            thead { tr { th { "Assumption" } th { "Status" } th { "Value" } th { "What a departure would do" } th { "What checks it" } } }
+        div.scroll { table.stacked {
+            thead { tr { @for title in TITLES { th scope="col" { (title) } } } }
             tbody {
                 @for a in &decisive { (row(a, true)) }
                 @for a in others { (row(a, false)) }
@@ -35,13 +38,14 @@ fn row(a: &Assumption, decisive: bool) -> Markup {
         AssumptionStatus::Tested => "tested by the photographs",
         AssumptionStatus::Estimated => "estimated from the photographs",
     };
+    let check = (a.status == AssumptionStatus::Assumed).then(|| sentence(a.check()));
+    let cells = [Some(status.to_owned()), Some(value(a)), Some(sentence(&a.cost())), check];
     html! {
         tr {
-            td { @if decisive { strong { (sentence(&a.text)) } } @else { (sentence(&a.text)) } " " span.aside { code { (a.code) } } }
-            td { (status) }
-            td { (value(a)) }
-            td { (sentence(&a.cost())) }
-            td { @if a.status == AssumptionStatus::Assumed { (sentence(a.check())) } }
+            th scope="row" {
+                @if decisive { strong { (sentence(&a.text)) } } @else { (sentence(&a.text)) } " " span.aside { code { (a.code) } }
+            }
+            @for (title, cell) in TITLES[1..].iter().zip(cells) { td data-title=[cell.as_ref().map(|_| title)] { (cell.unwrap_or_default()) } }
         }
     }
 }
