@@ -13,5 +13,6 @@ pub(crate) mod verification;
 
 pub(crate) use display_encoding::for_display;
 pub(crate) use drawing::Drawing;
+pub(crate) use drawing::color::ramp;
 pub(crate) use drawing::legend::Swatch;
-pub(crate) use drawing::path_data::push_lines;
+pub(crate) use drawing::path_data::{Number, push_lines};

@@ -3,7 +3,6 @@
 use maud::{Markup, html};
 use slcal_core::{Reconstruction, Rig};
 
-use super::figure::Figures;
 use super::next_steps::{PIPED, file_word};
 use super::number::{derived, fixed, significant};
 use super::page::{self, Section};
@@ -32,22 +31,19 @@ pub(crate) struct CloudPage<'a> {
 
 /// The report, complete.
 pub(crate) fn cloud_html(page: &CloudPage) -> Vec<u8> {
-    let mut figures = Figures::default();
     let result = page.result;
     let shown = ShownCloud { name: page.cloud_name.clone(), cloud: &result.cloud };
-    let fit = |figures: &mut Figures| {
-        page.surface.as_ref().map(|surface| point_statistics::fit(surface, &result.cloud, figures))
-    };
+    let fit = page.surface.as_ref().map(|surface| point_statistics::fit(surface, &result.cloud));
     let sections = [
         page.photo.as_ref().map(|photo| photograph(page, photo)),
-        Some(view_3d::section(page.rig, Some(&shown), &mut figures)),
-        fit(&mut figures),
-        Some(point_statistics::section(result, &mut figures)),
+        Some(view_3d::section(page.rig, Some(&shown), view_3d::Begin::Cloud)),
+        fit,
+        Some(point_statistics::section(result)),
         result.decode().map(decoding::section),
         Some(next_steps::listings(&page.made_by, &following(page))),
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
-    page::html(&format!("{}: cloud – slcal", page.image_name), &head(page), &sections, &figures)
+    page::html(&format!("{}: cloud – slcal", page.image_name), &head(page), &sections)
 }
 
 fn head(page: &CloudPage) -> Markup {

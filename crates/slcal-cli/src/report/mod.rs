@@ -2,19 +2,19 @@
 //!
 //! [`RigPage`] is what a report on a rig shows, [`CloudPage`] what a report on a cloud shows. Each other file is one section, and
 //! says in a line why it is not shown where something is missing. `working_volume` predicts uncertainty for `verdict` and
-//! `uncertainty_map`. `maud` escapes every text, `figure` every plot. The same page gives the same file.
+//! `uncertainty_map`. `plot` draws flat plots, `view_3d` what the page's script shows in space. `maud` escapes every text. The same page gives the same file.
 
 mod assumptions;
 mod cloud_report;
 mod command_line;
 mod decoding;
-mod figure;
 mod next_steps;
 mod number;
 mod page;
 mod parameters;
 mod photo;
 mod photographs;
+mod plot;
 mod point_statistics;
 mod residuals;
 mod rig_page;
@@ -25,7 +25,6 @@ mod view_3d;
 
 pub(crate) use self::cloud_report::{CloudPage, cloud_html};
 pub(crate) use self::command_line::CommandLine;
-use self::figure::Figures;
 use self::page::Section;
 pub(crate) use self::photo::Photo;
 pub(crate) use self::rig_page::{RigPage, ShownCloud};
@@ -33,20 +32,19 @@ use crate::summary::working_volume;
 
 /// The report, complete.
 pub(crate) fn rig_html(page: &RigPage) -> Vec<u8> {
-    let mut figures = Figures::default();
     let working = working_volume::working_volume(page.rig);
     let head = verdict::head(page, working.as_ref().ok().and_then(Option::as_ref));
     let sections = [
         Some(parameters::section(page)),
         photographs::section(page),
         sheet_bend::section(page),
-        residuals::section(page, &mut figures),
-        Some(view_3d::section(page.rig, page.cloud.as_ref(), &mut figures)),
-        uncertainty_map::section(page, working, &mut figures),
+        residuals::section(page),
+        Some(view_3d::section(page.rig, page.cloud.as_ref(), view_3d::Begin::All)),
+        uncertainty_map::section(page, working),
         next_steps::warnings(page),
         assumptions::section(page),
         next_steps::commands(page),
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
-    page::html(&verdict::title(page), &head, &sections, &figures)
+    page::html(&verdict::title(page), &head, &sections)
 }

@@ -1,12 +1,11 @@
 //! Statistics of a cloud: distances and noise of its points, and their deviation from a fitted surface.
 
 use maud::{Markup, html};
-use serde_json::json;
 use slcal_core::{PointCloud, Reconstruction};
 
-use super::figure::{Figures, flat_layout};
 use super::number::{derived, fixed, significant};
 use super::page::Section;
+use super::plot::{Axis, Bars, Colour, Plot, Strips};
 use crate::picture::stripes::thousands;
 use crate::quantile::Sorted;
 use crate::summary;
@@ -16,7 +15,7 @@ use crate::surface::FittedSurface;
 const BARS: usize = 60;
 
 /// Distances and noise of the points, and what was left out.
-pub(super) fn section(result: &Reconstruction, figures: &mut Figures) -> Section {
+pub(super) fn section(result: &Reconstruction) -> Section {
     let cloud = &result.cloud;
     let distances: Vec<f64> = cloud.distances_mm().collect();
     let noise: Vec<f64> = cloud.points.iter().map(|p| p.noise_mm).collect();
@@ -24,11 +23,11 @@ pub(super) fn section(result: &Reconstruction, figures: &mut Figures) -> Section
     let content = html! {
         div.pair {
             figure {
-                (histogram(figures, "distances", "Distances of the points from the camera.", &distances, "distance from the camera, mm", "$cloud"))
+                (histogram("distances", "Distances of the points from the camera.", &distances, "distance from the camera, mm", Colour::Cloud))
                 figcaption { "Distances of the points from the camera." }
             }
             figure {
-                (histogram(figures, "noise", "Noise of the points.", &noise, "noise along the line of sight, mm", "$noise"))
+                (histogram("noise", "Noise of the points.", &noise, "noise along the line of sight, mm", Colour::Noise))
                 figcaption { "Expected scatter of the points about the true surface, from the noise of their stripes (1σ)." }
             }
         }
@@ -42,19 +41,15 @@ pub(super) fn section(result: &Reconstruction, figures: &mut Figures) -> Section
 }
 
 /// The fitted surface that was asked for.
-pub(super) fn fit(
-    surface: &Result<FittedSurface, String>,
-    cloud: &PointCloud,
-    figures: &mut Figures,
-) -> Section {
+pub(super) fn fit(surface: &Result<FittedSurface, String>, cloud: &PointCloud) -> Section {
     let content = match surface {
         Err(why) => html! { p.note { "No surface was fitted: " (why) } },
-        Ok(surface) => fitted(surface, cloud, figures),
+        Ok(surface) => fitted(surface, cloud),
     };
     Section { id: "fit", title: "Fitted surface", content }
 }
 
-fn fitted(surface: &FittedSurface, cloud: &PointCloud, figures: &mut Figures) -> Markup {
+fn fitted(surface: &FittedSurface, cloud: &PointCloud) -> Markup {
     let ((shape, _), report) = (surface.in_words(), surface.report());
     let mut from = surface.distances_mm(cloud);
     from.retain(|d| d.abs() <= report.inlier_limit_mm);
@@ -85,7 +80,7 @@ fn fitted(surface: &FittedSurface, cloud: &PointCloud, figures: &mut Figures) ->
                 } }
             }
             figure {
-                (histogram(figures, "fit-distances", "Distances of the points from the surface.", &from, "distance from the surface, mm", "$cloud"))
+                (histogram("fit-distances", "Distances of the points from the surface.", &from, "distance from the surface, mm", Colour::Cloud))
             }
         }
     }
@@ -109,29 +104,23 @@ fn parameters(surface: &FittedSurface) -> Markup {
     }
 }
 
-fn histogram(
-    figures: &mut Figures,
-    id: &'static str,
-    alt: &str,
-    values: &[f64],
-    title: &str,
-    colour: &str,
-) -> Markup {
+fn histogram(id: &str, alt: &str, values: &[f64], title: &str, colour: Colour) -> Markup {
     // Outliers would squeeze all other values into one bar.
     let [low, high] = Sorted::new(values.iter().copied()).range([0.001, 0.999]);
-    let wide = ((high - low) / BARS as f64).max(f64::MIN_POSITIVE);
+    let width = ((high - low) / BARS as f64).max(f64::MIN_POSITIVE);
     let mut counts = vec![0usize; BARS];
     for x in values.iter().filter(|x| (low..=high).contains(*x)) {
-        counts[(((x - low) / wide) as usize).min(BARS - 1)] += 1;
+        counts[(((x - low) / width) as usize).min(BARS - 1)] += 1;
     }
-    let middles: Vec<f64> = (0..BARS).map(|i| low + (i as f64 + 0.5) * wide).collect();
-    let trace = json!({
-        "type": "bar", "x": middles, "y": counts, "width": wide * 0.92, "marker": { "color": colour },
-        "hovertemplate": "%{y} at %{x:.4g} mm<extra></extra>",
-    });
-    let layout = flat_layout(
-        json!({ "title": { "text": title } }),
-        json!({ "title": { "text": "points" }, "rangemode": "tozero" }),
-    );
-    figures.flat(id, alt, vec![trace], layout)
+    let highest = counts.iter().max().copied().unwrap_or_default() as f64;
+    let bars: Vec<(f64, usize)> =
+        counts.into_iter().enumerate().map(|(i, count)| (low + (i as f64 + 0.5) * width, count)).collect();
+    let words = |(x, count): &(f64, usize)| {
+        (*x, format!("{} points at {} mm", thousands(*count), significant(*x, 4)))
+    };
+    let strips = bars.iter().map(words).collect();
+    Plot::new(Axis::even(title, [low, high]), Axis::from_zero("points", highest))
+        .with(colour, Bars { width, bars })
+        .with(Colour::Ink, Strips { width, strips })
+        .markup(id, alt)
 }

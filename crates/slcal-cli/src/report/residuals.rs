@@ -1,12 +1,11 @@
 //! Residuals: over the image, in units of their noise, and view by view.
 
 use maud::{Markup, html};
-use serde_json::{Value, json};
 use slcal_core::{PointResidual, Rig, ViewResiduals};
 
-use super::figure::{Figures, flat_layout};
-use super::number::{field, significant};
+use super::number::{field, fixed, significant};
 use super::page::Section;
+use super::plot::{Axis, Bars, Colour, Crosses, Curve, Key, Plot, ScaleBar, Strips, Vectors};
 use super::rig_page::{RigPage, photo_name};
 use crate::picture::vector_scale::{self, round_down};
 
@@ -18,7 +17,7 @@ const ARROW_SHARE: f64 = 0.05;
 const BAR: f64 = 0.25;
 const REACH: f64 = 5.0;
 
-pub(super) fn section(page: &RigPage, figures: &mut Figures) -> Option<Section> {
+pub(super) fn section(page: &RigPage) -> Option<Section> {
     let rig = page.rig;
     if rig.views.is_empty() {
         return None;
@@ -29,7 +28,7 @@ pub(super) fn section(page: &RigPage, figures: &mut Figures) -> Option<Section> 
              model fits. They do not tell how good the calibration is; the ± do."
         }
         @match &page.residuals {
-            Ok(views) => div.pair { (over_image(rig, views, figures)) (distribution(views, figures)) },
+            Ok(views) => div.pair { (over_image(rig, views)) (distribution(views)) },
             Err(why) => p.note { "Plots of the residuals are not shown: " (why) "." },
         }
         (table(rig, page.residuals.as_ref().ok()))
@@ -38,45 +37,30 @@ pub(super) fn section(page: &RigPage, figures: &mut Figures) -> Option<Section> 
 }
 
 /// Arrows over the image, enlarged by a round factor.
-fn over_image(rig: &Rig, views: &[ViewResiduals], figures: &mut Figures) -> Markup {
+fn over_image(rig: &Rig, views: &[ViewResiduals]) -> Markup {
     let [w, h] = rig.camera.model.size().map(f64::from);
-    let sheet = || views.iter().flat_map(|v| &v.sheet);
-    let pairs = || views.iter().flat_map(|v| &v.pairs).map(|p| &p.camera);
     let kept = views.iter().flat_map(ViewResiduals::points).filter(|p| p.kept);
     let scale = vector_scale::factor(kept.map(|p| p.vector_px().norm()), ARROW_SHARE * w);
-    let bar = round_down(0.12 * w / scale);
-    let mut traces = Vec::new();
-    let kinds: [(&str, &str, Vec<&PointResidual>); 2] = [
-        ("sides of the sheet", "$sheet", sheet().collect()),
-        ("projected corners", "$projector", pairs().collect()),
-    ];
-    for (name, colour, points) in &kinds {
-        let kept: Vec<_> = points.iter().copied().filter(|p| p.kept).collect();
-        if !kept.is_empty() {
-            traces.push(arrows(name, colour, &kept, scale));
-        }
+    let mut plot = Plot::new(Axis::even("column, px", [0.0, w]), Axis::even("row, px", [h, -0.1 * h]))
+        .with_equal_units();
+    for kind in [Kind::Side, Kind::Corner] {
+        plot = arrows(plot, rig, views, kind, scale);
     }
     // Their arrows would cover everything else.
-    let left_out: Vec<_> = sheet().chain(pairs()).filter(|p| !p.kept).collect();
+    let left_out: Vec<_> = views.iter().flat_map(ViewResiduals::points).filter(|p| !p.kept).collect();
     if !left_out.is_empty() {
-        traces.push(crosses(&left_out));
+        let name = "outliers, left out";
+        let at = thinned(&left_out).map(|p| [p.seen.x, p.seen.y]).collect();
+        plot = plot.named(name, Key::Cross, Colour::Ink, Crosses { at, name: name.to_owned() });
     }
     // The scale's bar stands above the image.
-    let y = -0.06 * h;
-    traces.push(json!({
-        "type": "scatter", "mode": "lines+text", "x": [0.0, bar * scale], "y": [y, y], "showlegend": false,
-        "text": ["", format!(" {} px", significant(bar, 2))], "textposition": "middle right", "hoverinfo": "skip",
-        "line": { "color": "$ink", "width": 3 }, "textfont": { "color": "$ink" }, "cliponaxis": false,
-    }));
-    let mut layout = flat_layout(
-        json!({ "title": { "text": "column, px" }, "range": [0.0, w], "constrain": "domain" }),
-        json!({ "title": { "text": "row, px" }, "range": [h, -0.1 * h], "scaleanchor": "x", "constrain": "domain" }),
-    );
-    layout["legend"]["y"] = json!(1.0);
+    let bar = round_down(0.12 * w / scale);
+    let words = format!("{} px", significant(bar, 2));
+    let plot = plot.with(Colour::Ink, ScaleBar { from: [0.0, -0.05 * h], length: bar * scale, words });
     let alt = format!("Residuals over the image of the camera, enlarged {scale} times.");
     html! {
         figure {
-            (figures.flat("residuals-image", &alt, traces, layout))
+            (plot.markup("residuals-image", &alt))
             figcaption {
                 "From the measured to the predicted position" @if scale > 1.0 { ", enlarged " (significant(scale, 2)) " times" } ". They should point in \
                  random directions. A pattern means that the model is incomplete: a bent sheet, or unmodelled lens distortion."
@@ -85,39 +69,60 @@ fn over_image(rig: &Rig, views: &[ViewResiduals], figures: &mut Figures) -> Mark
     }
 }
 
-fn arrows(name: &str, colour: &str, points: &[&PointResidual], scale: f64) -> Value {
-    let step = points.len().div_ceil(MAX_ARROWS).max(1);
-    let (mut x, mut y, mut size) = (Vec::new(), Vec::new(), Vec::new());
-    for p in points.iter().step_by(step).filter(|p| p.vector_px().iter().all(|c| c.is_finite())) {
-        let end = p.seen + p.vector_px() * scale;
-        x.extend([Some(rounded(p.seen.x)), Some(rounded(end.x)), None]);
-        y.extend([Some(rounded(p.seen.y)), Some(rounded(end.y)), None]);
-        size.extend([3, 0, 0]);
+/// What was measured.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    Side,
+    Corner,
+}
+
+impl Kind {
+    fn name_and_colour(self) -> (&'static str, Colour) {
+        match self {
+            Self::Side => ("sides of the sheet", Colour::Sheet),
+            Self::Corner => ("projected corners", Colour::Projector),
+        }
     }
-    json!({
-        "type": "scatter", "mode": "lines+markers", "name": name, "x": x, "y": y, "hoverinfo": "skip",
-        "line": { "color": colour, "width": 1.25 }, "marker": { "size": size, "color": colour, "line": { "width": 0 } },
-    })
+
+    fn of(self, view: &ViewResiduals) -> Vec<&PointResidual> {
+        let all: Vec<_> = match self {
+            Self::Side => view.sheet.iter().collect(),
+            Self::Corner => view.pairs.iter().map(|p| &p.camera).collect(),
+        };
+        all.into_iter().filter(|p| p.kept).collect()
+    }
 }
 
-/// Points that were left out of the fit.
-fn crosses(points: &[&PointResidual]) -> Value {
-    let step = points.len().div_ceil(MAX_ARROWS).max(1);
-    let shown = || points.iter().step_by(step);
-    json!({
-        "type": "scatter", "mode": "markers", "name": "outliers, left out", "hoverinfo": "skip",
-        "x": shown().map(|p| rounded(p.seen.x)).collect::<Vec<_>>(), "y": shown().map(|p| rounded(p.seen.y)).collect::<Vec<_>>(),
-        "marker": { "symbol": "x-thin", "size": 6, "line": { "width": 1.25, "color": "$ink" } },
-    })
+/// The residuals of a kind that were used, a group per photograph, so that the pointer can name it.
+fn arrows(mut plot: Plot, rig: &Rig, views: &[ViewResiduals], kind: Kind, scale: f64) -> Plot {
+    let (name, colour) = kind.name_and_colour();
+    let all: usize = views.iter().map(|v| kind.of(v).len()).sum();
+    let step = all.div_ceil(MAX_ARROWS).max(1);
+    let mut named = false;
+    for (i, view) in views.iter().enumerate() {
+        let points = kind.of(view);
+        let finite = points.iter().filter(|p| p.vector_px().iter().all(|c| c.is_finite()));
+        let from_to: Vec<_> = finite
+            .step_by(step)
+            .map(|p| [p.seen, p.seen + p.vector_px() * scale].map(|p| [p.x, p.y]))
+            .collect();
+        if from_to.is_empty() {
+            continue;
+        }
+        let vectors = Vectors { from_to, name: format!("{}: {name}", photo_name(rig, i)) };
+        plot =
+            if named { plot.with(colour, vectors) } else { plot.named(name, Key::Vector, colour, vectors) };
+        named = true;
+    }
+    plot
 }
 
-/// To hundredths of a pixel, which are enough for a plot.
-fn rounded(x: f64) -> f64 {
-    (x * 100.0).round() / 100.0
+fn thinned<'a>(points: &'a [&PointResidual]) -> impl Iterator<Item = &'a PointResidual> {
+    points.iter().copied().step_by(points.len().div_ceil(MAX_ARROWS).max(1))
 }
 
 /// The residuals in units of their noise, and the normal distribution.
-fn distribution(views: &[ViewResiduals], figures: &mut Figures) -> Markup {
+fn distribution(views: &[ViewResiduals]) -> Markup {
     let mut all = Vec::new();
     for view in views {
         // Corners that were given move in both directions, points of a side only across it.
@@ -133,30 +138,29 @@ fn distribution(views: &[ViewResiduals], figures: &mut Figures) -> Markup {
         counts[bar as usize] += 1;
     }
     let beyond = all.iter().filter(|x| x.abs() > REACH).count();
-    let middle = |i: usize| -REACH + (i as f64 + 0.5) * BAR;
     let normal = |x: f64| all.len() as f64 * BAR * (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt();
-    let curve: Vec<f64> = (0..=100).map(|i| -REACH + f64::from(i) * REACH / 50.0).collect();
-    let traces = vec![
-        json!({
-            "type": "bar", "name": "measured", "x": (0..bars).map(middle).collect::<Vec<_>>(), "y": counts,
-            "width": BAR * 0.92, "marker": { "color": "$cloud" }, "hovertemplate": "%{y} at %{x:.2f} σ<extra></extra>",
-        }),
-        json!({
-            "type": "scatter", "mode": "lines", "name": "normal distribution", "x": curve, "y": curve.iter().map(|x| normal(*x)).collect::<Vec<_>>(),
-            "line": { "color": "$ink", "width": 2 }, "hoverinfo": "skip",
-        }),
-    ];
-    let layout = flat_layout(
-        json!({ "title": { "text": "residual / σ of its noise" }, "range": [-REACH, REACH] }),
-        json!({ "title": { "text": "measurements" }, "rangemode": "tozero" }),
-    );
+    let highest = counts.iter().max().map_or(0.0, |n| *n as f64).max(normal(0.0));
+    let curve =
+        (0..=100).map(|i| -REACH + f64::from(i) * REACH / 50.0).map(|x| Some([x, normal(x)])).collect();
+    let bars: Vec<(f64, usize)> =
+        counts.into_iter().enumerate().map(|(i, n)| (-REACH + (i as f64 + 0.5) * BAR, n)).collect();
+    let words =
+        |(x, n): &(f64, usize)| (*x, format!("{n} at {} σ, {} expected", fixed(*x, 2), fixed(normal(*x), 0)));
+    let strips = bars.iter().map(words).collect();
+    let plot = Plot::new(
+        Axis::even("residual / σ of its noise", [-REACH, REACH]),
+        Axis::from_zero("measurements", highest),
+    )
+    .named("measured", Key::Bar, Colour::Cloud, Bars { width: BAR, bars })
+    .named("normal distribution", Key::Line, Colour::Ink, Curve { points: curve, dashed: false })
+    .with(Colour::Ink, Strips { width: BAR, strips });
     let alt = format!(
         "Distribution of {} residuals in units of their noise, with the normal distribution.",
         all.len()
     );
     html! {
         figure {
-            (figures.flat("residuals-distribution", &alt, traces, layout))
+            (plot.markup("residuals-distribution", &alt))
             figcaption {
                 (all.len()) " residuals in units of their noise. Bars that follow the normal curve mean that the residuals are noise. A wider \
                  distribution means that the model is incomplete; a narrower one, that there was less noise than assumed."

@@ -1,26 +1,24 @@
-//! The cloud, thinned so that a browser rotates it smoothly, with a choice of colours.
+//! The cloud in the camera's frame, thinned where the page would become too large.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
 use nalgebra::Point3;
-use serde_json::{Value, json};
 use slcal_core::geometry::Pose;
-use slcal_core::{PointCloud, Rig};
+use slcal_core::{CloudPoint, PointCloud, Rig};
 
-use super::super::figure::{Choice, packed, packed_colours, packed_indices};
+use crate::cloud_view::packed;
+use crate::picture::stripes::thousands;
 use crate::quantile::Sorted;
 
-/// More points than this are thinned: enough for a shape, and a report that opens at once and stays small.
-const MAX_SHOWN: usize = 20_000;
+/// More points than this are thinned: with their surface they make a page of about 6 MB, which can still be sent.
+const MAX_SHOWN: usize = 200_000;
+/// Coordinates are rounded to about this share of the depth, which no screen shows. A power of two leaves zeros, which pack well.
+const KEPT: f64 = 1.0 / 65_536.0;
 
 /// Points as they are shown.
 pub(super) struct ShownPoints {
-    positions: Vec<Point3<f64>>,
-    colours: Vec<[u8; 3]>,
-    sigma_mm: Vec<f64>,
-    noise_mm: Vec<f64>,
-    triangles: Vec<[u32; 3]>,
+    cloud: PointCloud,
     total: usize,
     total_triangles: usize,
 }
@@ -31,147 +29,79 @@ impl ShownPoints {
         let camera_from_cloud = camera_from_cloud(rig, cloud.frame);
         let positions: Vec<Point3<f64>> =
             cloud.points.iter().map(|p| camera_from_cloud.transform(&p.position)).collect();
-        let pixels: Vec<Option<[f64; 2]>> = positions
-            .iter()
-            .map(|p| {
-                rig.camera.model.project(p).map(|u| [u.x, u.y]).filter(|u| u.iter().all(|x| x.is_finite()))
-            })
-            .collect();
-        let mut cell = 0.0;
-        let (mut kept, mut place) = every(&positions);
-        let area = f64::from(rig.camera.model.width) * f64::from(rig.camera.model.height);
-        while kept.len() > MAX_SHOWN {
-            cell = if cell == 0.0 {
-                (area / cloud.points.len().max(1) as f64).sqrt() * 0.25
-            } else {
-                cell * 1.12
-            };
-            (kept, place) = one_per_cell(&positions, &pixels, cell);
-        }
-        let triangles = thinned(&cloud.triangles, &place);
-        let of = |f: fn(&slcal_core::CloudPoint) -> f64| kept.iter().map(|&i| f(&cloud.points[i])).collect();
-        Self {
-            positions: kept.iter().map(|&i| positions[i]).collect(),
-            colours: kept.iter().map(|&i| cloud.points[i].color).collect(),
-            sigma_mm: of(|p| p.sigma_mm),
-            noise_mm: of(|p| p.noise_mm),
-            triangles,
-            total: cloud.points.len(),
-            total_triangles: cloud.triangles.len(),
-        }
+        let (kept, place) = few_enough(rig, &positions);
+        let point = |&i: &usize| CloudPoint { position: positions[i], ..cloud.points[i] };
+        let shown = PointCloud {
+            points: kept.iter().map(point).collect(),
+            triangles: thinned(&cloud.triangles, &place),
+            ..PointCloud::default()
+        };
+        Self { cloud: shown, total: cloud.points.len(), total_triangles: cloud.triangles.len() }
     }
 
     /// Half of the points are nearer than this.
     pub(super) fn median_depth_mm(&self) -> Option<f64> {
-        Sorted::new(self.positions.iter().map(|p| p.z)).at(0.5)
+        Sorted::new(self.cloud.points.iter().map(|p| p.position.z)).at(0.5)
     }
 
-    /// Adds the cloud to a plot; gives the choices of its colour.
-    pub(super) fn add_to(&self, traces: &mut Vec<Value>) -> Vec<Choice> {
-        if self.positions.is_empty() {
-            return Vec::new();
+    /// As the view takes them.
+    pub(super) fn packed(&self) -> Vec<u8> {
+        let mut cloud = self.cloud.clone();
+        let step = (KEPT * self.median_depth_mm().unwrap_or(1.0).abs().max(1.0)).log2().floor().exp2();
+        for point in &mut cloud.points {
+            point.position = point.position.map(|x| (x / step).round() * step);
+            point.sigma_mm = f64::from(shortened(point.sigma_mm));
         }
-        let axis = |k: usize| packed(&self.positions.iter().map(|p| plotted(p)[k]).collect::<Vec<_>>());
-        let points = traces.len();
-        let colours = self.colours();
-        let mut trace = json!({
-            "type": "scatter3d", "mode": "markers", "name": "points", "x": axis(0), "y": axis(1), "z": axis(2),
-            "marker": {
-                // Squares have two triangles, circles dozens.
-                "symbol": "square", "size": 2, "line": { "width": 0 }, "opacity": 1,
-                "colorbar": { "thickness": 12, "len": 0.6, "outlinewidth": 0, "tickcolor": "$line" },
-            },
-            "hovertemplate": "%{x:.1f} right, %{y:.1f} deep, %{z:.1f} up<extra></extra>",
-        });
-        // As the first choice, which is pressed, shows them.
-        for (path, value) in colours.first().and_then(|(_, change)| change.as_object()).into_iter().flatten()
-        {
-            *path.split('.').fold(&mut trace, |at, key| &mut at[key]) = value.clone();
-        }
-        traces.push(trace);
-        let choice = |(label, change): &(&'static str, Value)| Choice {
-            label,
-            traces: vec![points],
-            change: change.clone(),
-        };
-        let mut choices: Vec<Choice> = colours.iter().map(choice).collect();
-        if !self.triangles.is_empty() {
-            traces.push(self.surface());
-            for choice in &mut choices {
-                choice.traces.push(points + 1);
-                choice.change["visible"] = json!([true, false]);
-            }
-            choices.push(Choice {
-                label: "surface",
-                traces: vec![points, points + 1],
-                change: json!({ "visible": [false, true] }),
-            });
-        }
-        if choices.len() > 1 { choices } else { Vec::new() }
+        packed(&cloud)
     }
 
-    fn surface(&self) -> Value {
-        let axis = |k: usize| packed(&self.positions.iter().map(|p| plotted(p)[k]).collect::<Vec<_>>());
-        let corner = |k: usize| packed_indices(&self.triangles.iter().map(|t| t[k]).collect::<Vec<_>>());
-        json!({
-            "type": "mesh3d", "name": "surface", "visible": false, "x": axis(0), "y": axis(1), "z": axis(2),
-            "i": corner(0), "j": corner(1), "k": corner(2), "color": "$surface", "flatshading": false,
-            "lighting": { "ambient": 0.35, "diffuse": 0.8, "specular": 0.08, "roughness": 0.7, "fresnel": 0.05 },
-            "lightposition": { "x": -1e4, "y": -2e4, "z": 2e4 }, "hoverinfo": "skip", "showlegend": false,
-        })
-    }
-
-    /// By what the points may be coloured: name and what plotly is to change.
-    fn colours(&self) -> Vec<(&'static str, Value)> {
-        let by_value = |title: &str, values: Value, range: [f64; 2]| {
-            json!({
-                "marker.color": values, "marker.colorscale": "Viridis", "marker.showscale": true, "marker.cmin": range[0],
-                "marker.cmax": range[1], "marker.colorbar.title.text": title,
-            })
-        };
-        let mut all = Vec::new();
-        if self.colours.iter().any(|c| *c != self.colours[0]) {
-            let colours = packed_colours(self.colours.iter().copied());
-            all.push(("photograph", json!({ "marker.color": colours, "marker.showscale": false })));
-        }
-        let depth: Vec<f64> = self.positions.iter().map(|p| p.z).collect();
-        all.push(("depth", by_value("depth, mm", packed(&depth), bulk(&depth))));
-        for (label, title, values) in [("σ", "σ, mm", &self.sigma_mm), ("noise", "noise, mm", &self.noise_mm)]
-        {
-            if values.iter().any(|x| x.is_finite() && *x > 0.0) {
-                all.push((label, by_value(title, packed(values), bulk(values))));
-            }
-        }
-        all
+    /// The noise of each point, f32, mm; NaN where it is not known.
+    pub(super) fn noise(&self) -> Vec<u8> {
+        let known = |p: &CloudPoint| if p.noise_mm > 0.0 { shortened(p.noise_mm) } else { f32::NAN };
+        self.cloud.points.iter().flat_map(|p| known(p).to_le_bytes()).collect()
     }
 
     /// How much of the cloud is shown.
     pub(super) fn note(&self, name: &str) -> String {
-        let mut note = if self.positions.len() < self.total {
-            format!(
-                "{} of the {} points of {name} are shown, spread evenly over the image",
-                self.positions.len(),
-                self.total
-            )
+        let (points, triangles) = (self.cloud.points.len(), self.cloud.triangles.len());
+        let mut note = if points < self.total {
+            let (points, total) = (thousands(points), thousands(self.total));
+            format!("{points} of the {total} points of {name} are shown, spread evenly over the image")
         } else {
-            format!("All {} points of {name} are shown", self.total)
+            format!("All {} points of {name} are shown", thousands(self.total))
         };
-        if self.total_triangles > self.triangles.len() {
-            let _ = write!(
-                note,
-                "; the surface has {} of {} triangles",
-                self.triangles.len(),
-                self.total_triangles
-            );
+        if self.total_triangles > triangles {
+            let (shown, total) = (thousands(triangles), thousands(self.total_triangles));
+            let _ = write!(note, "; the surface has {shown} of {total} triangles");
         }
         note + ". σ is the expected error along the line of sight, most of it common to all points; noise is the part that differs \
                 from point to point."
     }
 }
 
-/// The axes of the plot: right, forward, up; a camera's are right, down, forward.
-pub(super) fn plotted(p: &Point3<f64>) -> [f64; 3] {
-    [p.x, p.z, -p.y]
+/// A number with three to four digits: the rest are zeros, which pack well.
+fn shortened(x: f64) -> f32 {
+    const DROPPED: u32 = 12;
+    let bits = (x as f32).to_bits();
+    f32::from_bits(bits >> DROPPED << DROPPED)
+}
+
+/// As many points as are shown, and which one stands for each point.
+fn few_enough(rig: &Rig, positions: &[Point3<f64>]) -> (Vec<usize>, Vec<Option<u32>>) {
+    let (mut kept, mut place) = every(positions);
+    if kept.len() <= MAX_SHOWN {
+        return (kept, place);
+    }
+    let model = &rig.camera.model;
+    let seen = |p| model.project(p).map(|u| [u.x, u.y]).filter(|u| u.iter().all(|x| x.is_finite()));
+    let pixels: Vec<Option<[f64; 2]>> = positions.iter().map(seen).collect();
+    let area = f64::from(model.width) * f64::from(model.height);
+    let mut cell = (area / positions.len() as f64).sqrt() * 0.25;
+    while kept.len() > MAX_SHOWN {
+        (kept, place) = one_per_cell(positions, &pixels, cell);
+        cell *= 1.12;
+    }
+    (kept, place)
 }
 
 /// Where the cloud's points are in the camera's frame.
@@ -237,36 +167,9 @@ fn thinned(triangles: &[[u32; 3]], place: &[Option<u32>]) -> Vec<[u32; 3]> {
     kept
 }
 
-/// The range of colours: nearly all values, so that a few far ones do not make the rest alike.
-fn bulk(values: &[f64]) -> [f64; 2] {
-    Sorted::new(values.iter().copied()).range([0.02, 0.98])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn points_begin_as_the_choice_that_is_pressed() {
-        let at = |z: f64| Point3::new(0.0, 0.0, z);
-        let one_colour = ShownPoints {
-            positions: vec![at(900.0), at(1100.0)],
-            colours: vec![[7; 3]; 2],
-            sigma_mm: vec![f64::NAN; 2],
-            noise_mm: vec![f64::NAN; 2],
-            triangles: Vec::new(),
-            total: 2,
-            total_triangles: 0,
-        };
-        let mut traces = Vec::new();
-        one_colour.add_to(&mut traces);
-        let marker = &traces[0]["marker"];
-        assert_eq!(
-            (&marker["showscale"], &marker["colorbar"]["title"]["text"]),
-            (&json!(true), &json!("depth, mm"))
-        );
-        assert_eq!(marker["colorbar"]["thickness"], 12);
-    }
 
     #[test]
     fn thinning_keeps_one_point_per_cell_and_depth() {
