@@ -28,7 +28,7 @@ class Page:
 
     driver: webdriver.Chrome
     seconds: float
-    """From the request to the last plot."""
+    """From the request until all is drawn."""
 
     def run(self, script: str, *args: Any) -> Any:
         return self.driver.execute_script(script, *args)
@@ -124,16 +124,18 @@ def opened(path: Path, size: tuple[int, int] = (1280, 900), scheme: str = "light
         page = Page(driver, 0.0)
         page.cdp("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1,
                  mobile=width < 600)
-        page.cdp("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+        # What scrolls smoothly has moved on when it is clicked.
+        page.cdp("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme},
+                                                         {"name": "prefers-reduced-motion", "value": "reduce"}])
         page.cdp("Emulation.setScriptExecutionDisabled", value=not scripts)
         # The first page of a new window asks for things of its own.
         driver.get("about:blank")
         logged(driver, "performance")
         start = time.monotonic()
         driver.get(path.resolve().as_uri())
-        while scripts and page.run("return document.documentElement.dataset.drawn !== 'all' && !!document.getElementById('figures')"):
+        while scripts and page.run("return document.documentElement.dataset.drawn !== 'all' && !!document.getElementById('space')"):
             if time.monotonic() - start > PATIENCE_S:
-                raise TimeoutError(f"not all plots of {path} drawn after {PATIENCE_S} s: {logged(driver, 'browser')}")
+                raise TimeoutError(f"not all of {path} drawn after {PATIENCE_S} s: {logged(driver, 'browser')}")
             time.sleep(0.02)
         page.seconds = time.monotonic() - start
         yield page

@@ -41,8 +41,8 @@ def test_the_page_is_that_of_the_command(photo: np.ndarray, checker: slcal.Check
             "--photo", DEMO / "sheet.jpg", "-o", tmp_path / "by_command.html")
     by_command = (tmp_path / "by_command.html").read_text()
     assert len(fields(page)) > 20 and fields(page) == fields(by_command)
-    figures = [re.search(r'id="figures">(.*?)</script>', text, re.S) for text in (page, by_command)]
-    assert figures[0] and figures[1] and figures[0][1] == figures[1][1]
+    for drawn in (r'id="scene">(.*?)</script>', r'<div class="plot".*?</svg></div>'):
+        assert re.findall(drawn, page, re.S) and re.findall(drawn, page, re.S) == re.findall(drawn, by_command, re.S)
     assert page.count("data:image/jpeg") == by_command.count("data:image/jpeg") == 1
 
 
