@@ -72,7 +72,7 @@ def report(demo: Path) -> None:
             return Image.open(io.BytesIO(page.pixels(element))).convert("RGB")
 
         verdict = look(".verdict")
-        seen, space = look(".photos svg"), look("#space")
+        seen, space = look(".photos svg"), look("#space .cloud-view-stage")
     width = verdict.width
     below = beside(*(p.resize((p.width * 420 // p.height, 420), Image.Resampling.LANCZOS) for p in (seen, space)))
     below = below.resize((width, below.height * width // below.width), Image.Resampling.LANCZOS)
