@@ -6,8 +6,9 @@ use slcal_core::{Rig, SheetSize};
 
 use super::auto_shot::Quad;
 use super::live::Look;
+use super::page_warning::PageWarning;
 use super::project::{Purpose, StoredPhoto};
-use super::state::{CloudEntry, DemoScene, Guide, PageWarning, Problem};
+use super::state::{CloudEntry, DemoScene, Guide, Problem};
 
 /// What panel, sheet and pattern are.
 #[derive(Debug, Clone, Copy, PartialEq)]

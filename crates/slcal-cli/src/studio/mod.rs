@@ -13,6 +13,7 @@ mod job;
 mod live;
 mod machine;
 mod page_calibration;
+mod page_warning;
 mod pose_angles;
 mod project;
 mod queue;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use slcal_core::{Assumption, AssumptionStatus, Rig, Verdict};
 
-use super::state::PageWarning;
+use super::page_warning::PageWarning;
 
 /// A value and its σ.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use slcal_core::SheetSize;
 
 use super::page_calibration::PageCalibration;
+use super::page_warning::PageWarning;
 
 /// Name of the state's format.
 pub(super) const SCHEMA: &str = "slcal-studio/1";
@@ -207,19 +208,6 @@ pub(super) struct CloudEntry {
     pub(super) photo_name: String,
     pub(super) saved: Vec<String>,
     pub(super) warnings: Vec<PageWarning>,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub(super) struct PageWarning {
-    pub(super) code: String,
-    pub(super) message: String,
-    pub(super) advice: String,
-}
-
-impl From<&slcal_core::Warning> for PageWarning {
-    fn from(w: &slcal_core::Warning) -> Self {
-        Self { code: w.code.clone(), message: w.message.clone(), advice: w.advice.clone() }
-    }
 }
 
 /// The newest cloud of a continuous scan.

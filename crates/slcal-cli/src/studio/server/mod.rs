@@ -6,6 +6,7 @@ pub(super) mod hub;
 pub(super) mod links;
 mod pages;
 mod routes;
+mod session;
 mod socket;
 
 use std::net::TcpListener;

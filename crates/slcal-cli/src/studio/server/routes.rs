@@ -19,6 +19,7 @@ use slcal_core::format::{CloudFormat, read_ply};
 use super::access::{Role, check_origin};
 use super::answer::{Refusal, bytes, download, report, secured};
 use super::hub::Hub;
+use super::session::{Answer, Asked, role};
 use super::{pages, socket};
 use crate::cloud_view::packed;
 use crate::io::decode_photo;
@@ -36,16 +37,6 @@ const SHOWN_PX: u32 = 1280;
 const SMALLEST_PX: u32 = 64;
 
 type Shared = State<Arc<Hub>>;
-pub(super) type Answer = Result<Response<Body>, Refusal>;
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(super) struct Asked {
-    #[serde(rename = "as")]
-    pub(super) role: Option<Role>,
-    name: Option<String>,
-    width: Option<u32>,
-}
 
 pub(super) fn router(hub: Arc<Hub>) -> Router {
     Router::new()
@@ -91,33 +82,6 @@ async fn guard(State(hub): Shared, request: Request, next: Next) -> Response<Bod
 fn page(name: &str) -> Answer {
     let (kind, content) = pages::file(name).ok_or_else(|| Refusal::missing("such page"))?;
     Ok(bytes(kind, content.to_vec()))
-}
-
-/// The role that a request has: the one it states, or the first that its cookies hold.
-pub(super) fn role(hub: &Hub, headers: &HeaderMap, asked: &Asked, allowed: &[Role]) -> Result<Role, Refusal> {
-    let access = hub.access();
-    let has = |role: &&Role| access.has(headers, **role);
-    let found = match &asked.role {
-        Some(role) => Some(role).filter(has),
-        None => Role::ALL.iter().find(|r| has(r) && allowed.contains(r)),
-    };
-    let found = found.ok_or_else(|| {
-        Refusal::new(
-            StatusCode::FORBIDDEN,
-            "session-missing",
-            "this page has no session",
-            "open the address that slcal studio printed",
-        )
-    })?;
-    if !allowed.contains(found) {
-        return Err(Refusal::new(
-            StatusCode::FORBIDDEN,
-            "role-other",
-            "this page may not do that",
-            "use the operator's page",
-        ));
-    }
-    Ok(*found)
 }
 
 /// Those who see everything.

@@ -11,7 +11,7 @@ use tokio::sync::broadcast::error::RecvError;
 
 use super::access::Role;
 use super::hub::{Hub, Message};
-use super::routes::{Answer, Asked, role};
+use super::session::{Answer, Asked, role};
 use crate::studio::event::{DisplayEvent, OperatorEvent};
 
 /// Largest message, bytes: a live frame.
