@@ -5,6 +5,9 @@ use super::state::{Measured, Problem};
 /// Widths over heights that differ by less are the same.
 const SAME_ASPECT: f64 = 0.01;
 
+/// Code of a page that does not fill the display.
+pub(super) const NOT_FULL_SCREEN: &str = "display-not-full-screen";
+
 /// What stands against pixels at 1:1 on a panel of this size; `None` where nothing does.
 pub(super) fn check(panel: [u32; 2], measured: Option<&Measured>) -> Option<Problem> {
     let Some(m) = measured else {
@@ -36,7 +39,7 @@ pub(super) fn check(panel: [u32; 2], measured: Option<&Measured>) -> Option<Prob
     }
     (!m.fullscreen || m.viewport != panel).then(|| {
         Problem::new(
-            "display-not-full-screen",
+            NOT_FULL_SCREEN,
             "the display page does not fill the projector's picture",
             "press F in the display window, or double-click in it",
         )

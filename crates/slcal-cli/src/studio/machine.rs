@@ -557,6 +557,14 @@ impl Machine {
         self.state.display.wanted = Wanted { kind, sequence, url };
     }
 
+    /// Another page operates: a webcam of the one before has gone with it.
+    pub(super) fn operator_changed(&mut self) {
+        if self.state.camera.kind == Some(CameraKind::Webcam) {
+            self.state.camera.connected = false;
+            self.stop_scanning();
+        }
+    }
+
     /// How many display pages are there.
     pub(super) fn displays(&mut self, count: usize) {
         self.state.display.connected = count > 0;
@@ -577,7 +585,11 @@ impl Machine {
                 "the display window, which is the simulated projector, is not open",
                 "open the display window",
             )),
-            Some(panel) => display_check::check(panel, display.measured.as_ref()).or(of_page),
+            Some(panel) => match display_check::check(panel, display.measured.as_ref()) {
+                // The page sees what covers it.
+                Some(found) if found.code == display_check::NOT_FULL_SCREEN => of_page.or(Some(found)),
+                found => found.or(of_page),
+            },
             None => None,
         };
     }

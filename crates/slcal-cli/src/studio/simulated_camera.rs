@@ -24,9 +24,8 @@ const LENS_SHIFT: f64 = 0.3;
 const BASELINE_MM: f64 = 260.0;
 /// Where the sheet is held at first, and the projector is aimed at.
 pub(super) const DISTANCE_MM: f64 = 1000.0;
-/// Radius of the sphere to scan, mm, and the distance of the wall behind it.
-pub(super) const SPHERE_MM: f64 = 130.0;
-const WALL_MM: f64 = 320.0;
+/// Radius of the sphere to scan, mm. It hangs before the dark, so that its cloud is a sphere and nothing else.
+const SPHERE_MM: f64 = 130.0;
 /// Light of the room, as a share of the projector's: sides of the sheet beyond the projector's light are seen.
 const ROOM: f64 = 0.06;
 /// Quality of its JPEG files.
@@ -116,8 +115,8 @@ fn placement(scene: DemoScene) -> Placement {
         },
         turn_rad: if sheet { [x, y, pose.roll_deg.to_radians()] } else { [0.0; 3] },
         albedo: [0.85; 3],
-        wall_mm: (!sheet).then_some(WALL_MM),
-        wall_albedo: 0.5,
+        wall_mm: None,
+        wall_albedo: 0.0,
     }
 }
 

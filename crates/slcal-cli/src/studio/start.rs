@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::browser;
 use super::machine::{Machine, Options};
-use super::project::{Project, Settings, extension_of};
+use super::project::{Project, Purpose, Settings, extension_of};
 use super::queue::{Next, Queue};
 use super::server::access::Access;
 use super::server::hub::Hub;
@@ -142,10 +142,14 @@ fn watch(folder: &Path) -> Outcome<WatchFolder> {
 /// Takes photographs out of the watched folder as they are completed.
 fn start_watching(mut watched: WatchFolder, project: Arc<Project>, hub: Arc<Hub>, printer: Printer) {
     thread::spawn(move || {
+        // Photographs that came in a step that takes none wait for the next one that does.
+        let mut waiting = Vec::new();
         loop {
             thread::sleep(WATCH_EVERY);
-            for path in watched.new_files(Instant::now()) {
-                if let Err(failure) = take(&path, &project, &hub) {
+            waiting.extend(watched.new_files(Instant::now()));
+            let Ok(purpose) = hub.purpose() else { continue };
+            for path in waiting.drain(..) {
+                if let Err(failure) = take(&path, purpose, &project, &hub) {
                     printer.note(failure.to_string());
                 }
             }
@@ -153,11 +157,10 @@ fn start_watching(mut watched: WatchFolder, project: Arc<Project>, hub: Arc<Hub>
     });
 }
 
-fn take(path: &Path, project: &Project, hub: &Hub) -> Outcome {
+fn take(path: &Path, purpose: Purpose, project: &Project, hub: &Hub) -> Outcome {
     let bytes = crate::io::read_bytes(path, "a photograph")?;
     // Cameras write other files beside their photographs.
     let Some(extension) = extension_of(&bytes) else { return Ok(()) };
-    let Ok(purpose) = hub.purpose() else { return Ok(()) };
     let photo = project.keep(purpose, &bytes, extension)?;
     hub.kept(purpose, photo);
     Ok(())

@@ -172,6 +172,7 @@ impl Hub {
             inner.pages.retain(|p| p.id != id);
             if inner.operating == Some(id) {
                 inner.operating = inner.pages.iter().find(|p| p.role == Role::Operator).map(|p| p.id);
+                inner.machine.operator_changed();
             }
             inner.count_displays();
             Vec::new()
@@ -187,7 +188,9 @@ impl Hub {
         let mut refused = None;
         self.change(|inner| {
             if event == OperatorEvent::TakeOver {
-                inner.operating = Some(id);
+                if inner.operating.replace(id) != Some(id) {
+                    inner.machine.operator_changed();
+                }
                 return Vec::new();
             }
             if inner.operating != Some(id) {
