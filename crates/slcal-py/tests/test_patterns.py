@@ -92,7 +92,7 @@ def test_marks_stand_at_the_corners_and_in_the_middles_of_the_sides(tmp_path):
     marked.save(tmp_path / "marked.json")
     assert slcal.CheckerPattern.load(tmp_path / "marked.json") == marked
     with pytest.raises(slcal.Error, match="marks"):
-        slcal.CheckerPattern((1024, 768), square_px=92, marks=True)
+        slcal.CheckerPattern((1024, 768), squares=(101, 74), square_px=10, marks=True)
 
 
 def test_the_border_of_the_light_is_an_observation_that_is_kept():

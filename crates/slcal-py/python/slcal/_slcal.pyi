@@ -29,6 +29,7 @@ __all__ = [
     "Detection",
     "Matches",
     "Observations",
+    "PhotoTags",
     "PointCloud",
     "Pose",
     "Reconstructor",
@@ -51,6 +52,7 @@ __all__ = [
     "load_pattern",
     "observe",
     "read_image",
+    "read_tags",
     "run_command",
     "simulate_noise",
     "simulate_scene",
@@ -679,6 +681,9 @@ class ViewObservation:
         it is estimated from the residuals.
     pair_sigma_px : array_like, optional
         1σ of the camera's coordinates of the pairs, px: (N,) or one for all. By default it is estimated from the residuals.
+    panel_points : array_like, optional
+        (N, 5), px: camera x, camera y, panel x, panel y and 1σ of points whose place on the panel is known, as the property
+        `panel_points` has them.
     photo : str, optional
         Name of the photograph.
 
@@ -732,8 +737,8 @@ class ViewObservation:
         """1σ of the camera's coordinates of the pairs: (N,) float64, px; None where it was not given."""
     @property
     def panel_points(self) -> NDArray[np.float64]:
-        """Camera x, camera y, panel x, panel y of points on the border of the projector's light and of marks: (N, 4) float64, px.
-        NaN stands for the coordinate along a border. They test whether the picture was shown pixel for pixel.
+        """Camera x, camera y, panel x, panel y and 1σ of points on the border of the projector's light and of marks: (N, 5)
+        float64, px. NaN stands for the coordinate along a border, and for a σ that was not given. They test whether the picture was shown pixel for pixel.
         """
     @property
     def photo(self) -> str | None:

@@ -25,6 +25,15 @@ class Studio:
     """A studio that runs beside this program; `slcal.studio` starts one.
 
     Everything that is made in the window lies in the folder `dir`: `rig` and `clouds` read it from there.
+
+    Parameters
+    ----------
+    process : subprocess.Popen
+        The studio.
+    folder : Path
+        The project's folder.
+    addresses : dict
+        What ``slcal studio --json`` printed: the addresses of its pages.
     """
 
     dir: Path
@@ -49,7 +58,8 @@ class Studio:
     @property
     def rig(self) -> Rig | None:
         """The newest calibration; None before the first."""
-        return self._read(Rig.load, "rig.json")
+        path = self.dir / "rig.json"
+        return Rig.load(path) if path.exists() else None
 
     @property
     def clouds(self) -> list[PointCloud]:
@@ -116,10 +126,6 @@ class Studio:
 
     def _cloud_files(self) -> list[Path]:
         return sorted(self.dir.glob("scan-*.ply"))
-
-    def _read(self, load: Any, name: str) -> Any:
-        path = self.dir / name
-        return load(path) if path.exists() else None
 
     def _moments(self, timeout: float | None, what: str) -> Iterator[None]:
         """Moments to look whether something is there; a last one after the studio has ended."""
