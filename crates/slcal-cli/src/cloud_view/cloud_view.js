@@ -917,10 +917,15 @@ class Overlay {
     const dots = shown.map(({ x, y }) => ({ x, y, width: 8, height: 8 }));
     for (const { text, x, y, colour } of shown) {
       const width = c.measureText(text).width + 6;
+      // What is so far outside that its name would not be seen either needs none.
+      if (beyond(x, this.width) > width / 2 || beyond(y, this.height) > 17) continue;
+      const within = (p) => ({ ...p, x: clamped(p.x, width / 2, this.width - width / 2), y: clamped(p.y, 9, this.height - 9) });
       const beside = [[0, -15], [0, 15], [width / 2 + 8, 0], [-width / 2 - 8, 0], [0, -31], [0, 31]];
       const places = beside.map(([dx, dy]) => ({ x: x + dx, y: y + dy, width, height: 17 }));
-      const inView = places.filter((p) => p.x > width / 2 && p.x < this.width - width / 2);
-      const place = inView.find((p) => ![...this.#taken, ...dots].some((other) => overlap(p, other))) ?? inView[0] ?? places[0];
+      // A name that would be cut moves into the view; a place where it need not move goes first.
+      const whole = (p) => p.x === within(p).x && p.y === within(p).y;
+      const tried = [...places.filter(whole), ...places.filter((p) => !whole(p)).map(within)];
+      const place = tried.find((p) => ![...this.#taken, ...dots].some((other) => overlap(p, other))) ?? tried[0];
       this.#taken.push(place);
       this.text(text, place.x, place.y, { colour, size: 13, weight: 600 });
     }
@@ -984,6 +989,9 @@ class Overlay {
   }
 }
 
+const clamped = (v, low, high) => Math.max(low, Math.min(high, v));
+/** How far a coordinate lies outside of a view of this size. */
+const beyond = (v, size) => Math.max(0, -v, v - size);
 const overlap = (a, b) => Math.abs(a.x - b.x) * 2 < a.width + b.width && Math.abs(a.y - b.y) * 2 < a.height + b.height;
 
 /** The sides of a box behind its contents, their grids in mm, and where the numbers of each axis stand. */

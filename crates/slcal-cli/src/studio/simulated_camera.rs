@@ -24,10 +24,13 @@ const LENS_SHIFT: f64 = 0.3;
 const BASELINE_MM: f64 = 260.0;
 /// Where the sheet is held at first, and the projector is aimed at.
 pub(super) const DISTANCE_MM: f64 = 1000.0;
-/// Radius of the sphere to scan, mm. It hangs before the dark, so that its cloud is a sphere and nothing else.
-const SPHERE_MM: f64 = 130.0;
+/// Radius of the sphere to scan, mm: large, so that most points lie on it. The wall is this far behind its middle.
+const SPHERE_MM: f64 = 180.0;
+const WALL_MM: f64 = 320.0;
 /// Light of the room, as a share of the projector's: sides of the sheet beyond the projector's light are seen.
 const ROOM: f64 = 0.06;
+/// Light of what faces the projector at that distance, as a share of full scale: what is nearer is brighter, and not clipped.
+const EXPOSURE: f64 = 0.6;
 /// Quality of its JPEG files.
 const JPEG_QUALITY: u8 = 95;
 
@@ -84,8 +87,12 @@ impl SimulatedCamera {
     }
 
     fn trace(&self, scene: DemoScene, live: bool) -> Result<Photographer> {
-        let render =
-            RenderConfig { ambient: [ROOM; 3], reference_mm: Some(DISTANCE_MM), ..RenderConfig::default() };
+        let render = RenderConfig {
+            exposure: EXPOSURE,
+            ambient: [ROOM; 3],
+            reference_mm: Some(DISTANCE_MM),
+            ..RenderConfig::default()
+        };
         let surfaces = self.object(scene)?.surfaces(&placement(scene))?;
         Photographer::new(&self.rig(live)?, &surfaces, &render)
     }
@@ -115,8 +122,8 @@ fn placement(scene: DemoScene) -> Placement {
         },
         turn_rad: if sheet { [x, y, pose.roll_deg.to_radians()] } else { [0.0; 3] },
         albedo: [0.85; 3],
-        wall_mm: None,
-        wall_albedo: 0.0,
+        wall_mm: (!sheet).then_some(WALL_MM),
+        wall_albedo: 0.5,
     }
 }
 
@@ -156,6 +163,28 @@ mod tests {
             assert_eq!(found.observation.pairs.len(), found.pattern_corners, "{panel:?}");
             let quad = found.observation.sheet.corners().unwrap().map(|p| [p.x, p.y]);
             assert!(nearness(&quad, &guide.quad) > 0.9 && is_tilted(&quad), "{quad:?} {:?}", guide.quad);
+        }
+    }
+
+    #[test]
+    fn a_scan_of_the_sphere_is_a_sphere() {
+        use slcal_core::evaluate::{FitConfig, fit_sphere};
+        use slcal_core::{ReconstructConfig, Reconstructor, StripeConfig, StripePattern};
+        for panel in [[1024, 768], [1920, 1080]] {
+            let mut camera = SimulatedCamera::new(panel, RectangleSize::new(594.0, 420.0).unwrap());
+            let stripes = StripePattern::new(panel, &StripeConfig::default()).unwrap();
+            let scene = DemoScene { pose: FIRST_POSE, object: DemoObject::Sphere };
+            let file = camera.photograph(scene, Some(&stripes.image().unwrap())).unwrap();
+            let photo = image::load_from_memory(&file).unwrap();
+            let rig = camera.rig(false).unwrap();
+            let mut scanner = Reconstructor::new(&rig, &stripes, ReconstructConfig::default()).unwrap();
+            let cloud = &scanner.reconstruct(PhotoView::try_from(&photo).unwrap()).unwrap().cloud;
+            let sphere = fit_sphere(cloud, &FitConfig::default()).unwrap();
+            assert!(
+                (sphere.radius_mm - SPHERE_MM).abs() < 0.005 * SPHERE_MM,
+                "{panel:?}: {}",
+                sphere.radius_mm
+            );
         }
     }
 

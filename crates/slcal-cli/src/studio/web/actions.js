@@ -8,8 +8,10 @@ const ENOUGH_PHOTOGRAPHS = 2;
 const stepState = (state, step) => state.steps.find((s) => s.step === step)?.state;
 const open = (state, step) => stepState(state, step) !== "locked";
 
-/** The webcam belongs to this page and does not run: never started, stopped, or taken away. */
-const webcamMissing = (state, here) => state.camera.kind === "webcam" && !here.webcam && !state.camera.connected;
+/** The webcam belongs to the page that operates, and does not run: never started, stopped, or taken away. */
+const webcamMissing = (state, here) => state.camera.kind === "webcam" && !here.webcam;
+/** Nothing is shown: the display window is not open, or it says what is wrong with it. */
+const displayMissing = (state) => !state.display.connected || Boolean(state.display.problem);
 
 function setUp(state, here) {
   const { set_up: settings, display } = state;
@@ -17,8 +19,7 @@ function setUp(state, here) {
   const others = [];
   let first = null;
   const put = (action) => (first === null ? (first = action) : others.push(action));
-  // The display window says what is wrong with it.
-  if (!display.connected || display.problem) put("open-display");
+  if (displayMissing(state)) put("open-display");
   if (!settings.projector && measured) put("use-measured");
   if (webcamMissing(state, here)) put("start-webcam");
   // Without the display window the simulated camera has nothing to see.
@@ -33,10 +34,10 @@ function calibrate(state, here) {
   const shoot = { files: "choose-files", phone: null, folder: null }[state.camera.kind];
   const take = shoot === undefined ? "take" : shoot;
   const turnable = state.demo_scene && state.guide?.turn && !here.turned && !(here.near >= NEAR) ? "turn-for-me" : null;
-  const open_display = state.display.connected ? null : "open-display";
+  const open_display = displayMissing(state) ? "open-display" : null;
   const go = open(state, "scan") ? "go-scan" : null;
-  if (enough) return { first: go, others: [take, turnable, open_display] };
   const start = webcamMissing(state, here) ? "start-webcam" : null;
+  if (enough) return { first: go, others: [start ?? take, turnable, open_display] };
   const order = [open_display, start, turnable, start ? null : take].filter(Boolean);
   return { first: order[0] ?? null, others: [...order.slice(1), go] };
 }
@@ -45,14 +46,14 @@ function scan(state, here) {
   const byHand = ["phone", "folder"].includes(state.camera.kind);
   const once = state.camera.kind === "files" ? "choose-files" : byHand ? null : "scan-once";
   const go = open(state, "use") && state.scan.clouds.length > 0 ? "go-use" : null;
-  if (!state.display.connected && !byHand) return { first: "open-display", others: [once, go] };
+  if (displayMissing(state) && !byHand) return { first: "open-display", others: [state.scan.continuous ? "scan-stop" : once, go] };
   if (webcamMissing(state, here)) return { first: "start-webcam", others: [go] };
   if (state.scan.continuous) return { first: "scan-stop", others: [go] };
   return { first: once, others: [byHand || state.camera.kind === "files" ? null : "scan-start", go] };
 }
 
 function use(state) {
-  if (!state.display.connected) return { first: "open-display", others: ["choose-picture"] };
+  if (displayMissing(state)) return { first: "open-display", others: ["choose-picture", state.display.wanted?.kind === "picture" ? "show-black" : null] };
   if (!state.use.picture) return { first: "test-picture", others: ["choose-picture"] };
   if (state.display.wanted?.kind === "picture") return { first: "show-black", others: ["choose-picture"] };
   return { first: "show-picture", others: ["choose-picture", "test-picture"] };

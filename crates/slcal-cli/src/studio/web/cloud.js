@@ -11,7 +11,8 @@ export function createCloud(app) {
   const root = el("section", { class: "cloud", "aria-label": "Point cloud" }, container, words, figures);
 
   let view = null;
-  let failed = false;
+  let failed = false; // for good: without WebGL nothing can be drawn
+  let tries = 0;
   let wanted = null;
   let shown = null;
   let loading = false;
@@ -19,8 +20,9 @@ export function createCloud(app) {
   // Only when there is a cloud: a page that never scans needs no graphics card.
   async function viewer() {
     if (view || failed) return view;
+    // Browsers may remember that a module did not come: its address is another one each time.
+    const { CloudView } = await import(`/web/cloud_view.js${tries++ > 0 ? `?try=${tries}` : ""}`);
     try {
-      const { CloudView } = await import("/web/cloud_view.js");
       view = new CloudView(container, { label: "Point cloud" });
     } catch (error) {
       failed = true;
@@ -44,10 +46,11 @@ export function createCloud(app) {
           const data = await response.arrayBuffer();
           (await viewer())?.setCloud(data);
         }
+        shown = now;
       } catch {
         // The connection is lost; the state that comes after it asks for the cloud again.
+        if (wanted === now) wanted = null;
       }
-      shown = now;
     }
     loading = false;
   }

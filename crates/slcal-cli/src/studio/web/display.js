@@ -26,7 +26,7 @@ const panelOf = (s) => s.set_up.projector ?? measure.now().viewport;
 
 function problemNow(measured) {
   const ofPicture = unshowable?.sequence === state.display.wanted?.sequence ? unshowable.problem : null;
-  if (state.demo || !state.set_up.projector) return ofPicture;
+  if (state.demo) return ofPicture;
   return refusal(state.set_up.projector, measured) ?? ofPicture;
 }
 

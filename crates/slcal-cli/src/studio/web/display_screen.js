@@ -66,7 +66,7 @@ const dividesEvenly = (panel, ratio) => panel.every((n) => Math.abs((n / ratio) 
 
 const SCALING = "Set the zoom of the browser to 100 % (Ctrl+0) and the scaling of the system to 100 %.";
 
-/** Null where a pattern of `panel` pixels is shown pixel for pixel; else what is wrong and what to change. */
+/** Null where a pattern of `panel` pixels (null: not known yet) is shown pixel for pixel; else what is wrong and what to change. */
 export function refusal(panel, measured) {
   const { viewport, fullscreen, whole, device_pixel_ratio: ratio, canvas } = measured;
   if (whole && !fullscreen) {
@@ -76,6 +76,8 @@ export function refusal(panel, measured) {
       advice: "Close the bar that the browser shows at the edge of the window, then press F twice.",
     };
   }
+  // The window is what measures the projector: only a part that is covered is wrong for any.
+  if (!panel) return null;
   if (!fullscreen) {
     const other = !same(measured.screen, panel);
     return {

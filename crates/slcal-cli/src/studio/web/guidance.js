@@ -30,8 +30,8 @@ const BUTTONS = {
 const SHOOTING = ["take", "scan-once"];
 
 export function createGuidance(app, handlers) {
-  /** One photograph after the other. */
-  const ready = (name) => !(SHOOTING.includes(name) && app.state.busy);
+  /** One photograph after the other, and nothing while the studio does not answer. */
+  const ready = (name) => app.connected() && !(SHOOTING.includes(name) && app.state.busy);
   const sentence = el("p", { class: "sentence", "data-state": "sentence" });
   const next = el("p", { class: "next", "data-state": "next" });
   const busy = el("p", { class: "busy", "data-state": "busy", role: "status" });
@@ -80,7 +80,7 @@ export function createGuidance(app, handlers) {
     text(buttons.get("take"), state.photographs.length > 0 && first !== "take" ? "Take another photograph" : "Take the photograph");
     text(buttons.get("scan-once"), state.scan.clouds.length > 0 ? "Scan again" : "Scan");
     // Not `disabled`, which would take the focus away from whoever has just pressed it.
-    for (const name of SHOOTING) set(buttons.get(name), "aria-disabled", state.busy ? "true" : null);
+    for (const [name, b] of buttons) set(b, "aria-disabled", ready(name) ? null : "true");
     show(row, wanted.length > 0);
   };
 

@@ -59,15 +59,14 @@ export function createNotices(app) {
     drawAll(items);
   };
 
-  /** Something that goes by itself. */
+  /** Something that goes by itself, or earlier by the function that is returned. */
   function passing(kind, problem) {
     const key = `passing-${next++}`;
     own.set(key, { problem, kind });
     draw();
-    setTimeout(() => {
-      own.delete(key);
-      draw();
-    }, NOTE_MS);
+    const forget = () => own.delete(key) && draw();
+    setTimeout(forget, NOTE_MS);
+    return forget;
   }
 
   return {

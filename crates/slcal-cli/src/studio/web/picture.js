@@ -3,7 +3,7 @@
 import { button, el, say, set, show, text } from "./dom.js";
 import { createOverlay, nearness } from "./overlay.js";
 import { withRole } from "./session.js";
-import { degrees, pixels, told } from "./words.js";
+import { degrees, pixels, thousands, told } from "./words.js";
 
 const EMPTY = {
   webcam: "The webcam is not running yet.",
@@ -28,11 +28,16 @@ export function createPicture(app, video) {
     el("ul", { class: "readings" }, ...Object.values(readings)));
 
   still.addEventListener("load", () => draw());
+  still.addEventListener("error", () => {
+    broken = true;
+    draw();
+  });
 
   let chosen = null; // id of the photograph that is looked at instead of the live picture
   let served = null; // the last live frame that was drawn, with what was found in it
   let waiting = null; // the newest one that came while another was loading
   let loading = false;
+  let broken = false; // the photograph could not be loaded
 
   const source = (state) => {
     const known = state.photographs.find((p) => p.id === chosen);
@@ -52,15 +57,15 @@ export function createPicture(app, video) {
     set(frame, "data-value", kind);
     show(video, kind === "webcam");
     show(canvas, kind === "served");
-    show(still, kind === "photograph");
     show(frame, kind !== "none");
     show(placeholder, kind === "none");
     show(back, Boolean(chosen) && kind === "photograph");
     text(placeholder, EMPTY[state.camera.kind] ?? "No camera yet: choose one in Set up.");
-    let found = live;
+    let found = live && { ...live, near: app.near(live) };
     if (kind === "photograph") {
       const url = withRole(photo.url, app.role);
       if (still.dataset.url !== url) {
+        broken = false;
         still.dataset.url = url;
         still.src = url;
         set(still, "alt", `Photograph ${photo.name}`);
@@ -68,27 +73,29 @@ export function createPicture(app, video) {
       const natural = still.naturalWidth ? [still.naturalWidth, still.naturalHeight] : null;
       found = { size: photo.size ?? natural, sheet: photo.outline, corners: [], near: null };
     }
+    show(still, kind === "photograph" && !broken);
     const size = kind === "webcam" && video.videoWidth ? [video.videoWidth, video.videoHeight] : found?.size ?? (kind === "guide" ? state.guide.size : [4, 3]);
     frame.style.setProperty("--ratio", String(size[0] / size[1]));
     // Over a photograph that somebody looks at it would only hide what was found there.
     const guide = state.step === "calibrate" && (kind !== "photograph" || photo.id !== chosen) ? state.guide : null;
     overlay.draw(found, guide);
     const problem = kind === "photograph" ? photo.problem : live?.problem;
-    say(caption, told(problem));
+    say(caption, told(problem) || (kind === "photograph" && broken ? `${photo.name} cannot be loaded now.` : ""));
     set(caption, "data-value", problem?.code);
 
     const full = state.camera.size && kind !== "photograph" ? state.camera.size : size;
     say(readings.size, kind === "none" || kind === "guide" ? "" : `${pixels(full)} px`);
     const corners = live?.corners?.length ?? (kind === "photograph" ? photo.corners : 0);
-    const looked = state.step === "calibrate" || live?.stripes || kind === "photograph";
-    const seen = live?.stripes ? `${live.stripes} stripe points` : corners ? `${corners} corners` : found?.sheet ? "sheet seen" : "no sheet";
+    // A photograph that is refused as it is was not searched.
+    const looked = kind === "photograph" ? !photo.problem || corners || photo.outline : state.step === "calibrate" || live?.stripes;
+    const seen = live?.stripes ? `${thousands(live.stripes)} stripe points` : corners ? `${corners} corners` : found?.sheet ? "sheet seen" : "no sheet";
     say(readings.corners, kind === "none" || kind === "guide" || !looked ? "" : seen);
     set(readings.corners, "data-value", corners || live?.stripes ? "good" : found?.sheet ? "fair" : "weak");
     say(readings.sharpness, typeof live?.sharpness === "number" ? `sharpness ${(100 * live.sharpness).toFixed(0)} %` : "");
     say(readings.clipped, live?.clipped_percent > 0 ? `${live.clipped_percent.toFixed(1)} % clipped` : "");
     const tilt = live?.tilt_deg ?? (kind === "photograph" ? photo.tilt_deg : null);
     say(readings.tilt, tilt ? `tilt ${tilt.map(degrees).join(", ")}` : "");
-    const near = guide?.needed ? nearness(live?.near) : null;
+    const near = guide?.needed ? nearness(found?.near) : null;
     say(readings.near, { far: "away from the dashed outline", nearing: "nearly there", reached: live?.problem ? "on the dashed outline" : "there: hold it still" }[near]);
     set(readings.near, "data-value", near === "reached" ? "good" : near === "nearing" ? "fair" : null);
   }
@@ -133,6 +140,8 @@ export function createPicture(app, video) {
     draw(state) {
       if (kindBefore !== null && kindBefore !== state.camera.kind) served = null;
       kindBefore = state.camera.kind;
+      // The studio is there: it may have the photograph now.
+      if (broken) delete still.dataset.url;
       draw();
     },
     live(live) {

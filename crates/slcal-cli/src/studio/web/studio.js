@@ -52,7 +52,10 @@ function build(role) {
     state: null,
     live: null,
     operating: () => Boolean(app.state?.you.operating),
-    here: () => ({ webcam: webcam.running, near: app.live?.near ?? null, turned: scene.turned(app.state?.guide ?? null) }),
+    connected: () => socket.up,
+    /** How near the sheet of a live frame is to the present outline; null where that was not looked at. */
+    near: (live) => (live && live.outline === outline ? live.near ?? null : null),
+    here: () => ({ webcam: webcam.running, near: app.near(app.live), turned: scene.turned(app.state?.guide ?? null) }),
     // Who only looks on changes nothing.
     send: (event) => (app.operating() || event.event === "take-over") && socket.send(event),
     problem: (name, problem) => notices.problem(name, problem),
@@ -123,12 +126,13 @@ function build(role) {
     app.redraw();
   }
 
+  let forgetDisplay = null; // takes away the words that say how to get to full screen
   async function openDisplay() {
     const { links, set_up: settings, demo } = app.state;
     try {
       const words = await display.show({ link: links?.display, panel: settings.projector, demo });
       app.problem("display-window", null);
-      if (words) app.note(words);
+      if (words) forgetDisplay = app.note(words);
     } catch (problem) {
       app.problem("display-window", problem);
     }
@@ -206,17 +210,35 @@ function build(role) {
   }
 
   let autoStarted = false;
+  let outline = ""; // where the sheet should come, as it is written
+  let late = false; // the next live frame may have been on its way before the outline changed
   const socket = new Socket(role, {
-    link: (l) => link.link(l),
+    link(l) {
+      link.link(l);
+      // Nothing that is pressed now would arrive.
+      set(page, "data-link", l.up ? null : "lost");
+      // The studio forgets the webcam of a page that is gone.
+      if (!l.up) cameraTold = "";
+      app.redraw();
+    },
     state({ state }) {
       const before = app.state;
       app.state = state;
-      // How near the sheet was to an outline says nothing of the one that has taken its place.
-      if (app.live && String(before?.guide?.quad) !== String(state.guide?.quad)) app.live.near = null;
+      const wanted = String(state.guide?.quad ?? "");
+      if (wanted !== outline) [outline, late] = [wanted, true];
       if (before && before.camera.kind !== state.camera.kind) app.live = null;
+      if (state.display.connected && state.display.measured?.fullscreen) {
+        forgetDisplay?.();
+        forgetDisplay = null;
+      }
       // Somebody else operates now: the camera belongs to that page.
-      if (before?.you.operating && !state.you.operating && webcam.running) release();
-      // After a reload, where the browser need not ask again.
+      if (before?.you.operating && !state.you.operating && webcam.running) {
+        release();
+        cameraTold = "";
+      }
+      if (!state.you.operating) autoStarted = false;
+      else if (webcam.running && cameraTold === "" && state.camera.kind === "webcam") tellCamera(webcam.size, webcam.held);
+      // After a reload and after somebody else has operated, where the browser need not ask again.
       if (!autoStarted && state.you.operating && state.set_up.camera === "webcam" && !webcam.running) {
         autoStarted = true;
         Webcam.allowed().then((yes) => yes && app.startWebcam());
@@ -229,6 +251,8 @@ function build(role) {
       draw(state);
     },
     live({ live }) {
+      live.outline = late ? null : outline;
+      late = false;
       app.live = live;
       frames.answered(live.seq);
       picture.live(live);

@@ -2,6 +2,7 @@
 
 import { button, el, keyed, set, show, text } from "./dom.js";
 import { withRole } from "./session.js";
+import { sentence } from "./words.js";
 
 /** Name, what it is, and whether it is several files: those are written into the folder, not downloaded. */
 const FORMATS = {
@@ -36,8 +37,14 @@ export function createUse(app) {
     draw: () => {},
   }));
   const written = el("p", { class: "hint", "data-state": "exported" });
+  const leftOut = el("ul", { class: "hint", "data-state": "left-out" });
+  const drawLeftOut = keyed(leftOut, (words) => words, (words) => {
+    // Formats are called here as their buttons are.
+    const named = words.replace(/^\w+/, (format) => FORMATS[format]?.[0] ?? format);
+    return { root: el("li", {}, sentence(named)), draw: () => {} };
+  });
   const folder = el("p", { class: "hint", "data-state": "dir" });
-  const files = el("section", { class: "part" }, el("h3", {}, "The rig for other programs"), exports, written, reports, folder);
+  const files = el("section", { class: "part" }, el("h3", {}, "The rig for other programs"), exports, written, leftOut, reports, folder);
   const root = el("div", { class: "step-panel", "data-state": "panel", "data-step": "use" },
     el("section", { class: "part" }, el("h3", {}, "A picture on the sheet"), status), files);
   return {
@@ -55,6 +62,9 @@ export function createUse(app) {
       const names = use.exported ?? [];
       show(written, names.length > 0);
       text(written, names.length > 0 ? `In the folder now: ${names.join(", ")}.` : "");
+      const lacking = use.left_out ?? [];
+      show(leftOut, lacking.length > 0);
+      drawLeftOut(lacking);
       show(folder, Boolean(state.dir));
       text(folder, state.dir ? `Everything lies in ${state.dir}.` : "");
     },
