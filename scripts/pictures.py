@@ -224,10 +224,23 @@ def cloud(demo: Path) -> None:
 # ---------------------------------------------------------------------------------------------------------------------------
 
 
+def studio(slcal_command: Path) -> None:
+    """The studio's demonstration, as its test walks through it."""
+    check = ROOT / "tests" / "browser" / "check_studio.py"
+    with tempfile.TemporaryDirectory() as folder:
+        walk = ["--only", "two_photographs", "--pictures", folder]
+        subprocess.run([sys.executable, check, "--slcal", slcal_command, *walk], check=True, stdout=subprocess.DEVNULL)
+        for shown, name in {"2-display-open": "set-up", "4-one-photograph": "calibrate", "6-cloud": "scan", "8-use": "use"}.items():
+            save(f"studio-{name}.jpg", Image.open(Path(folder) / f"{shown}-desk-light.png"))
+        phones = [Image.open(Path(folder) / f"{shown}-phone-light.png") for shown in ("4-one-photograph", "6-cloud")]
+        height = min(p.height for p in phones)
+        save("studio-phone.jpg", beside(*(p.crop((0, 0, p.width, height)) for p in phones)))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--slcal", type=Path, default=ROOT / "target" / "release" / "slcal")
-    parser.add_argument("--only", default="found,report,keystone,cloud")
+    parser.add_argument("--only", default="found,report,keystone,cloud,studio")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         demo = Path(folder) / "demo"
@@ -237,6 +250,7 @@ def main() -> None:
             "report": lambda: report(demo),
             "keystone": keystone,
             "cloud": lambda: cloud(demo),
+            "studio": lambda: studio(args.slcal.resolve()),
         }
         for name in args.only.split(","):
             if name not in makers:

@@ -9,6 +9,9 @@ use super::page_warning::PageWarning;
 /// Name of the state's format.
 pub(super) const SCHEMA: &str = "slcal-studio/1";
 
+/// Longer side of live frames, px: enough to find the sheet, little enough to be sent many times a second.
+pub(super) const LIVE_LONGEST_PX: u32 = 1280;
+
 /// The four steps of the work, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -1,0 +1,80 @@
+//! What the display is to show, and whether it does.
+
+use super::state_machine::{Effect, Machine};
+use crate::studio::display_check;
+use crate::studio::event::DisplayEvent;
+use crate::studio::state::{Picture, Problem, State, Step, Wanted};
+
+impl Machine {
+    /// What the display shows in a step.
+    pub(super) fn show_for_step(&mut self) {
+        let kind = match self.state.step {
+            Step::SetUp => Picture::Marks,
+            Step::Calibrate => Picture::Checker,
+            Step::Scan => Picture::Stripes,
+            Step::Use if self.state.in_use.picture.is_some() => Picture::Rectified,
+            Step::Use => Picture::Black,
+        };
+        self.show(kind);
+    }
+
+    pub(super) fn show(&mut self, kind: Picture) {
+        let sequence = self.state.display.wanted.sequence + 1;
+        // Until the patterns are drawn there is nothing to show.
+        let kind = if kind.file().is_some() && self.begun.is_none() { Picture::Black } else { kind };
+        let url = kind.file().map(|_| format!("/api/shown.png?sequence={sequence}"));
+        self.state.display.wanted = Wanted { kind, sequence, url };
+    }
+
+    /// How many display pages are there.
+    pub(in crate::studio) fn displays(&mut self, count: usize) {
+        self.state.display.connected = count > 0;
+        if count == 0 {
+            self.state.display.measured = None;
+            self.state.display.painted = 0;
+        }
+        self.check_display(None);
+    }
+
+    pub(super) fn check_display(&mut self, of_page: Option<Problem>) {
+        let State { display, set_up, demo, .. } = &mut self.state;
+        display.problem = match set_up.projector {
+            // The simulated projector shows the page's canvas, however large its window is.
+            Some(_) if *demo && display.connected => None,
+            Some(_) if *demo => Some(Problem::new(
+                "display-missing",
+                "the display window, which is the simulated projector, is not open",
+                "open the display window",
+            )),
+            Some(panel) => match display_check::check(panel, display.measured.as_ref()) {
+                // The page sees what covers it.
+                Some(found) if found.code == display_check::NOT_FULL_SCREEN => of_page.or(Some(found)),
+                found => found.or(of_page),
+            },
+            None => None,
+        };
+    }
+
+    /// An event of the display's page.
+    pub(in crate::studio) fn display(&mut self, event: DisplayEvent) -> Vec<Effect> {
+        match event {
+            DisplayEvent::Measured { measured, problem } => {
+                self.state.display.measured = Some(measured);
+                let limited = |text: String| text.chars().take(400).collect::<String>();
+                let of_page =
+                    problem.map(|p| Problem::new("display-refuses", limited(p.message), limited(p.advice)));
+                self.check_display(of_page);
+                Vec::new()
+            }
+            DisplayEvent::Painted { sequence } => {
+                if sequence <= self.state.display.wanted.sequence {
+                    self.state.display.painted = sequence;
+                }
+                match self.waiting {
+                    Some(purpose) if self.state.display.shows_what_is_wanted() => self.shoot(purpose),
+                    _ => Vec::new(),
+                }
+            }
+        }
+    }
+}

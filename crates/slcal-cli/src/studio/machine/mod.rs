@@ -1,0 +1,16 @@
+//! What follows from what: events change the state, and ask for work. `state_machine` has the events and where each of them goes, the
+//! others a step or a part of the work each.
+
+mod calibrate;
+mod display;
+mod live;
+mod photographs;
+mod rectify;
+mod scan;
+mod set_up;
+mod state_machine;
+
+pub(super) use self::state_machine::{Effect, Machine, Options};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,72 @@
+//! The step Scan: clouds.
+
+use std::sync::Arc;
+
+use super::state_machine::{Effect, Machine};
+use crate::studio::event::ScanMode;
+use crate::studio::job::Job;
+use crate::studio::project::Purpose;
+use crate::studio::state::{CameraKind, CloudEntry, LIVE_LONGEST_PX, LiveCloud, Problem, Step};
+use crate::studio::words::command;
+
+/// Weight of the newest interval in the rate of clouds.
+const RATE_WEIGHT: f64 = 0.2;
+
+impl Machine {
+    pub(super) fn scan(&mut self, mode: ScanMode) -> Result<Vec<Effect>, Problem> {
+        match mode {
+            ScanMode::Once => self.take(Purpose::Scan),
+            ScanMode::Start => {
+                self.need(Step::Scan)?;
+                if !matches!(self.state.camera.kind, Some(CameraKind::Webcam | CameraKind::Demo)) {
+                    return Err(Problem::new(
+                        "camera-not-live",
+                        "this camera has no live picture",
+                        "take single photographs, or choose a webcam",
+                    ));
+                }
+                self.state.scan.continuous = true;
+                self.state.scan.fps = 0.0;
+                self.state.camera.live_longest_px = 0;
+                self.last_cloud_ms = None;
+                Ok(Vec::new())
+            }
+            ScanMode::Stop => {
+                let scanned = self.state.scan.continuous && self.state.scan.live.is_some();
+                self.stop_scanning();
+                Ok(if scanned { vec![Effect::Work(Job::KeepLive)] } else { Vec::new() })
+            }
+        }
+    }
+
+    pub(super) fn stop_scanning(&mut self) {
+        self.state.scan.continuous = false;
+        self.state.scan.live = None;
+        self.state.camera.live_longest_px = LIVE_LONGEST_PX;
+    }
+
+    pub(super) fn live_cloud(&mut self, points: usize, bytes: Arc<[u8]>, now_ms: u64) -> Vec<Effect> {
+        let scan = &mut self.state.scan;
+        if !scan.continuous {
+            return Vec::new();
+        }
+        if let Some(last) = self.last_cloud_ms {
+            let rate = 1000.0 / now_ms.saturating_sub(last).max(1) as f64;
+            scan.fps = if scan.fps > 0.0 { scan.fps + RATE_WEIGHT * (rate - scan.fps) } else { rate };
+        }
+        self.last_cloud_ms = Some(now_ms);
+        let sequence = scan.live.as_ref().map_or(1, |l| l.sequence + 1);
+        scan.live = Some(LiveCloud { sequence, points, url: format!("/api/cloud/live?sequence={sequence}") });
+        vec![Effect::LiveCloud { sequence, bytes }]
+    }
+
+    pub(super) fn cloud(&mut self, entry: CloudEntry) -> Vec<Effect> {
+        self.state.scan.clouds.retain(|c| c.id != entry.id);
+        self.state.scan.clouds.push(entry);
+        if self.beginning {
+            return Vec::new();
+        }
+        self.state.busy = None;
+        command(&self.state).filter(|_| self.state.step == Step::Scan).map(Effect::Log).into_iter().collect()
+    }
+}

@@ -1,0 +1,197 @@
+//! What follows from events, without a browser, files or a clock.
+
+use std::sync::Arc;
+
+use slcal_core::CheckerConfig;
+
+use super::photographs::SHOT_LOST_MS;
+use super::{Effect, Machine, Options};
+use crate::studio::event::{DisplayEvent, OperatorEvent, ScanMode};
+use crate::studio::job::{Calibrated, Done, Job, SheetFound};
+use crate::studio::live::Look;
+use crate::studio::project::{Purpose, Settings, StoredPhoto};
+use crate::studio::simulated_camera::PHOTO_PX;
+use crate::studio::state::{CameraKind, DemoObject, Measured, Picture, Problem, Step};
+
+const PANEL: [u32; 2] = [1024, 768];
+
+fn settings(size: Option<&str>) -> Settings {
+    Settings { projector: Some(PANEL), size: size.map(str::to_owned), ..Settings::default() }
+}
+
+fn demo() -> Machine {
+    let options = Options { demo: true, ..Options::default() };
+    let (mut machine, effects) = Machine::new(&settings(Some("594x420mm")), options);
+    assert!(matches!(effects[..], [Effect::Work(Job::Begin(_))]));
+    machine.done(Done::Begun, 0);
+    machine.done(Done::Looked, 0);
+    machine
+}
+
+fn with_display(machine: &mut Machine) {
+    machine.displays(1);
+    let sequence = machine.state.display.wanted.sequence;
+    machine.display(DisplayEvent::Painted { sequence });
+}
+
+fn photo(id: u32) -> StoredPhoto {
+    StoredPhoto { id, name: format!("sheet-{id:03}.jpg") }
+}
+
+fn found() -> SheetFound {
+    SheetFound { corners: 70, of: 70, outline: None, size: PHOTO_PX }
+}
+
+/// A calibration of photographs as a machine is told it: from rendered observations.
+fn calibrated(used: &[u32]) -> Done {
+    use slcal_core::simulate::{Draws, NoiseModel, PoseConfig, RigConfig, Scene};
+    let poses: Vec<_> =
+        (0..used.len()).map(|i| PoseConfig::tilted(25.0, 28.0 - 56.0 * (i % 2) as f64)).collect();
+    let scene = Scene::new(&RigConfig::default(), &poses).unwrap();
+    let observations = scene.observe(&NoiseModel::default(), &mut Draws::new(1, 0)).unwrap();
+    let calibration =
+        slcal_core::calibrate_observations(&observations, &slcal_core::CalibrateConfig::default()).unwrap();
+    let rig = Arc::new(calibration.rig);
+    let checker = slcal_core::CheckerPattern::new(PANEL, &CheckerConfig::default()).unwrap();
+    let guide = crate::studio::guide::next(&rig, &checker).unwrap();
+    Done::Calibrated(Ok(Calibrated { rig, used: used.to_vec(), guide }))
+}
+
+fn step(machine: &mut Machine, step: Step) -> Result<Vec<Effect>, Problem> {
+    machine.operate(OperatorEvent::Step { step })
+}
+
+#[test]
+fn what_is_missing_is_asked_for_one_by_one() {
+    let (mut machine, effects) = Machine::new(&Settings::default(), Options::default());
+    assert!(effects.is_empty() && machine.state.set_up.missing.unwrap().contains("resolution"));
+    assert_eq!(step(&mut machine, Step::Calibrate).unwrap_err().code, "step-locked");
+    let set = |m: &mut Machine, projector, size: Option<&str>| {
+        m.operate(OperatorEvent::SetUp { projector, size: size.map(str::to_owned), pattern_scale: None })
+    };
+    assert_eq!(set(&mut machine, Some([10, 10]), None).unwrap_err().code, "set-up-projector");
+    set(&mut machine, Some(PANEL), None).unwrap();
+    assert!(machine.state.set_up.missing.unwrap().contains("sheet"));
+    assert_eq!(set(&mut machine, None, Some("A44")).unwrap_err().code, "set-up-size");
+    let effects = set(&mut machine, None, Some("A4")).unwrap();
+    assert!(matches!(effects[..], [Effect::Work(Job::Begin(b)), Effect::Save] if b.projector == PANEL));
+    assert!(machine.state.set_up.missing.unwrap().contains("camera"));
+    machine.operate(OperatorEvent::Camera { kind: CameraKind::Files, size: None, held: vec![] }).unwrap();
+    assert!(machine.state.set_up.done);
+    step(&mut machine, Step::Calibrate).unwrap();
+    assert_eq!(step(&mut machine, Step::Scan).unwrap_err().code, "step-locked");
+    let kept = machine.settings();
+    assert_eq!((kept.projector, kept.size.as_deref(), kept.step), (Some(PANEL), Some("A4"), Step::Calibrate));
+}
+
+#[test]
+fn a_photograph_waits_until_the_display_has_painted() {
+    let mut machine = demo();
+    machine.displays(1);
+    step(&mut machine, Step::Calibrate).unwrap();
+    assert!(machine.operate(OperatorEvent::Take).unwrap().is_empty());
+    let before = machine.state.display.wanted.sequence - 1;
+    assert!(machine.display(DisplayEvent::Painted { sequence: before }).is_empty());
+    let sequence = machine.state.display.wanted.sequence;
+    let effects = machine.display(DisplayEvent::Painted { sequence });
+    assert!(matches!(effects[..], [Effect::Work(Job::TakeSimulated(Purpose::Sheet, _))]));
+}
+
+#[test]
+fn a_display_that_scales_is_refused() {
+    let (mut machine, _) = Machine::new(&settings(Some("A4")), Options::default());
+    machine.done(Done::Begun, 0);
+    let webcam = OperatorEvent::Camera { kind: CameraKind::Webcam, size: Some(PHOTO_PX), held: vec![] };
+    machine.operate(webcam).unwrap();
+    step(&mut machine, Step::Calibrate).unwrap();
+    machine.displays(1);
+    let measured =
+        Measured { device_pixel_ratio: 1.25, screen: [1280, 960], viewport: [1280, 960], fullscreen: true };
+    machine.display(DisplayEvent::Measured { measured, problem: None });
+    assert_eq!(machine.operate(OperatorEvent::Take).unwrap_err().code, "display-scaled");
+    let measured = Measured { screen: PANEL, viewport: PANEL, ..measured };
+    machine.display(DisplayEvent::Measured { measured, problem: None });
+    let sequence = machine.state.display.wanted.sequence;
+    machine.display(DisplayEvent::Painted { sequence });
+    let effects = machine.operate(OperatorEvent::Take).unwrap();
+    assert!(matches!(effects[..], [Effect::Shoot { shot: 1, purpose: Purpose::Sheet }]));
+    // The page does not deliver it.
+    assert!(!machine.give_up(SHOT_LOST_MS) && machine.state.busy.is_some());
+    assert!(machine.give_up(SHOT_LOST_MS + 1) && machine.state.busy.is_none());
+    assert_eq!(machine.state.problem.as_ref().unwrap().code, "photograph-lost");
+    // Somebody zooms the page.
+    machine.display(DisplayEvent::Measured {
+        measured: Measured { screen: [1126, 845], ..measured },
+        problem: None,
+    });
+    assert!(!machine.state.display.shows_what_is_wanted());
+}
+
+#[test]
+fn two_photographs_lead_to_a_scan() {
+    let mut machine = demo();
+    with_display(&mut machine);
+    step(&mut machine, Step::Calibrate).unwrap();
+    for id in [1, 2] {
+        let effects = machine.done(Done::Kept(Purpose::Sheet, photo(id)), 0);
+        assert!(matches!(&effects[..], [Effect::Work(Job::Sheet(p))] if p.id == id));
+        let effects = machine.done(Done::Sheet { photo: photo(id), found: Ok(found()) }, 0);
+        let all: Vec<u32> = (1..=id).collect();
+        assert!(matches!(&effects[..], [Effect::Work(Job::Calibrate(used))] if *used == all));
+        let effects = machine.done(calibrated(&all), 0);
+        assert!(matches!(&effects[..], [Effect::Log(c)] if c.starts_with("slcal calibrate sheet-001.jpg")));
+    }
+    let calibration = machine.state.calibration.as_ref().unwrap();
+    assert!(calibration.figures[0].before.is_some() && calibration.photographs == 2);
+    assert!(machine.state.photographs.iter().all(|p| p.rms_px.is_some() && p.tilt_deg.is_some()));
+    step(&mut machine, Step::Scan).unwrap();
+    assert_eq!(machine.state.display.wanted.kind, Picture::Stripes);
+    assert_eq!(machine.state.demo_scene.unwrap().object, DemoObject::Sphere);
+    // Without photographs there is no calibration, and no scan.
+    let leave = |m: &mut Machine, id| m.operate(OperatorEvent::Photograph { id, used: false }).unwrap();
+    assert!(matches!(leave(&mut machine, 1)[..], [Effect::Save, Effect::Work(Job::Calibrate(_))]));
+    leave(&mut machine, 2);
+    assert!(machine.state.calibration.is_none() && machine.state.locked(Step::Scan).is_some());
+    assert_eq!(machine.settings().left_out, ["sheet-001.jpg", "sheet-002.jpg"]);
+}
+
+#[test]
+fn another_pattern_would_contradict_the_photographs() {
+    let mut machine = demo();
+    machine.done(Done::Sheet { photo: photo(1), found: Ok(found()) }, 0);
+    let scale = OperatorEvent::SetUp { projector: None, size: None, pattern_scale: Some(0.6) };
+    assert_eq!(machine.operate(scale).unwrap_err().code, "set-up-photographs");
+    assert_eq!(machine.state.set_up.pattern_scale, 1.0);
+}
+
+#[test]
+fn a_continuous_scan_counts_its_clouds() {
+    let mut machine = demo();
+    with_display(&mut machine);
+    machine.done(Done::Sheet { photo: photo(1), found: Ok(found()) }, 0);
+    machine.done(calibrated(&[1]), 0);
+    step(&mut machine, Step::Scan).unwrap();
+    machine.operate(OperatorEvent::Scan { mode: ScanMode::Start }).unwrap();
+    assert_eq!(machine.state.camera.live_longest_px, 0);
+    let frame = image::RgbImage::new(4, 4);
+    for i in 1..=20 {
+        let look = Look::at(i, &frame);
+        let done = Done::LiveCloud { look, points: 99, bytes: Arc::new([]) };
+        let effects = machine.done(done, 50 * u64::from(i));
+        assert!(effects.iter().any(|e| matches!(e, Effect::LiveCloud { .. })));
+    }
+    assert!((machine.state.scan.fps - 20.0).abs() < 0.5);
+    let effects = machine.operate(OperatorEvent::Scan { mode: ScanMode::Stop }).unwrap();
+    assert!(matches!(effects[..], [Effect::Work(Job::KeepLive)]) && machine.state.scan.live.is_none());
+}
+
+#[test]
+fn the_simulated_camera_rests_when_nobody_looks() {
+    let mut machine = demo();
+    assert!(machine.tick(1000, false).is_empty());
+    assert!(matches!(machine.tick(1000, true)[..], [Effect::Live(_)]));
+    // One frame at a time.
+    assert!(machine.tick(2000, true).is_empty());
+    machine.done(Done::Look(Look::at(1, &image::RgbImage::new(4, 4))), 2000);
+    assert!(matches!(machine.tick(2001, true)[..], [Effect::Live(_)]));
+}
