@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from PIL import Image
-from studio_bench import Bench, calibrated_from
+from studio_bench import Bench, calibrated_from, sphere_radius
 from studio_server import HOST, free_port
 
 
@@ -138,6 +138,19 @@ def watched_folders_give_each_photograph_once(bench: Bench) -> None:
         assert not studio.complaints.read_text(), studio.complaints.read_text()
 
 
+def watched_photographs_that_come_too_early_are_kept(bench: Bench) -> None:
+    shots = bench.folder / "early"
+    shots.mkdir()
+    photo = bench.sheets()[0].read_bytes()
+    with bench.real("too-early", "--watch", shots) as studio, studio.socket("operator") as page:
+        studio.wait("patterns", lambda s: not s["busy"])
+        (shots / "DSC_0001.PNG").write_bytes(photo)
+        time.sleep(2.0)
+        assert not studio.state()["photographs"]
+        page.send("step", step="calibrate")
+        studio.wait("the photograph", lambda s: calibrated_from(s, 1), 20)
+
+
 def slowly(path: Path, data: bytes, parts: int, pause_s: float) -> None:
     """Writes a file as a camera does."""
     with path.open("wb") as file:
@@ -167,12 +180,13 @@ def commands_of_the_log_do_the_same(bench: Bench) -> None:
 
 
 def the_scanned_sphere_has_its_radius(bench: Bench) -> None:
-    radius = bench.sphere_radius(bench.finished.folder / "scan-001.ply")
-    assert abs(radius / 130.0 - 1.0) < 0.005, radius
+    radius = sphere_radius(bench.finished.folder / "scan-001.ply")
+    assert abs(radius / 180.0 - 1.0) < 0.005, radius
 
 
 CHECKS = (
     a_killed_studio_goes_on_where_it_was, a_folder_and_a_port_belong_to_one_studio,
     interrupts_end_it_also_while_pages_are_open_and_it_works, photographs_of_another_size_say_so,
-    watched_folders_give_each_photograph_once, commands_of_the_log_do_the_same, the_scanned_sphere_has_its_radius,
+    watched_folders_give_each_photograph_once, watched_photographs_that_come_too_early_are_kept,
+    commands_of_the_log_do_the_same, the_scanned_sphere_has_its_radius,
 )

@@ -17,12 +17,12 @@ from selenium import webdriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
-from studio_server import PATIENCE_S, wait_until
+from studio_server import PATIENCE_S, SOON_S, wait_until
 
 AWAKE = ("--disable-background-timer-throttling", "--disable-backgrounding-occluded-windows", "--disable-renderer-backgrounding")
 """Pages in windows that nobody looks at work on, as they do on a second display."""
 DESK, PHONE = (1280, 800), (390, 844)
-SETTLE_S = 0.4
+SETTLE_S = 0.5
 """The page ignores a click just after its buttons changed: it was meant for the one before."""
 
 
@@ -64,6 +64,16 @@ class Window:
             return wait_until(f"{selector} is seen", lambda: self.find(selector), patience_s)
         except AssertionError as error:
             raise AssertionError(f"{error}\n    {self.words()!r}") from None
+
+    def wait_for_still(self, selector: str) -> WebElement:
+        """An element that has been there for as long as a person needs to find it."""
+        found = self.wait_for(selector)
+        since = time.monotonic()
+        while time.monotonic() - since < SETTLE_S:
+            time.sleep(SOON_S)
+            if self.find(selector) != found:
+                found, since = self.wait_for(selector), time.monotonic()
+        return found
 
     def text(self, selector: str) -> str:
         found = self.find(selector)
@@ -133,9 +143,7 @@ class Operator(Window):
     def press(self, action: str, **data: str) -> None:
         """Presses a button that is seen and can be pressed, as soon as there is one."""
         selector = selected(action, **data)
-        button = self.wait_for(f"{selector}:not([aria-disabled=true]):not(:disabled)")
-        time.sleep(SETTLE_S)
-        button.click()
+        self.wait_for_still(f"{selector}:not([aria-disabled=true]):not(:disabled)").click()
         self.clicks += 1
 
     def keep(self, name: str) -> None:

@@ -24,6 +24,10 @@ SOON_S = 0.05
 Found = TypeVar("Found")
 
 
+class Skipped(Exception):
+    """What cannot be checked on this machine, and why."""
+
+
 def wait_until(what: str, found: Callable[[], Found | None], patience_s: float = PATIENCE_S) -> Found:
     """What `found` returns, as soon as that is something."""
     end = time.monotonic() + patience_s
@@ -163,8 +167,18 @@ class Studio:
             return wait_until(what, seen, patience_s)
         except AssertionError as error:
             state = self.state()
-            brief = {k: state[k] for k in ("step", "busy", "problem", "sentence", "next", "display", "camera")}
-            raise AssertionError(f"{error}\n    {json.dumps(brief)}") from None
+            keys = ("step", "busy", "problem", "sentence", "next", "auto_shot", "display", "camera", "guide", "demo_scene", "photographs", "others")
+            brief = "\n    ".join(f"{key}: {json.dumps(state[key])}" for key in keys)
+            raise AssertionError(f"{error}\n    {brief}\n    live: {self._looked()}") from None
+
+    def _looked(self) -> str:
+        """What was found in the next live frame."""
+        try:
+            with self.socket("watcher") as page:
+                live = page.receive("live", patience_s=3)["live"]
+                return json.dumps({**live, "corners": len(live["corners"])})
+        except AssertionError as error:
+            return str(error)
 
     def upload(self, body: bytes, name: str = "photograph.jpg", role: str = "operator", **headers: str | None) -> Answer:
         return self.request("POST", f"/api/photographs?{urlencode({'name': name})}", body, role, **headers)

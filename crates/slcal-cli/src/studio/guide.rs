@@ -1,7 +1,7 @@
 //! The pose to photograph next, as the page draws it.
 
 use nalgebra::Point3;
-use slcal_core::advise::{Advice, CameraPlan, NextView, advise_first, advise_next};
+use slcal_core::advise::{Advice, CameraPlan, NextView, Predicted, advise_first, advise_next};
 use slcal_core::geometry::Camera;
 use slcal_core::{CalibrateConfig, CheckerPattern, Rig, SheetSize, Verdict};
 
@@ -16,6 +16,8 @@ const USUAL_THROW: f64 = 1.5;
 const USUAL_NOISE_PX: f64 = 0.2;
 /// Photographs that a calibration should have: a single one leaves most assumptions untested.
 const USUAL_PHOTOGRAPHS: usize = 2;
+/// A photograph that lowers σ to less than this share is asked for in any case.
+const MUCH: f64 = 0.5;
 
 /// Devices as they are roughly known before anything was photographed.
 #[derive(Debug, Clone, Copy)]
@@ -62,7 +64,11 @@ pub(super) fn first(devices: &RoughDevices, sheet: SheetSize) -> slcal_core::Res
 pub(super) fn next(rig: &Rig, checker: &CheckerPattern) -> slcal_core::Result<Option<Guide>> {
     let advice = advise_next(rig, Some(checker))?;
     let good = rig.quality.as_ref().is_some_and(|q| q.verdict == Verdict::Good);
-    let needed = !good || rig.views.len() < USUAL_PHOTOGRAPHS;
+    // Two photographs of one pose are like one.
+    let worst = |p: Predicted| p.worst_focal();
+    let gains = advice.now.zip(advice.next.map(|n| n.after));
+    let much = gains.is_some_and(|(now, after)| worst(after) < MUCH * worst(now));
+    let needed = !good || rig.views.len() < USUAL_PHOTOGRAPHS || much;
     Ok(advice.next.and_then(|next| of(&next, &advice, &rig.camera.model, needed)))
 }
 
