@@ -231,7 +231,9 @@ def studio(slcal_command: Path) -> None:
         walk = ["--only", "two_photographs", "--pictures", folder]
         subprocess.run([sys.executable, check, "--slcal", slcal_command, *walk], check=True, stdout=subprocess.DEVNULL)
         for shown, name in {"2-display-open": "set-up", "4-one-photograph": "calibrate", "6-cloud": "scan", "8-use": "use"}.items():
-            save(f"studio-{name}.jpg", Image.open(Path(folder) / f"{shown}-desk-light.png"))
+            page = Image.open(Path(folder) / f"{shown}-desk-light.png")
+            # Below stands the folder of this walk.
+            save(f"studio-{name}.jpg", page.crop((0, 0, page.width, page.height * 23 // 25)) if name == "use" else page)
         phones = [Image.open(Path(folder) / f"{shown}-phone-light.png") for shown in ("4-one-photograph", "6-cloud")]
         height = min(p.height for p in phones)
         save("studio-phone.jpg", beside(*(p.crop((0, 0, p.width, height)) for p in phones)))
