@@ -180,6 +180,16 @@ fn a_killed_studio_goes_on_where_it_was() {
     // The folder belongs to one studio at a time.
     let refused = Studio::command(&bench, "work", &[]).stdout(std::process::Stdio::null()).status().unwrap();
     assert_eq!(refused.code(), Some(1));
+    drop(again);
+    // Photographs belong to the rig and the pattern under which they were taken.
+    for other in
+        [&["--projector", "1920x1080"][..], &["--demo"], &["--watch", bench.path("work").to_str().unwrap()]]
+    {
+        let refused =
+            Studio::command(&bench, "work", other).stdout(std::process::Stdio::null()).status().unwrap();
+        assert_eq!(refused.code(), Some(2), "{other:?}");
+    }
+    let again = Studio::start(&bench, "work", &[]);
     let port = again.host().rsplit(':').next().unwrap().to_owned();
     let taken =
         Studio::command(&bench, "other", &["--port", &port]).stdout(std::process::Stdio::null()).status();

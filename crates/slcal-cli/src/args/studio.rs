@@ -11,11 +11,12 @@ use super::value::parse_pair;
 #[derive(Debug, Args)]
 #[allow(clippy::struct_excessive_bools, reason = "options of a command line")]
 pub(crate) struct StudioArgs {
-    /// Folder for photographs, patterns, rig and clouds; created when it does not exist.
+    /// Folder for photographs, patterns, rig and clouds; created when it does not exist [default: slcal-studio, with --demo
+    /// slcal-studio-demo].
     ///
     /// Everything is kept there as it is made. Starting again in the same folder continues where the work stopped.
-    #[arg(long, value_name = "DIR", default_value = "slcal-studio", help_heading = OUTPUT)]
-    pub(crate) dir: PathBuf,
+    #[arg(long, value_name = "DIR", help_heading = OUTPUT)]
+    pub(crate) dir: Option<PathBuf>,
     /// Native resolution of the projector; it can be set in the window, too.
     #[arg(long, value_name = "WxH", value_parser = parse_pair, help_heading = INPUT)]
     pub(crate) projector: Option<[u32; 2]>,
@@ -47,4 +48,12 @@ pub(crate) struct StudioArgs {
     /// Print the addresses only; do not open a browser.
     #[arg(long, help_heading = SETTINGS)]
     pub(crate) no_open: bool,
+}
+
+impl StudioArgs {
+    /// The folder of the project.
+    pub(crate) fn folder(&self) -> PathBuf {
+        let usual = if self.demo { "slcal-studio-demo" } else { "slcal-studio" };
+        self.dir.clone().unwrap_or_else(|| usual.into())
+    }
 }

@@ -1,5 +1,6 @@
 //! Work for the worker, and what comes back.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use slcal_core::{Rig, SheetSize};
@@ -43,14 +44,16 @@ pub(super) struct LiveFrame {
 
 #[derive(Debug, Clone)]
 pub(super) enum Job {
-    /// Draws the patterns, and looks through all photographs that are there.
-    Begin(Bench),
+    /// Draws the patterns, and looks through all photographs that are there; those with these names were left out.
+    Begin(Bench, BTreeSet<String>),
     /// Advises the first pose for a camera with images of this size.
     FirstGuide([u32; 2]),
     /// Looks for the sheet in a photograph of the project.
     Sheet(StoredPhoto),
     /// Calibrates from these photographs.
     Calibrate(Vec<u32>),
+    /// There is nothing to calibrate from any more.
+    Forget,
     /// Takes a photograph with the simulated camera.
     TakeSimulated(Purpose, DemoScene),
     /// Makes a cloud of a photograph of the project.
@@ -85,6 +88,11 @@ pub(super) struct Calibrated {
 pub(super) enum Done {
     /// The patterns are drawn.
     Begun,
+    Nothing,
+    /// The patterns could not be drawn.
+    NotBegun(Problem),
+    /// A photograph of an earlier run whose cloud is not there.
+    CloudMissing(StoredPhoto),
     /// All photographs that were there are looked through.
     Looked,
     FirstGuide(Option<Guide>),

@@ -3,6 +3,7 @@
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use image::ImageFormat;
 use serde::{Deserialize, Serialize};
@@ -17,6 +18,8 @@ const SETTINGS: &str = "studio.json";
 const COMMANDS: &str = "commands.txt";
 /// Held while a studio works in the folder.
 const LOCK: &str = ".slcal-studio.lock";
+/// Largest number of a photograph.
+const MOST_PHOTOS: u32 = 999_999;
 const SETTINGS_SCHEMA: &str = "slcal-studio-settings/1";
 
 /// What photographs show.
@@ -89,6 +92,8 @@ pub(super) struct Project {
     folder: PathBuf,
     /// Locked until it is dropped, or the process ends in whatever way.
     _lock: File,
+    /// Held from the choice of a photograph's name until it has it.
+    naming: Mutex<()>,
 }
 
 impl Project {
@@ -132,7 +137,7 @@ impl Project {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => Settings::default(),
             Err(e) => return Err(failed("cannot read its settings", &e)),
         };
-        Ok((Self { folder: folder.to_owned(), _lock: lock }, settings))
+        Ok((Self { folder: folder.to_owned(), _lock: lock, naming: Mutex::new(()) }, settings))
     }
 
     pub(super) fn path(&self, name: &str) -> PathBuf {
@@ -148,6 +153,14 @@ impl Project {
         write_whole(&self.path(name), bytes).map_err(|e| {
             Failure::new(Exit::Other, format!("{}: cannot be written: {e}", self.path(name).display()))
         })
+    }
+
+    /// Removes files that no longer hold.
+    pub(super) fn remove(&self, names: &[&str]) {
+        for name in names {
+            // What is not there need not go.
+            let _ = fs::remove_file(self.path(name));
+        }
     }
 
     pub(super) fn read(&self, name: &str) -> std::io::Result<Vec<u8>> {
@@ -174,6 +187,7 @@ impl Project {
 
     /// Keeps a photograph as it came, under the next free name of its kind.
     pub(super) fn keep(&self, purpose: Purpose, bytes: &[u8], extension: &str) -> Outcome<StoredPhoto> {
+        let _alone = self.naming.lock().unwrap_or_else(PoisonError::into_inner);
         let id = self.photos(purpose).last().map_or(1, |p| p.id + 1);
         let name = format!("{}-{id:03}.{extension}", purpose.stem());
         self.write(&name, bytes)?;
@@ -190,7 +204,10 @@ impl Project {
                 let (stem, extension) = name.rsplit_once('.')?;
                 let number = stem.strip_prefix(purpose.stem())?.strip_prefix('-')?;
                 let digits = number.len() >= 3 && number.bytes().all(|b| b.is_ascii_digit());
-                let id = number.parse().ok().filter(|_| digits && EXTENSIONS.contains(&extension))?;
+                let id = number.parse().ok().filter(|id| digits && *id <= MOST_PHOTOS)?;
+                if !EXTENSIONS.contains(&extension) {
+                    return None;
+                }
                 Some(StoredPhoto { id, name })
             })
             .collect();

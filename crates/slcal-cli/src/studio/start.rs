@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 use std::thread;
@@ -10,6 +11,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::browser;
+use super::job::Done;
 use super::machine::{Machine, Options};
 use super::project::{Project, Purpose, Settings, extension_of};
 use super::queue::{Next, Queue};
@@ -17,12 +19,12 @@ use super::server::access::Access;
 use super::server::hub::Hub;
 use super::server::links::Links;
 use super::server::serve;
-use super::state::CameraKind;
+use super::state::{CameraKind, Problem};
 use super::watch_folder::WatchFolder;
 use super::worker::{Pictures, Worker};
 use crate::args::StudioArgs;
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::end_normally_on_interrupt;
+use crate::io::{decode_photo, end_normally_on_interrupt, input_name, read_bytes};
 use crate::output::{Printer, print_json, print_result, sanitized};
 
 /// The usual port, and how many after it are tried.
@@ -37,9 +39,10 @@ const DEMO_SIZE: &str = "594x420mm";
 pub(crate) fn run(args: &StudioArgs, printer: Printer) -> Outcome {
     let failed =
         |e: &dyn std::fmt::Display| Failure::new(Exit::Other, format!("cannot start the server: {e}"));
-    let (project, settings) = Project::open(&args.dir)?;
+    let (project, settings) = Project::open(&args.folder())?;
+    check_photographs(&project, &settings, args)?;
     let settings = started(settings, args);
-    let watched = args.watch.as_deref().map(watch).transpose()?;
+    let watched = args.watch.as_deref().map(|folder| watch(folder, &project)).transpose()?;
     let listener = listen(args)?;
     let at = listener.local_addr().map_err(|e| failed(&e))?;
     let lan = args.lan.then(local_address).flatten();
@@ -72,6 +75,30 @@ pub(crate) fn run(args: &StudioArgs, printer: Printer) -> Outcome {
         printer.note(format!("no browser could be opened ({e}); open the address yourself"));
     }
     serve(&hub, listener).map_err(|e| failed(&e))
+}
+
+/// Photographs belong to the rig and the pattern under which they were taken.
+fn check_photographs(project: &Project, kept: &Settings, args: &StudioArgs) -> Outcome {
+    if project.photos(Purpose::Sheet).is_empty() {
+        return Ok(());
+    }
+    let refused = |found: String| {
+        let folder = project.folder().display();
+        Failure::usage(format!(
+            "{folder}: expected photographs of this rig, found {found}; use another --dir"
+        ))
+    };
+    match (kept.demo, args.demo) {
+        (true, false) => return Err(refused("those of the demonstration".into())),
+        (false, true) => return Err(refused("those of a real one".into())),
+        _ => {}
+    }
+    match (kept.projector, args.projector) {
+        (Some([w, h]), Some(new)) if [w, h] != new => {
+            Err(refused(format!("those of a projector with {w}x{h} pixels")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// What the folder keeps, and what the command line says instead.
@@ -121,9 +148,14 @@ fn start_worker(mut worker: Worker, queue: Arc<Queue>, hub: Arc<Hub>) {
     thread::spawn(move || {
         loop {
             match queue.next() {
-                Next::Job(job) => worker.work(job, &mut |done| hub.done(done)),
+                Next::Job(job) => {
+                    let work = AssertUnwindSafe(|| worker.work(job, &mut |done| hub.done(done)));
+                    if catch_unwind(work).is_err() {
+                        hub.done(Done::Failed(failed_inside()));
+                    }
+                }
                 Next::Live(frame) => {
-                    if let Some(done) = worker.look(&frame) {
+                    if let Ok(Some(done)) = catch_unwind(AssertUnwindSafe(|| worker.look(&frame))) {
                         hub.done(done);
                     }
                 }
@@ -132,7 +164,22 @@ fn start_worker(mut worker: Worker, queue: Arc<Queue>, hub: Arc<Hub>) {
     });
 }
 
-fn watch(folder: &Path) -> Outcome<WatchFolder> {
+/// A fault of slcal itself: the studio goes on.
+fn failed_inside() -> Problem {
+    Problem::new(
+        "fault",
+        "slcal failed at this; it is a fault of slcal",
+        "report it, with the project's folder",
+    )
+}
+
+fn watch(folder: &Path, project: &Project) -> Outcome<WatchFolder> {
+    let same = folder.canonicalize().is_ok_and(|f| project.folder().canonicalize().is_ok_and(|p| p == f));
+    if same {
+        let message =
+            "--watch: expected another folder than that of --dir, which gets copies of its photographs";
+        return Err(Failure::usage(message));
+    }
     WatchFolder::new(folder).map_err(|e| {
         let message = format!("--watch {}: expected a folder that can be read: {e}", folder.display());
         Failure::new(Exit::Input, message)
@@ -158,9 +205,11 @@ fn start_watching(mut watched: WatchFolder, project: Arc<Project>, hub: Arc<Hub>
 }
 
 fn take(path: &Path, purpose: Purpose, project: &Project, hub: &Hub) -> Outcome {
-    let bytes = crate::io::read_bytes(path, "a photograph")?;
+    let bytes = read_bytes(path, "a photograph")?;
     // Cameras write other files beside their photographs.
     let Some(extension) = extension_of(&bytes) else { return Ok(()) };
+    // By its own name: raw files look like TIFF.
+    decode_photo(&bytes, &input_name(path))?;
     let photo = project.keep(purpose, &bytes, extension)?;
     hub.kept(purpose, photo);
     Ok(())
@@ -186,7 +235,7 @@ fn announce(args: &StudioArgs, links: &Links) -> Outcome {
     }
     let mut text = format!(
         "slcal studio works in {}\n\n  operator   {}\n  display    {}   (open it on the projector)\n",
-        sanitized(&args.dir.display().to_string()),
+        sanitized(&args.folder().display().to_string()),
         links.operator,
         links.display
     );

@@ -1,5 +1,7 @@
 //! The state in one sentence, the next thing to do in one sentence, and the command that does the same.
 
+use slcal_core::{CheckerConfig, CheckerPattern};
+
 use super::state::{CameraKind, State, Step};
 
 /// What the head of the page says.
@@ -96,7 +98,12 @@ pub(super) fn command(state: &State) -> Option<String> {
     let [w, h] = state.set_up.projector?;
     let size = quoted(state.set_up.size.as_deref()?);
     match state.step {
-        Step::SetUp => Some(format!("slcal pattern checker --projector {w}x{h} -o checker.png")),
+        Step::SetUp => {
+            let scale = state.set_up.pattern_scale;
+            let usual = CheckerPattern::new([w, h], &CheckerConfig::default()).ok()?.square_px;
+            let square = if scale == 1.0 { String::new() } else { format!(" --square {:.0}", usual * scale) };
+            Some(format!("slcal pattern checker --projector {w}x{h}{square} --marks -o checker.png"))
+        }
         Step::Calibrate => {
             let used = state.photographs.iter().filter(|p| p.used && p.problem.is_none());
             let names: Vec<&str> = used.map(|p| p.name.as_str()).collect();

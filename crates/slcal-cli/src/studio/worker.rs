@@ -1,5 +1,7 @@
 //! The work on photographs, on a thread of its own: detection, calibration, clouds, the simulated camera.
 
+use std::collections::BTreeSet;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use image::{DynamicImage, RgbImage};
@@ -22,7 +24,7 @@ use super::project::{Project, Purpose, StoredPhoto};
 use super::simulated_camera::{DISTANCE_MM, SimulatedCamera, jpeg};
 use super::state::{CloudEntry, DemoScene, Problem};
 use crate::cloud_view::packed;
-use crate::exit::{Failure, Outcome};
+use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{bytes_of, decode_photo, png_bytes, read_tags};
 use crate::report::{Photo, RigPage, rig_html};
 
@@ -85,10 +87,17 @@ impl Worker {
     /// Does a job, and tells what came of it, in one or more parts.
     pub(super) fn work(&mut self, job: Job, tell: &mut dyn FnMut(Done)) {
         let outcome = match job {
-            Job::Begin(bench) => self.begin(bench, tell),
+            Job::Begin(bench, left_out) => {
+                let begun = self.begin(bench, &left_out, tell);
+                Ok(begun.unwrap_or_else(|failure| Done::NotBegun(problem(&failure))))
+            }
             Job::FirstGuide(image) => self.first_guide(image).map(Done::FirstGuide),
             Job::Sheet(photo) => Ok(self.sheet(photo)),
-            Job::Calibrate(used) => self.calibrate(&used),
+            Job::Calibrate(used) => Ok(self.calibrate(&used)),
+            Job::Forget => {
+                self.forget();
+                Ok(Done::Nothing)
+            }
             Job::TakeSimulated(purpose, scene) => self.take(purpose, scene),
             Job::Cloud(photo) => self.cloud(&photo),
             Job::KeepLive => self.keep_live(),
@@ -127,7 +136,12 @@ impl Worker {
     }
 
     /// Draws the patterns, and looks through the photographs that are there.
-    fn begin(&mut self, bench: Bench, tell: &mut dyn FnMut(Done)) -> Outcome<Done> {
+    fn begin(
+        &mut self,
+        bench: Bench,
+        left_out: &BTreeSet<String>,
+        tell: &mut dyn FnMut(Done),
+    ) -> Outcome<Done> {
         (self.prepared, self.rig, self.scanner, self.last) = (None, None, None, None);
         let usual = CheckerPattern::new(bench.projector, &CheckerConfig::default())?;
         let square_px = (usual.square_px * bench.pattern_scale).round();
@@ -155,14 +169,18 @@ impl Worker {
             simulated,
         });
         tell(Done::Begun);
-        for photo in self.project.photos(Purpose::Sheet) {
+        // Those that count first: one of another size that was left out must not hinder them.
+        let (out, counting): (Vec<_>, Vec<_>) =
+            self.project.photos(Purpose::Sheet).into_iter().partition(|p| left_out.contains(&p.name));
+        for photo in counting.into_iter().chain(out) {
             let found = self.sheet(photo);
             tell(found);
         }
         for photo in self.project.photos(Purpose::Scan) {
-            if let Some(entry) = self.stored_cloud(&photo) {
-                tell(Done::Cloud(entry));
-            }
+            tell(match self.stored_cloud(&photo) {
+                Some(entry) => Done::Cloud(entry),
+                None => Done::CloudMissing(photo),
+            });
         }
         Ok(Done::Looked)
     }
@@ -179,7 +197,10 @@ impl Worker {
     }
 
     fn sheet(&mut self, photo: StoredPhoto) -> Done {
-        let found = self.find_sheet(&photo).map_err(|failure| problem(&failure));
+        // One photograph that slcal fails at must not hinder the others, now and at every start.
+        let found = catch_unwind(AssertUnwindSafe(|| self.find_sheet(&photo)))
+            .unwrap_or_else(|_| Err(Failure::new(Exit::Other, "slcal failed at this photograph")));
+        let found = found.map_err(|failure| problem(&failure));
         Done::Sheet { photo, found }
     }
 
@@ -211,7 +232,21 @@ impl Worker {
         Ok((decode_photo(&bytes, name)?.0, bytes))
     }
 
-    fn calibrate(&mut self, used: &[u32]) -> Outcome<Done> {
+    /// There is no calibration any more.
+    fn forget(&mut self) {
+        (self.rig, self.scanner, self.last) = (None, None, None);
+        self.project.remove(&["rig.json", "observations.json"]);
+    }
+
+    fn calibrate(&mut self, used: &[u32]) -> Done {
+        let calibrated = self.new_rig(used);
+        if calibrated.is_err() {
+            self.forget();
+        }
+        Done::Calibrated(calibrated.map_err(|failure| problem(&failure)))
+    }
+
+    fn new_rig(&mut self, used: &[u32]) -> Outcome<Calibrated> {
         (self.rig, self.scanner) = (None, None);
         let prepared = self.prepared.as_ref().ok_or_else(not_set_up)?;
         let mut calibrator = prepared.calibrator.clone();
@@ -219,10 +254,7 @@ impl Worker {
             calibrator.remove(i);
         }
         let used: Vec<u32> = prepared.ids.iter().copied().filter(|id| used.contains(id)).collect();
-        let calibration = match calibrator.calibrate() {
-            Ok(calibration) => calibration,
-            Err(error) => return Ok(Done::Calibrated(Err(problem(&error.into())))),
-        };
+        let calibration = calibrator.calibrate()?;
         let rig = Arc::new(calibration.rig);
         self.project.write(
             "observations.json",
@@ -233,7 +265,7 @@ impl Worker {
         let config = ReconstructConfig { mesh: true, ..ReconstructConfig::default() };
         self.scanner = Some(Reconstructor::new(&rig, &prepared.stripes, config)?);
         self.rig = Some(rig.clone());
-        Ok(Done::Calibrated(Ok(Calibrated { rig, used, guide })))
+        Ok(Calibrated { rig, used, guide })
     }
 
     fn take(&mut self, purpose: Purpose, scene: DemoScene) -> Outcome<Done> {
@@ -284,7 +316,7 @@ impl Worker {
     }
 
     fn keep_live(&mut self) -> Outcome<Done> {
-        let Some(picture) = self.last.take() else { return Ok(Done::Looked) };
+        let Some(picture) = self.last.take() else { return Ok(Done::Nothing) };
         let photo = self.project.keep(Purpose::Scan, &jpeg(&picture), "jpg")?;
         self.reconstruct(&photo, &picture)
     }

@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -109,8 +110,6 @@ class Studio:
                 self._process.wait()
         if self._process.stdout is not None:
             self._process.stdout.close()
-        if self._process.stderr is not None:
-            self._process.stderr.close()
 
     def __enter__(self) -> Studio:
         return self
@@ -125,7 +124,8 @@ class Studio:
         return f"Studio(dir={str(self.dir)!r}, {state})"
 
     def _cloud_files(self) -> list[Path]:
-        return sorted(self.dir.glob("scan-*.ply"))
+        # scan-1000 comes after scan-999.
+        return sorted(self.dir.glob("scan-*.ply"), key=lambda path: (len(path.name), path.name))
 
     def _moments(self, timeout: float | None, what: str) -> Iterator[None]:
         """Moments to look whether something is there; a last one after the studio has ended."""
@@ -199,18 +199,22 @@ def studio(
         option for option, given in (("--lan", lan), ("--demo", demo), ("--no-open", not open_browser)) if given
     ]
     # In a session of its own: an interrupt of the notebook's kernel is not for it.
-    process = subprocess.Popen(
-        command,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    addresses = _addresses(process)
-    if addresses is None:
-        _, message = process.communicate()
-        raise Error(message.strip().removeprefix("error: ") or "expected the studio to start, but it ended at once")
+    # What it says later is read by nobody: a file takes it, where a pipe would fill.
+    with tempfile.TemporaryFile("w+") as messages:
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=messages,
+            text=True,
+            start_new_session=True,
+        )
+        addresses = _addresses(process)
+        if addresses is None:
+            process.wait()
+            messages.seek(0)
+            said = messages.read().strip().removeprefix("error: ").removeprefix("slcal: ")
+            raise Error(said or "expected the studio to start, but it ended at once")
     return Studio(process, Path(dir), addresses)
 
 

@@ -15,17 +15,18 @@ impl Machine {
         Some(Effect::Work(Job::FirstGuide(size)))
     }
 
-    pub(super) fn recalibrate(&mut self) -> Option<Effect> {
+    pub(super) fn recalibrate(&mut self) -> Vec<Effect> {
         let used = self.state.used();
         if used.is_empty() {
             (self.state.calibration, self.rig, self.state.guide) = (None, None, None);
             for photo in &mut self.state.photographs {
                 (photo.rms_px, photo.tilt_deg) = (None, None);
             }
-            return self.ask_for_first_guide();
+            let forget = Effect::Work(Job::Forget);
+            return std::iter::once(forget).chain(self.ask_for_first_guide()).collect();
         }
         self.state.busy = Some("calibrating");
-        Some(Effect::Work(Job::Calibrate(used)))
+        vec![Effect::Work(Job::Calibrate(used))]
     }
 
     pub(super) fn calibrated(&mut self, result: Result<Calibrated, Problem>) -> Vec<Effect> {
@@ -42,6 +43,10 @@ impl Machine {
                     photo.rms_px = view.and_then(|v| v.rms_px).map(|r| r.corners.unwrap_or(r.edges));
                     photo.tilt_deg = view.map(|v| tilt_deg(&v.camera_from_sheet));
                 }
+                if self.state.calibration.is_some() {
+                    // It was drawn for the rig before.
+                    self.state.in_use.picture = None;
+                }
                 self.state.calibration = Some(PageCalibration::new(&rig, self.state.calibration.as_ref()));
                 self.state.guide = guide;
                 self.keep_turn_to_demo();
@@ -49,11 +54,10 @@ impl Machine {
                 self.state.in_use.reports = vec!["/report"];
                 self.last_pose = rig.views.last().map(|v| demo_pose(&v.camera_from_sheet, v.size));
                 self.rig = Some(rig);
-                command(&self.state)
-                    .filter(|_| self.state.step == Step::Calibrate)
-                    .map(Effect::Log)
-                    .into_iter()
-                    .collect()
+                let log =
+                    command(&self.state).filter(|_| self.state.step == Step::Calibrate).map(Effect::Log);
+                let clouds = self.clouds_missing.drain(..).map(|photo| Effect::Work(Job::Cloud(photo)));
+                log.into_iter().chain(clouds).collect()
             }
         }
     }

@@ -32,11 +32,13 @@ impl Machine {
         if count == 0 {
             self.state.display.measured = None;
             self.state.display.painted = 0;
+            self.refused_by_page = None;
         }
-        self.check_display(None);
+        self.check_display();
     }
 
-    pub(super) fn check_display(&mut self, of_page: Option<Problem>) {
+    pub(super) fn check_display(&mut self) {
+        let of_page = self.refused_by_page.clone();
         let State { display, set_up, demo, .. } = &mut self.state;
         display.problem = match set_up.projector {
             // The simulated projector shows the page's canvas, however large its window is.
@@ -63,7 +65,8 @@ impl Machine {
                 let limited = |text: String| text.chars().take(400).collect::<String>();
                 let of_page =
                     problem.map(|p| Problem::new("display-refuses", limited(p.message), limited(p.advice)));
-                self.check_display(of_page);
+                self.refused_by_page = of_page;
+                self.check_display();
                 Vec::new()
             }
             DisplayEvent::Painted { sequence } => {

@@ -109,6 +109,7 @@ impl Machine {
             size: found.as_ref().map(|f| f.size),
             problem,
         });
+        self.state.photographs.sort_by_key(|p| p.id);
         if self.beginning {
             return Vec::new();
         }
@@ -116,7 +117,7 @@ impl Machine {
         if found.is_none() || !used {
             return Vec::new();
         }
-        self.recalibrate().into_iter().collect()
+        self.recalibrate()
     }
 
     pub(super) fn use_photograph(&mut self, id: u32, used: bool) -> Result<Vec<Effect>, Problem> {
@@ -129,7 +130,13 @@ impl Machine {
             self.left_out.insert(photo.name.clone());
         }
         let mut effects = vec![Effect::Save];
-        effects.extend(self.recalibrate());
+        if !used && self.state.photographs.iter().any(|p| p.problem.is_some()) {
+            // It may have hindered the others: the first photograph says which size all have.
+            self.begun = None;
+            effects.extend(self.begin());
+        } else {
+            effects.extend(self.recalibrate());
+        }
         Ok(effects)
     }
 }

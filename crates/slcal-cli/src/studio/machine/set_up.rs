@@ -45,7 +45,7 @@ impl Machine {
         let set_up = &self.state.set_up;
         let other_pattern = projector.is_some_and(|p| set_up.projector.is_some_and(|q| q != p))
             || scale.is_some_and(|s| s != set_up.pattern_scale);
-        if other_pattern && !self.state.photographs.is_empty() {
+        if other_pattern && (self.beginning || !self.state.photographs.is_empty()) {
             let problem = Problem::new(
                 "set-up-photographs",
                 "there are photographs of the present pattern, which another one would contradict",
@@ -57,8 +57,11 @@ impl Machine {
         set_up.projector = projector.or(set_up.projector);
         set_up.size = size.or_else(|| set_up.size.take());
         set_up.pattern_scale = scale.unwrap_or(set_up.pattern_scale);
-        self.check_display(None);
+        self.check_display();
         let mut effects = self.begin();
+        if !effects.is_empty() {
+            self.state.in_use.picture = None;
+        }
         self.set_up_changed();
         effects.push(Effect::Save);
         Ok(effects)
@@ -75,9 +78,10 @@ impl Machine {
         self.beginning = true;
         self.state.photographs.clear();
         self.state.scan.clouds.clear();
-        self.state.guide = None;
+        self.clouds_missing.clear();
+        (self.state.guide, self.state.calibration, self.rig) = (None, None, None);
         self.state.busy = Some("drawing the patterns");
-        vec![Effect::Work(Job::Begin(bench))]
+        vec![Effect::Work(Job::Begin(bench, self.left_out.clone()))]
     }
 
     pub(super) fn set_up_changed(&mut self) {

@@ -9,7 +9,7 @@ use crate::studio::auto_shot::AutoShot;
 use crate::studio::event::OperatorEvent;
 use crate::studio::job::{Bench, Done, Job, LiveFrame};
 use crate::studio::live::Look;
-use crate::studio::project::{Purpose, Settings};
+use crate::studio::project::{Purpose, Settings, StoredPhoto};
 use crate::studio::simulated_camera::{FIRST_POSE, PHOTO_PX};
 use crate::studio::state::{
     CameraKind, CameraState, DemoObject, DemoPose, DemoScene, Display, LIVE_LONGEST_PX, Picture, Problem,
@@ -68,6 +68,10 @@ pub(in crate::studio) struct Machine {
     /// Looking through photographs of an earlier run.
     pub(super) beginning: bool,
     pub(super) begun: Option<Bench>,
+    /// Photographs of an earlier run that have no cloud yet.
+    pub(super) clouds_missing: Vec<StoredPhoto>,
+    /// Why the display's page itself refuses to show a pattern.
+    pub(super) refused_by_page: Option<Problem>,
     /// Where the sheet was photographed last.
     pub(super) last_pose: Option<DemoPose>,
 }
@@ -140,11 +144,13 @@ impl Machine {
             last_cloud_ms: None,
             beginning: false,
             begun: None,
+            clouds_missing: Vec::new(),
+            refused_by_page: None,
             last_pose: None,
         };
         let effects = machine.begin();
         machine.set_up_changed();
-        machine.check_display(None);
+        machine.check_display();
         machine.show_for_step();
         (machine, effects)
     }
@@ -186,7 +192,14 @@ impl Machine {
                 }
                 Ok(Vec::new())
             }
-            OperatorEvent::Take => self.take(self.purpose()),
+            OperatorEvent::Take => match self.state.step {
+                Step::Calibrate | Step::Scan => self.take(self.purpose()),
+                Step::SetUp | Step::Use => Err(Problem::new(
+                    "photograph-unasked",
+                    "no photograph is expected in this step",
+                    "go to Calibrate or Scan first",
+                )),
+            },
             OperatorEvent::AutoShot { on } => {
                 self.state.auto_shot = on;
                 Ok(Vec::new())
@@ -245,6 +258,7 @@ impl Machine {
             self.stop_scanning();
         }
         self.state.step = step;
+        self.waiting = None;
         if let Some(scene) = &mut self.state.demo_scene {
             match step {
                 Step::SetUp => {}
@@ -280,11 +294,7 @@ impl Machine {
             }
             Done::Looked => {
                 self.state.busy = None;
-                if std::mem::take(&mut self.beginning) {
-                    self.recalibrate().into_iter().collect()
-                } else {
-                    Vec::new()
-                }
+                if std::mem::take(&mut self.beginning) { self.recalibrate() } else { Vec::new() }
             }
             Done::FirstGuide(guide) => {
                 if self.state.calibration.is_none() {
@@ -313,8 +323,21 @@ impl Machine {
                 (self.state.in_use.exported, self.state.in_use.left_out) = (files, left_out);
                 Vec::new()
             }
+            Done::Nothing => {
+                self.state.busy = None;
+                Vec::new()
+            }
+            Done::CloudMissing(photo) => {
+                self.clouds_missing.push(photo);
+                Vec::new()
+            }
+            Done::NotBegun(problem) => {
+                (self.state.busy, self.beginning, self.begun) = (None, false, None);
+                self.state.problem = Some(problem);
+                Vec::new()
+            }
             Done::Failed(problem) => {
-                (self.state.busy, self.shooting_since_ms, self.beginning) = (None, None, false);
+                (self.state.busy, self.shooting_since_ms) = (None, None);
                 self.state.problem = Some(problem);
                 Vec::new()
             }

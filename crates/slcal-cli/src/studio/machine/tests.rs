@@ -22,7 +22,7 @@ fn settings(size: Option<&str>) -> Settings {
 fn demo() -> Machine {
     let options = Options { demo: true, ..Options::default() };
     let (mut machine, effects) = Machine::new(&settings(Some("594x420mm")), options);
-    assert!(matches!(effects[..], [Effect::Work(Job::Begin(_))]));
+    assert!(matches!(effects[..], [Effect::Work(Job::Begin(..))]));
     machine.done(Done::Begun, 0);
     machine.done(Done::Looked, 0);
     machine
@@ -74,7 +74,7 @@ fn what_is_missing_is_asked_for_one_by_one() {
     assert!(machine.state.set_up.missing.unwrap().contains("sheet"));
     assert_eq!(set(&mut machine, None, Some("A44")).unwrap_err().code, "set-up-size");
     let effects = set(&mut machine, None, Some("A4")).unwrap();
-    assert!(matches!(effects[..], [Effect::Work(Job::Begin(b)), Effect::Save] if b.projector == PANEL));
+    assert!(matches!(effects[..], [Effect::Work(Job::Begin(b, _)), Effect::Save] if b.projector == PANEL));
     assert!(machine.state.set_up.missing.unwrap().contains("camera"));
     machine.operate(OperatorEvent::Camera { kind: CameraKind::Files, size: None, held: vec![] }).unwrap();
     assert!(machine.state.set_up.done);
@@ -150,7 +150,11 @@ fn two_photographs_lead_to_a_scan() {
     // Without photographs there is no calibration, and no scan.
     let leave = |m: &mut Machine, id| m.operate(OperatorEvent::Photograph { id, used: false }).unwrap();
     assert!(matches!(leave(&mut machine, 1)[..], [Effect::Save, Effect::Work(Job::Calibrate(_))]));
-    leave(&mut machine, 2);
+    let effects = leave(&mut machine, 2);
+    assert!(matches!(
+        effects[..],
+        [Effect::Save, Effect::Work(Job::Forget), Effect::Work(Job::FirstGuide(_))]
+    ));
     assert!(machine.state.calibration.is_none() && machine.state.locked(Step::Scan).is_some());
     assert_eq!(machine.settings().left_out, ["sheet-001.jpg", "sheet-002.jpg"]);
 }
@@ -194,4 +198,38 @@ fn the_simulated_camera_rests_when_nobody_looks() {
     assert!(machine.tick(2000, true).is_empty());
     machine.done(Done::Look(Look::at(1, &image::RgbImage::new(4, 4))), 2000);
     assert!(matches!(machine.tick(2001, true)[..], [Effect::Live(_)]));
+}
+
+#[test]
+fn a_photograph_of_another_size_that_is_left_out_hinders_no_more() {
+    let mut machine = demo();
+    machine.done(Done::Sheet { photo: photo(1), found: Ok(found()) }, 0);
+    let other = Problem::new("failed", "another size", "");
+    machine.done(Done::Sheet { photo: photo(2), found: Err(other) }, 0);
+    let effects = machine.operate(OperatorEvent::Photograph { id: 1, used: false }).unwrap();
+    assert!(
+        matches!(&effects[..], [Effect::Save, Effect::Work(Job::Begin(_, out))] if out.contains("sheet-001.jpg"))
+    );
+}
+
+#[test]
+fn what_an_interrupted_run_left_gets_its_cloud() {
+    let mut machine = demo();
+    let scan = StoredPhoto { id: 1, name: "scan-001.jpg".into() };
+    machine.done(Done::CloudMissing(scan), 0);
+    machine.done(Done::Sheet { photo: photo(1), found: Ok(found()) }, 0);
+    let effects = machine.done(calibrated(&[1]), 0);
+    assert!(matches!(&effects[..], [Effect::Work(Job::Cloud(p))] if p.name == "scan-001.jpg"));
+}
+
+#[test]
+fn a_step_that_is_left_takes_its_waiting_photograph_along() {
+    let mut machine = demo();
+    machine.displays(1);
+    step(&mut machine, Step::Calibrate).unwrap();
+    machine.operate(OperatorEvent::Take).unwrap();
+    step(&mut machine, Step::SetUp).unwrap();
+    assert_eq!(machine.operate(OperatorEvent::Take).unwrap_err().code, "photograph-unasked");
+    let sequence = machine.state.display.wanted.sequence;
+    assert!(machine.display(DisplayEvent::Painted { sequence }).is_empty());
 }

@@ -318,6 +318,10 @@ impl Hub {
         ] {
             told[key] = value;
         }
+        if !trusted {
+            // Where things lie on this machine is nothing for others.
+            told["set_up"]["watch"] = Value::Null;
+        }
         told
     }
 }
