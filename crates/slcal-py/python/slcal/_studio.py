@@ -211,7 +211,7 @@ def studio(
         )
         addresses = _addresses(process)
         if addresses is None:
-            process.wait()
+            process.communicate()
             messages.seek(0)
             said = messages.read().strip().removeprefix("error: ").removeprefix("slcal: ")
             raise Error(said or "expected the studio to start, but it ended at once")
