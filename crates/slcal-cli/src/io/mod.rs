@@ -23,8 +23,8 @@ pub(crate) use text::{
     load_observations, load_pattern, load_rig, load_stripes, read_exchange,
 };
 pub(crate) use write::{
-    Destination, bytes_of, check_distinct, check_json, check_spares, end_whole_on_interrupt, make_folder,
-    png_bytes, write_all, write_whole,
+    Destination, bytes_of, check_distinct, check_json, check_spares, end_whole_on_interrupt, jpeg_bytes,
+    make_folder, png_bytes, write_all, write_whole,
 };
 #[cfg(feature = "studio")]
-pub(crate) use write::{end_normally_on_interrupt, write_private};
+pub(crate) use write::{PHOTO_QUALITY, end_normally_on_interrupt, write_private};

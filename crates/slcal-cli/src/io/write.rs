@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 
-use image::{DynamicImage, ImageFormat};
+use image::codecs::jpeg::JpegEncoder;
+use image::{DynamicImage, ImageFormat, RgbImage};
 use tempfile::NamedTempFile;
 
 use crate::exit::{Exit, Failure, Outcome};
@@ -268,6 +269,19 @@ pub(crate) fn png_bytes(picture: &DynamicImage) -> Outcome<Vec<u8>> {
     picture
         .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
         .map_err(|e| Failure::new(Exit::Other, format!("cannot encode the picture as PNG: {e}")))?;
+    Ok(bytes)
+}
+
+/// Quality of a JPEG file that is measured in later.
+#[cfg(feature = "studio")]
+pub(crate) const PHOTO_QUALITY: u8 = 95;
+
+/// A picture as the bytes of a JPEG file.
+pub(crate) fn jpeg_bytes(picture: &RgbImage, quality: u8) -> Outcome<Vec<u8>> {
+    let mut bytes = Vec::new();
+    JpegEncoder::new_with_quality(&mut bytes, quality)
+        .encode_image(picture)
+        .map_err(|e| Failure::new(Exit::Other, format!("cannot encode the picture as JPEG: {e}")))?;
     Ok(bytes)
 }
 

@@ -25,9 +25,13 @@ mod view_3d;
 
 pub(crate) use self::cloud_report::{CloudPage, cloud_html};
 pub(crate) use self::command_line::CommandLine;
+#[cfg(feature = "studio")]
+pub(crate) use self::command_line::quoted;
 use self::page::Section;
 pub(crate) use self::photo::Photo;
 pub(crate) use self::rig_page::{RigPage, ShownCloud};
+#[cfg(feature = "studio")]
+pub(crate) use self::verdict::sentence;
 use crate::summary::working_volume;
 
 /// The report, complete.

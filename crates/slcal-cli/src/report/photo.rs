@@ -2,12 +2,12 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use image::codecs::jpeg::JpegEncoder;
+use image::DynamicImage;
 use image::imageops::FilterType;
-use image::{DynamicImage, ImageError};
 use maud::{Markup, PreEscaped};
 
-use crate::exit::{Exit, Failure, Outcome};
+use crate::exit::Outcome;
+use crate::io::jpeg_bytes;
 use crate::picture::Drawing;
 
 /// Longer side of a photograph that stands alone, and of one among others, px: sharp on a large screen, and small enough to
@@ -29,12 +29,7 @@ impl Photo {
         let smaller = (picture.width().max(picture.height()) > longest)
             .then(|| picture.resize(longest, longest, FilterType::Triangle).to_rgb8());
         let pixels = smaller.unwrap_or_else(|| picture.to_rgb8());
-        let mut bytes = Vec::new();
-        JpegEncoder::new_with_quality(&mut bytes, QUALITY).encode_image(&pixels).map_err(
-            |e: ImageError| {
-                Failure::new(Exit::Other, format!("cannot write a photograph into the report: {e}"))
-            },
-        )?;
+        let bytes = jpeg_bytes(&pixels, QUALITY)?;
         Ok(Self { uri: format!("data:image/jpeg;base64,{}", STANDARD.encode(bytes)) })
     }
 

@@ -241,7 +241,7 @@ pub(super) fn in_a_line(rig: &Rig, name: &str) -> Markup {
 }
 
 /// A message of the library as a sentence.
-pub(super) fn sentence(clause: &str) -> String {
+pub(crate) fn sentence(clause: &str) -> String {
     let mut letters = clause.chars();
     // The capital of σ means something else.
     let first = letters.next().map(|c| if c.is_ascii() { c.to_ascii_uppercase() } else { c });

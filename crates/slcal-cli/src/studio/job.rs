@@ -7,7 +7,6 @@ use slcal_core::{Rig, SheetSize};
 
 use super::auto_shot::Quad;
 use super::live::Look;
-use super::page_warning::PageWarning;
 use super::project::{Purpose, StoredPhoto};
 use super::state::{CloudEntry, DemoScene, Guide, Problem};
 
@@ -118,15 +117,4 @@ pub(super) enum Done {
     },
     /// Something could not be done.
     Failed(Problem),
-}
-
-impl From<&slcal_core::Warning> for Problem {
-    fn from(w: &slcal_core::Warning) -> Self {
-        Self::new("warning", w.message.clone(), w.advice.clone())
-    }
-}
-
-/// Warnings as pages tell them.
-pub(super) fn page_warnings(warnings: &[slcal_core::Warning]) -> Vec<PageWarning> {
-    warnings.iter().map(PageWarning::from).collect()
 }

@@ -6,6 +6,7 @@
 
 mod auto_shot;
 mod browser;
+mod checker;
 mod display_check;
 mod event;
 mod guide;
@@ -13,7 +14,6 @@ mod job;
 mod live;
 mod machine;
 mod page_calibration;
-mod page_warning;
 mod pose_angles;
 mod project;
 mod queue;

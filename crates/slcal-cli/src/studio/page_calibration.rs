@@ -1,9 +1,7 @@
 //! A calibration as the page tells it: verdict, figures with σ before and after, assumptions.
 
 use serde::Serialize;
-use slcal_core::{Assumption, AssumptionStatus, Rig, Verdict};
-
-use super::page_warning::PageWarning;
+use slcal_core::{Assumption, AssumptionStatus, Rig, Verdict, Warning};
 
 /// A value and its σ.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -52,7 +50,7 @@ pub(super) struct PageCalibration {
     pub(super) advice: String,
     pub(super) photographs: usize,
     pub(super) figures: Vec<Figure>,
-    pub(super) warnings: Vec<PageWarning>,
+    pub(super) warnings: Vec<Warning>,
     pub(super) assumptions: Vec<PageAssumption>,
     pub(super) report: &'static str,
 }
@@ -72,7 +70,7 @@ impl PageCalibration {
             advice: quality.map_or_else(String::new, |q| q.advice.clone()),
             photographs: rig.views.len(),
             figures,
-            warnings: quality.iter().flat_map(|q| &q.warnings).map(PageWarning::from).collect(),
+            warnings: quality.map_or_else(Vec::new, |q| q.warnings.clone()),
             assumptions: quality.iter().flat_map(|q| &q.assumptions).map(PageAssumption::from).collect(),
             report: "/report",
         }

@@ -216,6 +216,11 @@ impl Project {
     }
 }
 
+/// The file of a scan's cloud.
+pub(super) fn cloud_name(id: u32, extension: &str) -> String {
+    format!("{}-{id:03}.{extension}", Purpose::Scan.stem())
+}
+
 /// The extension of a picture's file by its content; `None` for what is no picture that can be read.
 pub(super) fn extension_of(bytes: &[u8]) -> Option<&'static str> {
     match image::guess_format(bytes).ok()? {

@@ -1,9 +1,6 @@
 //! The camera of the demonstration: it photographs a simulated sheet or sphere under what the display page really painted.
 
-use std::io::Cursor;
-
-use image::codecs::jpeg::JpegEncoder;
-use image::{DynamicImage, RgbImage};
+use image::RgbImage;
 use slcal_core::geometry::RectangleSize;
 use slcal_core::simulate::{
     Photographer, Placement, ProjectedImage, RenderConfig, RigConfig, Scene, SceneObject, SheetObject,
@@ -11,6 +8,8 @@ use slcal_core::simulate::{
 use slcal_core::{Result, Rig};
 
 use super::state::{DemoObject, DemoPose, DemoScene};
+use crate::exit::Outcome;
+use crate::io::{PHOTO_QUALITY, jpeg_bytes};
 
 /// Size of its photographs, px, and their focal length.
 pub(super) const PHOTO_PX: [u32; 2] = [1280, 960];
@@ -31,8 +30,6 @@ const WALL_MM: f64 = 320.0;
 const ROOM: f64 = 0.06;
 /// Light of what faces the projector at that distance, as a share of full scale: what is nearer is brighter, and not clipped.
 const EXPOSURE: f64 = 0.6;
-/// Quality of its JPEG files.
-const JPEG_QUALITY: u8 = 95;
 
 /// Where the sheet is held at first: nearly face-on, so that there is something to improve.
 pub(super) const FIRST_POSE: DemoPose =
@@ -83,7 +80,7 @@ impl SimulatedCamera {
         let shown = painted
             .filter(|p| [p.width(), p.height()] == self.panel)
             .map_or(ProjectedImage::Black, ProjectedImage::Picture);
-        Ok(photographer.photograph(shown, self.frame)?.to_rgb8())
+        Ok(photographer.photograph(shown, self.frame)?.into_rgb8())
     }
 
     fn trace(&self, scene: DemoScene, live: bool) -> Result<Photographer> {
@@ -98,8 +95,8 @@ impl SimulatedCamera {
     }
 
     /// A photograph as a file.
-    pub(super) fn photograph(&mut self, scene: DemoScene, painted: Option<&RgbImage>) -> Result<Vec<u8>> {
-        Ok(jpeg(&self.frame(scene, painted, false)?))
+    pub(super) fn photograph(&mut self, scene: DemoScene, painted: Option<&RgbImage>) -> Outcome<Vec<u8>> {
+        jpeg_bytes(&self.frame(scene, painted, false)?, PHOTO_QUALITY)
     }
 
     fn object(&self, scene: DemoScene) -> Result<SceneObject> {
@@ -125,15 +122,6 @@ fn placement(scene: DemoScene) -> Placement {
         wall_mm: (!sheet).then_some(WALL_MM),
         wall_albedo: 0.5,
     }
-}
-
-/// A picture as a JPEG file.
-pub(super) fn jpeg(picture: &RgbImage) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let encoder = JpegEncoder::new_with_quality(Cursor::new(&mut bytes), JPEG_QUALITY);
-    // Writing into memory cannot fail; a picture without pixels gives no bytes.
-    let _ = DynamicImage::ImageRgb8(picture.clone()).write_with_encoder(encoder);
-    bytes
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! What the studio knows: one plain value, changed by named events and told to the pages as JSON.
 
 use serde::{Deserialize, Serialize};
-use slcal_core::SheetSize;
+use slcal_core::{SheetSize, Warning};
 
 use super::page_calibration::PageCalibration;
-use super::page_warning::PageWarning;
 
 /// Name of the state's format.
 pub(super) const SCHEMA: &str = "slcal-studio/1";
@@ -210,7 +209,7 @@ pub(super) struct CloudEntry {
     /// Name of the photograph's file.
     pub(super) photo_name: String,
     pub(super) saved: Vec<String>,
-    pub(super) warnings: Vec<PageWarning>,
+    pub(super) warnings: Vec<Warning>,
 }
 
 /// The newest cloud of a continuous scan.

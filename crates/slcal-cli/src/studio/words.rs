@@ -1,8 +1,8 @@
 //! The state in one sentence, the next thing to do in one sentence, and the command that does the same.
 
-use slcal_core::{CheckerConfig, CheckerPattern};
-
+use super::checker::checker;
 use super::state::{CameraKind, State, Step};
+use crate::report::{quoted, sentence};
 
 /// What the head of the page says.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -100,8 +100,8 @@ pub(super) fn command(state: &State) -> Option<String> {
     match state.step {
         Step::SetUp => {
             let scale = state.set_up.pattern_scale;
-            let usual = CheckerPattern::new([w, h], &CheckerConfig::default()).ok()?.square_px;
-            let square = if scale == 1.0 { String::new() } else { format!(" --square {:.0}", usual * scale) };
+            let checker = checker([w, h], scale).ok().filter(|_| scale != 1.0);
+            let square = checker.map_or_else(String::new, |c| format!(" --square {:.0}", c.square_px));
             Some(format!("slcal pattern checker --projector {w}x{h}{square} --marks -o checker.png"))
         }
         Step::Calibrate => {
@@ -121,15 +121,6 @@ pub(super) fn command(state: &State) -> Option<String> {
             Some(format!("slcal rectify --rig rig.json --image {} -o projected.png", quoted(picture)))
         }
     }
-}
-
-/// A word as a shell takes it.
-pub(super) fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=+@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 fn photographs(n: usize) -> String {
@@ -154,22 +145,9 @@ fn grouped(number: usize) -> String {
     text
 }
 
-/// With a capital letter and a full stop.
-fn sentence(clause: &str) -> String {
-    let mut letters = clause.trim_end_matches('.').chars();
-    letters.next().map_or_else(String::new, |first| format!("{}{}.", first.to_uppercase(), letters.as_str()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn words_of_a_shell_are_quoted() {
-        assert_eq!(quoted("594x420mm"), "594x420mm");
-        assert_eq!(quoted("it's $HOME.png"), r"'it'\''s $HOME.png'");
-        assert_eq!(quoted(""), "''");
-    }
 
     #[test]
     fn thousands_stand_apart() {
@@ -177,11 +155,5 @@ mod tests {
             [0, 999, 1000, 1_234_567].map(grouped),
             ["0", "999", "1\u{202f}000", "1\u{202f}234\u{202f}567"]
         );
-    }
-
-    #[test]
-    fn sentences_begin_and_end() {
-        assert_eq!(sentence("no display shows it."), "No display shows it.");
-        assert_eq!(sentence(""), "");
     }
 }

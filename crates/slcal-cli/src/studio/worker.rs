@@ -12,20 +12,21 @@ use slcal_core::format::{
 };
 use slcal_core::pattern::Pattern;
 use slcal_core::{
-    Calibrator, CheckerConfig, CheckerPattern, PhotoView, ReconstructConfig, Reconstructor, Rig, SheetPhoto,
-    StripeConfig, StripePattern, rectify_picture, residuals,
+    Calibrator, CheckerPattern, PhotoView, ReconstructConfig, Reconstructor, Rig, SheetPhoto, StripeConfig,
+    StripePattern, rectify_picture, residuals,
 };
 
 use super::auto_shot::nearness;
+use super::checker::checker;
 use super::guide::{self, RoughDevices};
-use super::job::{Bench, Calibrated, Done, Job, LiveFrame, LookFor, SheetFound, page_warnings};
+use super::job::{Bench, Calibrated, Done, Job, LiveFrame, LookFor, SheetFound};
 use super::live::Look;
-use super::project::{Project, Purpose, StoredPhoto};
-use super::simulated_camera::{DISTANCE_MM, SimulatedCamera, jpeg};
+use super::project::{Project, Purpose, StoredPhoto, cloud_name};
+use super::simulated_camera::{DISTANCE_MM, SimulatedCamera};
 use super::state::{CloudEntry, DemoScene, Problem};
 use crate::cloud_view::packed;
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::{bytes_of, decode_photo, png_bytes, read_tags};
+use crate::io::{PHOTO_QUALITY, bytes_of, decode_photo, jpeg_bytes, png_bytes, read_tags};
 use crate::report::{Photo, RigPage, rig_html};
 
 /// Pictures that the worker shares with the server.
@@ -110,7 +111,7 @@ impl Worker {
     /// Looks at a live frame.
     pub(super) fn look(&mut self, frame: &LiveFrame) -> Option<Done> {
         let picture = match (&frame.bytes, frame.scene) {
-            (Some(bytes), _) => decode_photo(bytes, "live frame").ok()?.0.to_rgb8(),
+            (Some(bytes), _) => decode_photo(bytes, "live frame").ok()?.0.into_rgb8(),
             (None, Some(scene)) => {
                 let painted = self.pictures.painted();
                 // A cloud needs the size that was calibrated.
@@ -143,10 +144,7 @@ impl Worker {
         tell: &mut dyn FnMut(Done),
     ) -> Outcome<Done> {
         (self.prepared, self.rig, self.scanner, self.last) = (None, None, None, None);
-        let usual = CheckerPattern::new(bench.projector, &CheckerConfig::default())?;
-        let square_px = (usual.square_px * bench.pattern_scale).round();
-        let config = CheckerConfig { square_px: Some(square_px), marks: true, ..CheckerConfig::default() };
-        let checker = CheckerPattern::new(bench.projector, &config)?;
+        let checker = checker(bench.projector, bench.pattern_scale)?;
         let stripes = StripePattern::new(bench.projector, &StripeConfig::default())?;
         self.project.write("checker.png", &png_bytes(&DynamicImage::ImageRgb8(checker.image()?))?)?;
         self.project.write("stripes.png", &png_bytes(&DynamicImage::ImageRgb8(stripes.image()?))?)?;
@@ -276,23 +274,24 @@ impl Worker {
     }
 
     fn cloud(&mut self, photo: &StoredPhoto) -> Outcome<Done> {
-        let picture = self.load(&photo.name)?.0.to_rgb8();
-        self.reconstruct(photo, &picture)
+        // As it came: 16 bits stay 16.
+        let picture = self.load(&photo.name)?.0;
+        self.reconstruct(photo, PhotoView::try_from(&picture)?)
     }
 
-    fn reconstruct(&mut self, photo: &StoredPhoto, picture: &RgbImage) -> Outcome<Done> {
+    fn reconstruct(&mut self, photo: &StoredPhoto, picture: PhotoView<'_>) -> Outcome<Done> {
         let scanner = self.scanner.as_mut().ok_or_else(not_calibrated)?;
-        let result = scanner.reconstruct(PhotoView::try_from(picture)?)?;
+        let result = scanner.reconstruct(picture)?;
         let bytes = bytes_of(|out| write_ply(&result.cloud, out))?;
         let entry = entry(photo, result.cloud.points.len(), result.cloud.triangles.len());
-        let entry = CloudEntry { warnings: page_warnings(&result.warnings()), ..entry };
+        let entry = CloudEntry { warnings: result.warnings(), ..entry };
         self.project.write(&entry.name, &bytes)?;
         Ok(Done::Cloud(entry))
     }
 
     /// A cloud that an earlier run left; `None` where it has none.
     fn stored_cloud(&self, photo: &StoredPhoto) -> Option<CloudEntry> {
-        let bytes = self.project.read(&cloud_name(photo)).ok()?;
+        let bytes = self.project.read(&cloud_name(photo.id, "ply")).ok()?;
         let cloud = read_ply(bytes.as_slice()).ok()?;
         Some(entry(photo, cloud.points.len(), cloud.triangles.len()))
     }
@@ -317,13 +316,13 @@ impl Worker {
 
     fn keep_live(&mut self) -> Outcome<Done> {
         let Some(picture) = self.last.take() else { return Ok(Done::Nothing) };
-        let photo = self.project.keep(Purpose::Scan, &jpeg(&picture), "jpg")?;
-        self.reconstruct(&photo, &picture)
+        let photo = self.project.keep(Purpose::Scan, &jpeg_bytes(&picture, PHOTO_QUALITY)?, "jpg")?;
+        self.reconstruct(&photo, PhotoView::try_from(picture.as_ref())?)
     }
 
     fn rectify(&mut self, name: String, bytes: &[u8]) -> Outcome<Done> {
         let rig = self.rig.clone().ok_or_else(not_calibrated)?;
-        let picture = decode_photo(bytes, &name)?.0.to_rgb8();
+        let picture = decode_photo(bytes, &name)?.0.into_rgb8();
         // Onto the sheet where it was photographed last.
         let (drawn, _) = rectify_picture(&rig, rig.views.len().saturating_sub(1), &picture)?;
         self.project.write("picture.png", &png_bytes(&DynamicImage::ImageRgb8(drawn))?)?;
@@ -392,14 +391,10 @@ fn sheet_found(found: &Detection, size: [u32; 2]) -> SheetFound {
     }
 }
 
-fn cloud_name(photo: &StoredPhoto) -> String {
-    format!("scan-{:03}.ply", photo.id)
-}
-
 fn entry(photo: &StoredPhoto, points: usize, triangles: usize) -> CloudEntry {
     CloudEntry {
         id: photo.id,
-        name: cloud_name(photo),
+        name: cloud_name(photo.id, "ply"),
         points,
         triangles,
         url: format!("/api/clouds/{}", photo.id),

@@ -22,9 +22,8 @@ use super::hub::Hub;
 use super::session::{Answer, Asked, role};
 use super::{pages, socket};
 use crate::cloud_view::packed;
-use crate::io::decode_photo;
-use crate::studio::project::{Purpose, extension_of};
-use crate::studio::simulated_camera::jpeg;
+use crate::io::{decode_photo, jpeg_bytes};
+use crate::studio::project::{Purpose, cloud_name, extension_of};
 use crate::studio::words::command;
 use crate::studio::worker;
 
@@ -35,6 +34,8 @@ const MOST_JSON: usize = 64 << 10;
 /// Longer side of photographs as pages show them, px.
 const SHOWN_PX: u32 = 1280;
 const SMALLEST_PX: u32 = 64;
+/// Quality of pictures that pages show: nothing is measured in them.
+const SHOWN_QUALITY: u8 = 85;
 
 type Shared = State<Arc<Hub>>;
 
@@ -152,7 +153,7 @@ async fn shown(State(hub): Shared, headers: HeaderMap, Query(asked): Query<Asked
 async fn live(State(hub): Shared, headers: HeaderMap, Query(asked): Query<Asked>) -> Answer {
     role(&hub, &headers, &asked, &SEEING)?;
     let frame = hub.pictures.live().ok_or_else(|| Refusal::missing("live picture"))?;
-    let encoded = aside(move || Ok(jpeg(&frame))).await?;
+    let encoded = aside(move || shown_jpeg(&frame)).await?;
     Ok(bytes("image/jpeg", encoded))
 }
 
@@ -191,16 +192,20 @@ async fn stored_picture(hub: Arc<Hub>, purpose: Purpose, name: &str, width: Opti
         let photo = hub.project.photos(purpose).into_iter().find(|p| p.id == id).ok_or_else(missing)?;
         let file = hub.project.read(&photo.name).map_err(|_| missing())?;
         let picture = decode_photo(&file, &photo.name).map_err(|_| missing())?.0;
-        Ok(jpeg(&smaller(&picture, longest)))
+        shown_jpeg(&smaller(picture, longest))
     });
     Ok(bytes("image/jpeg", encoded.await?))
 }
 
-fn smaller(picture: &DynamicImage, longest: u32) -> RgbImage {
+fn shown_jpeg(picture: &RgbImage) -> Result<Vec<u8>, Refusal> {
+    jpeg_bytes(picture, SHOWN_QUALITY).map_err(|_| Refusal::missing("picture that can be shown"))
+}
+
+fn smaller(picture: DynamicImage, longest: u32) -> RgbImage {
     if picture.width().max(picture.height()) <= longest {
-        return picture.to_rgb8();
+        return picture.into_rgb8();
     }
-    picture.resize(longest, longest, FilterType::Triangle).to_rgb8()
+    picture.resize(longest, longest, FilterType::Triangle).into_rgb8()
 }
 
 async fn cloud(
@@ -215,16 +220,15 @@ async fn cloud(
     let id = number(digits, "").ok_or_else(missing)?;
     let format = ending.map(|e| e.parse::<CloudFormat>().map_err(|_| missing())).transpose()?;
     aside(move || {
-        let file = hub.project.read(&format!("scan-{id:03}.ply")).map_err(|_| missing())?;
+        let file = hub.project.read(&cloud_name(id, "ply")).map_err(|_| missing())?;
         let cloud = || read_ply(file.as_slice()).map_err(|_| missing());
-        let name = |ending: &str| format!("scan-{id:03}.{ending}");
         Ok(match format {
             None => bytes("application/octet-stream", packed(&cloud()?)),
-            Some(CloudFormat::Ply) => download(&name("ply"), file),
+            Some(CloudFormat::Ply) => download(&cloud_name(id, "ply"), file),
             Some(format) => {
                 let mut converted = Vec::new();
                 format.write(&cloud()?, &mut converted).map_err(|_| missing())?;
-                download(&name(format.name()), converted)
+                download(&cloud_name(id, format.name()), converted)
             }
         })
     })
