@@ -61,7 +61,12 @@ impl RectangleSize {
     /// ```
     #[must_use]
     pub fn likely_units(&self) -> Vec<(&'static str, Self)> {
-        let scaled = |mm: f64| Self { width_mm: mm * self.width_mm, height_mm: mm * self.height_mm };
+        // Without the last bit of the product: 8.5 inches are 215.9 mm, as the paper's own size says.
+        let to_micrometre = |mm: f64| (mm * 1e3).round() / 1e3;
+        let scaled = |mm: f64| Self {
+            width_mm: to_micrometre(mm * self.width_mm),
+            height_mm: to_micrometre(mm * self.height_mm),
+        };
         let others = UNITS[1..].iter().map(|unit| (unit.name, scaled(unit.mm)));
         let diagonal = |size: &Self| size.width_mm.hypot(size.height_mm);
         let sheets = CARD_DIAGONAL_MM..=LARGEST_DIAGONAL_MM;
