@@ -92,6 +92,11 @@ fn roles_do_what_they_are_for_and_no_more() {
     assert!(operator["links"]["display"].as_str().unwrap().contains('#') && operator["dir"].is_string());
     let watcher = state("watcher");
     assert!(watcher["links"].is_null() && watcher["dir"].is_null() && watcher["sentence"].is_string());
+    // A page that looks on while another one operates.
+    for path in ["photographs", "picture"] {
+        let asked = studio.ask_as("operator", &format!("POST /api/{path}?as=operator&page=999"), SHEET);
+        assert_eq!(asked.refusal(), "not-operating", "{path}");
+    }
     // The session of one role under the name of another.
     assert_eq!(studio.ask_as("watcher", "GET /api/state?as=operator", b"").refusal(), "session-missing");
     // Nothing changes by GET.

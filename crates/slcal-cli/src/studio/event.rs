@@ -50,6 +50,10 @@ pub(super) enum OperatorEvent {
     Scan {
         mode: ScanMode,
     },
+    /// Makes a cloud again, with the rig of now.
+    Reconstruct {
+        id: u32,
+    },
     Show {
         kind: Picture,
     },

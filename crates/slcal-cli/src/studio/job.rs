@@ -78,6 +78,8 @@ pub(super) struct SheetFound {
 #[derive(Debug, Clone)]
 pub(super) struct Calibrated {
     pub(super) rig: Arc<Rig>,
+    /// [`fingerprint`](super::cloud_note::fingerprint) of its file.
+    pub(super) fingerprint: String,
     /// The photographs it was made from, in the order of the rig's views.
     pub(super) used: Vec<u32>,
     pub(super) guide: Option<Guide>,

@@ -7,6 +7,7 @@
 mod auto_shot;
 mod browser;
 mod checker;
+mod cloud_note;
 mod display_check;
 mod event;
 mod guide;

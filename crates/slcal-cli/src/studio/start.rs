@@ -194,10 +194,15 @@ fn start_watching(mut watched: WatchFolder, project: Arc<Project>, hub: Arc<Hub>
         loop {
             thread::sleep(WATCH_EVERY);
             waiting.extend(watched.new_files(Instant::now()));
-            let Ok(purpose) = hub.purpose() else { continue };
+            let Ok(purpose) = hub.purpose(None) else { continue };
             for path in waiting.drain(..) {
                 if let Err(failure) = take(&path, purpose, &project, &hub) {
                     printer.note(failure.to_string());
+                    hub.trouble(Problem::new(
+                        "photograph-not-taken",
+                        failure.to_string(),
+                        "take it again, or drop the file here",
+                    ));
                 }
             }
         }

@@ -210,6 +210,10 @@ pub(super) struct CloudEntry {
     pub(super) photo_name: String,
     pub(super) saved: Vec<String>,
     pub(super) warnings: Vec<Warning>,
+    /// Fingerprint of the rig that it was made with.
+    pub(super) rig: String,
+    /// Whether that is not the rig of now.
+    pub(super) outdated: bool,
 }
 
 /// The newest cloud of a continuous scan.

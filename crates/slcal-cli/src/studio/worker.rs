@@ -12,12 +12,13 @@ use slcal_core::format::{
 };
 use slcal_core::pattern::Pattern;
 use slcal_core::{
-    Calibrator, CheckerPattern, PhotoView, ReconstructConfig, Reconstructor, Rig, SheetPhoto, StripeConfig,
-    StripePattern, rectify_picture, residuals,
+    Calibrator, CheckerPattern, PhotoView, PointCloud, ReconstructConfig, Reconstructor, Rig, SheetPhoto,
+    StripeConfig, StripePattern, rectify_picture, residuals,
 };
 
 use super::auto_shot::nearness;
 use super::checker::checker;
+use super::cloud_note::{CloudNote, fingerprint};
 use super::guide::{self, RoughDevices};
 use super::job::{Bench, Calibrated, Done, Job, LiveFrame, LookFor, SheetFound};
 use super::live::Look;
@@ -75,6 +76,7 @@ pub(super) struct Worker {
     demo: bool,
     prepared: Option<Prepared>,
     rig: Option<Arc<Rig>>,
+    fingerprint: String,
     scanner: Option<Reconstructor>,
     /// The newest frame of the continuous scan that gave a cloud.
     last: Option<Arc<RgbImage>>,
@@ -82,7 +84,16 @@ pub(super) struct Worker {
 
 impl Worker {
     pub(super) fn new(project: Arc<Project>, pictures: Arc<Pictures>, demo: bool) -> Self {
-        Self { project, pictures, demo, prepared: None, rig: None, scanner: None, last: None }
+        Self {
+            project,
+            pictures,
+            demo,
+            prepared: None,
+            rig: None,
+            fingerprint: String::new(),
+            scanner: None,
+            last: None,
+        }
     }
 
     /// Does a job, and tells what came of it, in one or more parts.
@@ -258,12 +269,14 @@ impl Worker {
             "observations.json",
             &bytes_of(|out| write_observations(&calibration.observations, out))?,
         )?;
-        self.project.write("rig.json", &bytes_of(|out| write_rig(&rig, out))?)?;
+        let rig_file = bytes_of(|out| write_rig(&rig, out))?;
+        self.project.write("rig.json", &rig_file)?;
+        self.fingerprint = fingerprint(&rig_file);
         let guide = guide::next(&rig, &prepared.checker).ok().flatten();
         let config = ReconstructConfig { mesh: true, ..ReconstructConfig::default() };
         self.scanner = Some(Reconstructor::new(&rig, &prepared.stripes, config)?);
         self.rig = Some(rig.clone());
-        Ok(Calibrated { rig, used, guide })
+        Ok(Calibrated { rig, fingerprint: self.fingerprint.clone(), used, guide })
     }
 
     fn take(&mut self, purpose: Purpose, scene: DemoScene) -> Outcome<Done> {
@@ -283,8 +296,12 @@ impl Worker {
         let scanner = self.scanner.as_mut().ok_or_else(not_calibrated)?;
         let result = scanner.reconstruct(picture)?;
         let bytes = bytes_of(|out| write_ply(&result.cloud, out))?;
-        let entry = entry(photo, result.cloud.points.len(), result.cloud.triangles.len());
-        let entry = CloudEntry { warnings: result.warnings(), ..entry };
+        let note = CloudNote::new(&self.fingerprint, result.warnings());
+        let kept = serde_json::to_vec(&note).map_err(|e| Failure::new(Exit::Other, e.to_string()))?;
+        // The note first: a cloud never stands beside the note of another calibration.
+        self.project.remove(&[&cloud_name(photo.id, "ply")]);
+        self.project.write(&cloud_name(photo.id, "json"), &kept)?;
+        let entry = entry(photo, &result.cloud, note);
         self.project.write(&entry.name, &bytes)?;
         Ok(Done::Cloud(entry))
     }
@@ -293,7 +310,9 @@ impl Worker {
     fn stored_cloud(&self, photo: &StoredPhoto) -> Option<CloudEntry> {
         let bytes = self.project.read(&cloud_name(photo.id, "ply")).ok()?;
         let cloud = read_ply(bytes.as_slice()).ok()?;
-        Some(entry(photo, cloud.points.len(), cloud.triangles.len()))
+        let note = self.project.read(&cloud_name(photo.id, "json")).ok();
+        let note = note.and_then(|bytes| CloudNote::read(&bytes));
+        Some(entry(photo, &cloud, note.unwrap_or_else(|| CloudNote::new("", Vec::new()))))
     }
 
     fn live_cloud(&mut self, seq: u32, picture: &Arc<RgbImage>) -> Done {
@@ -391,17 +410,19 @@ fn sheet_found(found: &Detection, size: [u32; 2]) -> SheetFound {
     }
 }
 
-fn entry(photo: &StoredPhoto, points: usize, triangles: usize) -> CloudEntry {
+fn entry(photo: &StoredPhoto, cloud: &PointCloud, note: CloudNote) -> CloudEntry {
     CloudEntry {
         id: photo.id,
         name: cloud_name(photo.id, "ply"),
-        points,
-        triangles,
+        points: cloud.points.len(),
+        triangles: cloud.triangles.len(),
         url: format!("/api/clouds/{}", photo.id),
         photo: format!("/api/scans/{}.jpg", photo.id),
         photo_name: photo.name.clone(),
         saved: vec!["ply".into()],
-        warnings: Vec::new(),
+        warnings: note.warnings,
+        rig: note.rig,
+        outdated: false,
     }
 }
 

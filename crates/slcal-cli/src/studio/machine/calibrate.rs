@@ -37,7 +37,7 @@ impl Machine {
                 self.state.problem = Some(problem);
                 Vec::new()
             }
-            Ok(Calibrated { rig, used, guide }) => {
+            Ok(Calibrated { rig, fingerprint, used, guide }) => {
                 for photo in &mut self.state.photographs {
                     let view = used.iter().position(|id| *id == photo.id).and_then(|i| rig.views.get(i));
                     photo.rms_px = view.and_then(|v| v.rms_px).map(|r| r.corners.unwrap_or(r.edges));
@@ -53,7 +53,8 @@ impl Machine {
                 self.state.problem = None;
                 self.state.in_use.reports = vec!["/report"];
                 self.last_pose = rig.views.last().map(|v| demo_pose(&v.camera_from_sheet, v.size));
-                self.rig = Some(rig);
+                (self.rig, self.fingerprint) = (Some(rig), fingerprint);
+                self.compare_clouds();
                 let log =
                     command(&self.state).filter(|_| self.state.step == Step::Calibrate).map(Effect::Log);
                 let clouds = self.clouds_missing.drain(..).map(|photo| Effect::Work(Job::Cloud(photo)));

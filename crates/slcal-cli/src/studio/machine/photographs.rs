@@ -7,11 +7,27 @@ use crate::studio::state::{CameraKind, Photograph, Problem, Step};
 
 /// A photograph that has not arrived after this time does not come any more, ms.
 pub(super) const SHOT_LOST_MS: u64 = 20_000;
+/// Photographs that may be under way at a time.
+const SHOTS_REMEMBERED: usize = 8;
 
 impl Machine {
     /// What a photograph shows that is taken now.
-    pub(in crate::studio) fn purpose(&self) -> Purpose {
-        if self.state.step == Step::Scan { Purpose::Scan } else { Purpose::Sheet }
+    pub(super) fn purpose(&self) -> Result<Purpose, Problem> {
+        match self.state.step {
+            Step::Calibrate => Ok(Purpose::Sheet),
+            Step::Scan => Ok(Purpose::Scan),
+            Step::SetUp | Step::Use => Err(Problem::new(
+                "photograph-unasked",
+                "no photograph is expected in this step",
+                "go to the step Calibrate or Scan first",
+            )),
+        }
+    }
+
+    /// What a photograph shows that arrives: what its shot was asked for, whatever the step is by now.
+    pub(in crate::studio) fn purpose_of(&self, shot: Option<u64>) -> Result<Purpose, Problem> {
+        let asked = shot.and_then(|shot| self.asked.iter().find(|(number, _)| *number == shot));
+        asked.map_or_else(|| self.purpose(), |(_, purpose)| Ok(*purpose))
     }
 
     /// Takes a photograph, when the display shows what it should.
@@ -50,6 +66,10 @@ impl Machine {
             return vec![Effect::Work(Job::TakeSimulated(purpose, scene))];
         }
         self.shots += 1;
+        self.asked.push_back((self.shots, purpose));
+        if self.asked.len() > SHOTS_REMEMBERED {
+            self.asked.pop_front();
+        }
         vec![Effect::Shoot { shot: self.shots, purpose }]
     }
 

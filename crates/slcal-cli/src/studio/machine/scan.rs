@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::state_machine::{Effect, Machine};
 use crate::studio::event::ScanMode;
 use crate::studio::job::Job;
-use crate::studio::project::Purpose;
+use crate::studio::project::{Purpose, StoredPhoto};
 use crate::studio::state::{CameraKind, CloudEntry, LIVE_LONGEST_PX, LiveCloud, Problem, Step};
 use crate::studio::words::command;
 
@@ -60,9 +60,29 @@ impl Machine {
         vec![Effect::LiveCloud { sequence, bytes }]
     }
 
+    /// Makes a cloud again from its photograph.
+    pub(super) fn reconstruct(&mut self, id: u32) -> Result<Vec<Effect>, Problem> {
+        self.need(Step::Scan)?;
+        let cloud = self.state.scan.clouds.iter().find(|c| c.id == id);
+        let cloud = cloud.ok_or_else(|| Problem::new("no-cloud", "there is no such cloud", ""))?;
+        let photo = StoredPhoto { id, name: cloud.photo_name.clone() };
+        self.state.busy = Some("reconstructing");
+        Ok(vec![Effect::Work(Job::Cloud(photo))])
+    }
+
+    /// Marks the clouds that were made with another rig than that of now.
+    pub(super) fn compare_clouds(&mut self) {
+        for cloud in &mut self.state.scan.clouds {
+            cloud.outdated = cloud.rig != self.fingerprint;
+        }
+    }
+
     pub(super) fn cloud(&mut self, entry: CloudEntry) -> Vec<Effect> {
         self.state.scan.clouds.retain(|c| c.id != entry.id);
         self.state.scan.clouds.push(entry);
+        // Made again, it keeps its place.
+        self.state.scan.clouds.sort_by_key(|c| c.id);
+        self.compare_clouds();
         if self.beginning {
             return Vec::new();
         }

@@ -1,6 +1,6 @@
 //! The state, and what only the machine needs to know.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use slcal_core::Rig;
@@ -52,9 +52,12 @@ pub(in crate::studio) struct Options {
 pub(in crate::studio) struct Machine {
     pub(in crate::studio) state: State,
     pub(in crate::studio) rig: Option<Arc<Rig>>,
+    pub(super) fingerprint: String,
     pub(super) left_out: BTreeSet<String>,
     pub(super) auto: AutoShot,
     pub(super) shots: u64,
+    /// What the last shots were asked for: their photographs may arrive in another step.
+    pub(super) asked: VecDeque<(u64, Purpose)>,
     /// A photograph that waits until the display has painted.
     pub(super) waiting: Option<Purpose>,
     /// When a photograph was asked for that is on its way.
@@ -132,9 +135,11 @@ impl Machine {
         let mut machine = Self {
             state,
             rig: None,
+            fingerprint: String::new(),
             left_out: settings.left_out.iter().cloned().collect(),
             auto: AutoShot::default(),
             shots: 0,
+            asked: VecDeque::new(),
             waiting: None,
             shooting_since_ms: None,
             now_ms: 0,
@@ -192,20 +197,14 @@ impl Machine {
                 }
                 Ok(Vec::new())
             }
-            OperatorEvent::Take => match self.state.step {
-                Step::Calibrate | Step::Scan => self.take(self.purpose()),
-                Step::SetUp | Step::Use => Err(Problem::new(
-                    "photograph-unasked",
-                    "no photograph is expected in this step",
-                    "go to Calibrate or Scan first",
-                )),
-            },
+            OperatorEvent::Take => self.take(self.purpose()?),
             OperatorEvent::AutoShot { on } => {
                 self.state.auto_shot = on;
                 Ok(Vec::new())
             }
             OperatorEvent::Photograph { id, used } => self.use_photograph(id, used),
             OperatorEvent::Scan { mode } => self.scan(mode),
+            OperatorEvent::Reconstruct { id } => self.reconstruct(id),
             OperatorEvent::Show { kind } => {
                 if kind == Picture::Rectified && self.state.in_use.picture.is_none() {
                     return Err(Problem::new(

@@ -11,7 +11,7 @@ use crate::studio::job::{Calibrated, Done, Job, SheetFound};
 use crate::studio::live::Look;
 use crate::studio::project::{Purpose, Settings, StoredPhoto};
 use crate::studio::simulated_camera::PHOTO_PX;
-use crate::studio::state::{CameraKind, DemoObject, Measured, Picture, Problem, Step};
+use crate::studio::state::{CameraKind, CloudEntry, DemoObject, Measured, Picture, Problem, Step};
 
 const PANEL: [u32; 2] = [1024, 768];
 
@@ -54,7 +54,7 @@ fn calibrated(used: &[u32]) -> Done {
     let rig = Arc::new(calibration.rig);
     let checker = slcal_core::CheckerPattern::new(PANEL, &CheckerConfig::default()).unwrap();
     let guide = crate::studio::guide::next(&rig, &checker).unwrap();
-    Done::Calibrated(Ok(Calibrated { rig, used: used.to_vec(), guide }))
+    Done::Calibrated(Ok(Calibrated { rig, fingerprint: format!("{used:?}"), used: used.to_vec(), guide }))
 }
 
 fn step(machine: &mut Machine, step: Step) -> Result<Vec<Effect>, Problem> {
@@ -232,4 +232,58 @@ fn a_step_that_is_left_takes_its_waiting_photograph_along() {
     assert_eq!(machine.operate(OperatorEvent::Take).unwrap_err().code, "photograph-unasked");
     let sequence = machine.state.display.wanted.sequence;
     assert!(machine.display(DisplayEvent::Painted { sequence }).is_empty());
+}
+
+#[test]
+fn a_photograph_is_what_its_shot_was_asked_for() {
+    let (mut machine, _) = Machine::new(&settings(Some("A4")), Options::default());
+    machine.done(Done::Begun, 0);
+    let webcam = OperatorEvent::Camera { kind: CameraKind::Webcam, size: Some(PHOTO_PX), held: vec![] };
+    machine.operate(webcam).unwrap();
+    machine.done(Done::Sheet { photo: photo(1), found: Ok(found()) }, 0);
+    machine.done(calibrated(&[1]), 0);
+    step(&mut machine, Step::Scan).unwrap();
+    let effects = machine.operate(OperatorEvent::Take).unwrap();
+    let [Effect::Shoot { shot, purpose: Purpose::Scan }] = effects[..] else { panic!("{effects:?}") };
+    // It is still on its way.
+    step(&mut machine, Step::Calibrate).unwrap();
+    assert_eq!(machine.purpose_of(Some(shot)), Ok(Purpose::Scan));
+    assert_eq!(machine.purpose_of(None), Ok(Purpose::Sheet));
+    step(&mut machine, Step::SetUp).unwrap();
+    assert_eq!(machine.purpose_of(Some(shot)), Ok(Purpose::Scan));
+    assert_eq!(machine.purpose_of(Some(shot + 1)).unwrap_err().code, "photograph-unasked");
+}
+
+#[test]
+fn clouds_of_an_earlier_calibration_are_marked_and_made_again() {
+    let mut machine = demo();
+    machine.done(Done::Sheet { photo: photo(1), found: Ok(found()) }, 0);
+    machine.done(calibrated(&[1]), 0);
+    let cloud = |id: u32, rig: &str| {
+        Done::Cloud(CloudEntry {
+            id,
+            name: format!("scan-{id:03}.ply"),
+            points: 9,
+            triangles: 0,
+            url: String::new(),
+            photo: String::new(),
+            photo_name: format!("scan-{id:03}.jpg"),
+            saved: vec![],
+            warnings: vec![],
+            rig: rig.into(),
+            outdated: false,
+        })
+    };
+    let outdated = |m: &Machine| m.state.scan.clouds.iter().map(|c| c.outdated).collect::<Vec<_>>();
+    machine.done(cloud(1, "[1]"), 0);
+    machine.done(cloud(2, "[1]"), 0);
+    assert_eq!(outdated(&machine), [false, false]);
+    machine.done(Done::Sheet { photo: photo(2), found: Ok(found()) }, 0);
+    machine.done(calibrated(&[1, 2]), 0);
+    assert_eq!(outdated(&machine), [true, true]);
+    let effects = machine.operate(OperatorEvent::Reconstruct { id: 1 }).unwrap();
+    assert!(matches!(&effects[..], [Effect::Work(Job::Cloud(p))] if p.name == "scan-001.jpg"));
+    machine.done(cloud(1, "[1, 2]"), 0);
+    assert_eq!(outdated(&machine), [false, true]);
+    assert_eq!(machine.operate(OperatorEvent::Reconstruct { id: 7 }).unwrap_err().code, "no-cloud");
 }

@@ -4,21 +4,22 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use tokio::sync::{broadcast, watch};
+use tokio::sync::{Semaphore, broadcast, watch};
 
 use super::access::{Access, Role};
 use super::links::Links;
+use super::told::{Listener, told};
 use crate::studio::event::{DisplayEvent, OperatorEvent};
 use crate::studio::job::Done;
 use crate::studio::machine::{Effect, Machine};
 use crate::studio::project::{Project, Purpose, StoredPhoto};
 use crate::studio::queue::Queue;
-use crate::studio::state::{Problem, Step};
-use crate::studio::words::words;
+use crate::studio::state::Problem;
 use crate::studio::worker::Pictures;
 
 /// Messages that wait for a slow page before it misses some.
 const MESSAGES: usize = 64;
+const DECODED_AT_A_TIME: usize = 2;
 
 /// A message to pages beside the state.
 #[derive(Debug, Clone)]
@@ -56,6 +57,8 @@ pub(in crate::studio) struct Hub {
     changed: watch::Sender<u64>,
     messages: broadcast::Sender<Message>,
     started: Instant,
+    /// Photographs that are decoded at a time for requests: large ones take hundreds of megabytes each.
+    pub(super) decoding: Semaphore,
 }
 
 impl Hub {
@@ -78,6 +81,7 @@ impl Hub {
             changed: watch::Sender::new(0),
             messages: broadcast::Sender::new(MESSAGES),
             started: Instant::now(),
+            decoding: Semaphore::new(DECODED_AT_A_TIME),
         });
         hub.change(|_| effects);
         hub
@@ -183,6 +187,11 @@ impl Hub {
         self.lock().operating == Some(id)
     }
 
+    /// Refuses what comes from an operator's page that does not operate.
+    pub(super) fn check_operates(&self, id: u64) -> Result<(), Problem> {
+        if self.operates(id) { Ok(()) } else { Err(not_operating()) }
+    }
+
     /// An event of an operator's page.
     pub(super) fn operate(&self, id: u64, event: OperatorEvent) -> Result<(), Problem> {
         let mut refused = None;
@@ -194,7 +203,7 @@ impl Hub {
                 return Vec::new();
             }
             if inner.operating != Some(id) {
-                refused = Some(Problem::new("not-operating", "another page operates", "take over first"));
+                refused = Some(not_operating());
                 return Vec::new();
             }
             inner.machine.operate(event).unwrap_or_else(|problem| {
@@ -239,18 +248,17 @@ impl Hub {
         }
     }
 
-    /// What a photograph shows that arrives now.
-    pub(in crate::studio) fn purpose(&self) -> Result<Purpose, Problem> {
-        let inner = self.lock();
-        let state = &inner.machine.state;
-        match state.step {
-            Step::SetUp | Step::Use => Err(Problem::new(
-                "photograph-unasked",
-                "no photograph is expected in this step",
-                "go to the step Calibrate or Scan first",
-            )),
-            _ => Ok(inner.machine.purpose()),
-        }
+    /// What a photograph shows that arrives now, as the answer to a shot or by itself.
+    pub(in crate::studio) fn purpose(&self, shot: Option<u64>) -> Result<Purpose, Problem> {
+        self.lock().machine.purpose_of(shot)
+    }
+
+    /// Tells of something that went wrong beside the requests.
+    pub(in crate::studio) fn trouble(&self, problem: Problem) {
+        self.change(|inner| {
+            inner.machine.state.problem = Some(problem);
+            Vec::new()
+        });
     }
 
     /// A photograph that was kept in the project.
@@ -281,49 +289,21 @@ impl Hub {
     /// The state as one page is told it.
     pub(super) fn told(&self, role: Role, id: Option<u64>) -> Value {
         let inner = self.lock();
-        let state = &inner.machine.state;
-        let said = words(state);
-        let mut told = serde_json::to_value(state).unwrap_or_default();
-        let steps: Vec<Value> = Step::ALL
-            .iter()
-            .map(|step| {
-                let locked = state.locked(*step);
-                let is = match (*step == state.step, locked.is_some(), *step < state.step) {
-                    (true, ..) => "current",
-                    (_, true, _) => "locked",
-                    (_, _, true) => "done",
-                    _ => "open",
-                };
-                json!({ "step": step, "state": is, "why": locked })
-            })
-            .collect();
         let count = |role| inner.pages.iter().filter(|p| p.role == role).count();
-        let operating = id.is_some() && inner.operating == id;
-        let links = (role == Role::Operator).then_some(&self.links);
-        let trusted = matches!(role, Role::Operator | Role::Display);
-        for (key, value) in [
-            ("you", json!({ "role": role, "operating": operating })),
-            ("steps", json!(steps)),
-            ("sentence", json!(said.sentence)),
-            ("next", json!(said.next)),
-            ("command", json!(said.command)),
-            (
-                "others",
-                json!({
-                    "displays": count(Role::Display), "watchers": count(Role::Watcher), "operators": count(Role::Operator),
-                }),
-            ),
-            ("links", json!(links)),
-            ("dir", json!(trusted.then(|| self.project.folder().display().to_string()))),
-        ] {
-            told[key] = value;
-        }
-        if !trusted {
-            // Where things lie on this machine is nothing for others.
-            told["set_up"]["watch"] = Value::Null;
-        }
-        told
+        let to = Listener {
+            role,
+            id,
+            operating: id.is_some() && inner.operating == id,
+            displays: count(Role::Display),
+            watchers: count(Role::Watcher),
+            operators: count(Role::Operator),
+        };
+        told(&inner.machine, &to, &self.links, self.project.folder())
     }
+}
+
+fn not_operating() -> Problem {
+    Problem::new("not-operating", "another page operates", "take over first")
 }
 
 impl Inner {

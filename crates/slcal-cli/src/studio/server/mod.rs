@@ -8,6 +8,7 @@ mod pages;
 mod routes;
 mod session;
 mod socket;
+mod told;
 
 use std::net::TcpListener;
 use std::sync::Arc;

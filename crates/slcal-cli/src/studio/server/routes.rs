@@ -133,6 +133,16 @@ fn json_answer(value: &Value) -> Response<Body> {
     bytes("application/json", value.to_string().into_bytes())
 }
 
+/// Decodes photographs, few at a time.
+async fn decoding<T: Send + 'static>(
+    hub: &Arc<Hub>,
+    work: impl FnOnce() -> Result<T, Refusal> + Send + 'static,
+) -> Result<T, Refusal> {
+    // An error means that it was closed, which it never is.
+    let _turn = hub.decoding.acquire().await;
+    aside(work).await
+}
+
 /// Does work that takes time away from the threads of the server.
 async fn aside<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, Refusal> + Send + 'static,
@@ -146,8 +156,8 @@ async fn shown(State(hub): Shared, headers: HeaderMap, Query(asked): Query<Asked
     role(&hub, &headers, &asked, &SEEING)?;
     let name = hub.with(|m| m.state.display.wanted.kind.file());
     let name = name.ok_or_else(|| Refusal::missing("picture on the display"))?;
-    let picture = hub.project.read(name).map_err(|_| Refusal::missing("picture on the display"))?;
-    Ok(bytes("image/png", picture))
+    let read = move || hub.project.read(name).map_err(|_| Refusal::missing("picture on the display"));
+    Ok(bytes("image/png", aside(read).await?))
 }
 
 async fn live(State(hub): Shared, headers: HeaderMap, Query(asked): Query<Asked>) -> Answer {
@@ -188,9 +198,10 @@ async fn stored_picture(hub: Arc<Hub>, purpose: Purpose, name: &str, width: Opti
     let missing = || Refusal::missing("such photograph");
     let id = number(name, ".jpg").ok_or_else(missing)?;
     let longest = width.map_or(SHOWN_PX, |w| w.clamp(SMALLEST_PX, SHOWN_PX));
-    let encoded = aside(move || {
-        let photo = hub.project.photos(purpose).into_iter().find(|p| p.id == id).ok_or_else(missing)?;
-        let file = hub.project.read(&photo.name).map_err(|_| missing())?;
+    let project = hub.project.clone();
+    let encoded = decoding(&hub, move || {
+        let photo = project.photos(purpose).into_iter().find(|p| p.id == id).ok_or_else(missing)?;
+        let file = project.read(&photo.name).map_err(|_| missing())?;
         let picture = decode_photo(&file, &photo.name).map_err(|_| missing())?.0;
         shown_jpeg(&smaller(picture, longest))
     });
@@ -245,7 +256,8 @@ async fn rig_report(State(hub): Shared, headers: HeaderMap, Query(asked): Query<
     role(&hub, &headers, &asked, &SEEING)?;
     let (rig, command) = hub.with(|m| (m.rig.clone(), command(&m.state)));
     let rig = rig.ok_or_else(|| Refusal::missing("calibration yet"))?;
-    let page = aside(move || Ok(worker::report(&hub.project, &rig, command)));
+    let project = hub.project.clone();
+    let page = decoding(&hub, move || Ok(worker::report(&project, &rig, command)));
     Ok(report(page.await?))
 }
 
@@ -258,7 +270,8 @@ async fn export(
 ) -> Answer {
     role(&hub, &headers, &asked, &SEEING)?;
     let rig = hub.with(|m| m.rig.clone()).ok_or_else(|| Refusal::missing("calibration yet"))?;
-    let exported = worker::exported(&rig, &format).map_err(|_| Refusal::missing("such format"))?;
+    let write = move || worker::exported(&rig, &format).map_err(|_| Refusal::missing("such format"));
+    let exported = aside(write).await?;
     match <[_; 1]>::try_from(exported) {
         Ok([file]) => Ok(download(file.name, file.bytes)),
         Err(several) => Err(Refusal::new(
@@ -277,11 +290,12 @@ async fn upload(
     request: Request,
 ) -> Answer {
     role(&hub, &headers, &asked, &[Role::Operator, Role::Camera])?;
-    let purpose = hub.purpose().map_err(|problem| Refusal::of(&problem))?;
+    operates(&hub, &asked)?;
+    let purpose = hub.purpose(asked.shot).map_err(|problem| Refusal::of(&problem))?;
     let sent = body(request, MOST_BYTES).await?;
     let extension = extension_of(&sent).ok_or_else(not_a_picture)?;
     let name = asked.name.unwrap_or_default();
-    let photo = aside({
+    let photo = decoding(&hub, {
         let hub = hub.clone();
         move || {
             // What cannot be decoded is not kept.
@@ -302,6 +316,11 @@ async fn upload(
     let answer = json!({ "id": photo.id, "scan": purpose == Purpose::Scan });
     hub.kept(purpose, photo);
     Ok(json_answer(&answer))
+}
+
+/// A page that says its number must be the one that operates.
+fn operates(hub: &Hub, asked: &Asked) -> Result<(), Refusal> {
+    asked.page.map_or(Ok(()), |page| hub.check_operates(page)).map_err(|problem| Refusal::of(&problem))
 }
 
 fn not_a_picture() -> Refusal {
@@ -332,7 +351,7 @@ async fn painted(
     }
     let sent = body(request, MOST_BYTES).await?;
     let panel = hub.with(|m| m.state.set_up.projector);
-    let picture = aside(move || {
+    let picture = decoding(&hub, move || {
         image::ImageReader::with_format(Cursor::new(&sent[..]), image::ImageFormat::Png)
             .decode()
             .map(|p| p.to_rgb8())
@@ -359,6 +378,7 @@ async fn picture(
     request: Request,
 ) -> Answer {
     role(&hub, &headers, &asked, &[Role::Operator])?;
+    operates(&hub, &asked)?;
     let sent = body(request, MOST_BYTES).await?;
     let extension = extension_of(&sent).ok_or_else(not_a_picture)?;
     let name = shown_name(asked.name.as_deref().unwrap_or_default(), extension);

@@ -18,6 +18,10 @@ pub(super) struct Asked {
     pub(super) role: Option<Role>,
     pub(super) name: Option<String>,
     pub(super) width: Option<u32>,
+    /// The shot that a photograph answers.
+    pub(super) shot: Option<u64>,
+    /// The number of the page that asks, as its state tells it.
+    pub(super) page: Option<u64>,
 }
 
 /// The role that a request has: the one it states, or the first that its cookies hold.

@@ -1,13 +1,15 @@
 //! The connection of a page: the state and live messages to it, events from it.
 
 use std::sync::Arc;
+use std::time::Duration;
 
-use axum::body::Body;
+use axum::body::{Body, Bytes};
 use axum::extract::ws::{Message as Frame, WebSocket, WebSocketUpgrade};
 use axum::extract::{Query, State};
 use axum::http::{HeaderMap, Response};
 use serde_json::json;
 use tokio::sync::broadcast::error::RecvError;
+use tokio::time::{Instant, interval, timeout};
 
 use super::access::Role;
 use super::hub::{Hub, Message};
@@ -18,6 +20,9 @@ use crate::studio::event::{DisplayEvent, OperatorEvent};
 const MOST_BYTES: usize = 50 << 20;
 /// Bytes before the JPEG of a live frame.
 const FRAME_HEAD: usize = 8;
+/// A page is asked this often whether it is still there, and is taken for gone after the longer time without a word.
+const PING: Duration = Duration::from_secs(20);
+const GONE: Duration = Duration::from_secs(65);
 
 pub(super) async fn upgrade(
     State(hub): State<Arc<Hub>>,
@@ -38,14 +43,21 @@ async fn serve(hub: Arc<Hub>, mut socket: WebSocket, role: Role) {
     let (mut changes, mut messages) = (hub.watch(), hub.listen());
     let id = hub.connect(role);
     let mut told = tell(&hub, &mut socket, role, id).await;
+    let (mut pings, mut heard) = (interval(PING), Instant::now());
     while told {
         told = tokio::select! {
             changed = changes.changed() => changed.is_ok() && tell(&hub, &mut socket, role, id).await,
             message = messages.recv() => pass_on(&hub, &mut socket, message, role, id).await,
             frame = socket.recv() => match frame {
-                Some(Ok(frame)) => take(&hub, &mut socket, frame, role, id).await,
+                Some(Ok(frame)) => {
+                    heard = Instant::now();
+                    take(&hub, &mut socket, frame, role, id).await
+                }
                 _ => false,
             },
+            _ = pings.tick() => {
+                heard.elapsed() < GONE && put(&mut socket, Frame::Ping(Bytes::new())).await
+            }
         };
     }
     hub.disconnect(id);
@@ -57,7 +69,12 @@ async fn tell(hub: &Hub, socket: &mut WebSocket, role: Role, id: u64) -> bool {
 }
 
 async fn send(socket: &mut WebSocket, text: String) -> bool {
-    socket.send(Frame::Text(text.into())).await.is_ok()
+    put(socket, Frame::Text(text.into())).await
+}
+
+/// Whether the page took it; one that has vanished takes nothing and says nothing.
+async fn put(socket: &mut WebSocket, frame: Frame) -> bool {
+    timeout(GONE, socket.send(frame)).await.is_ok_and(|sent| sent.is_ok())
 }
 
 async fn pass_on(

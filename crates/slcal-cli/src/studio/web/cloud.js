@@ -66,7 +66,8 @@ export function createCloud(app) {
       say(figures, live ? `${points}, ${fps.toFixed(1)} clouds per second` : now ? `${now.name}, ${points}` : "");
       set(figures, "data-points", now?.points);
       set(figures, "data-value", continuous ? "live" : now ? "still" : "none");
-      if (now) load(now.url);
+      // Made again with another rig, it is another cloud.
+      if (now) load(now.rig ? `${now.url}?rig=${now.rig}` : now.url);
     },
   };
 }

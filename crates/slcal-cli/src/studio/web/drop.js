@@ -21,7 +21,7 @@ export function createDrop(app) {
         continue;
       }
       try {
-        await post(app.role, file, file.name);
+        await post(app.role, file, file.name, { page: app.state.you.page });
         app.problem(key, null);
       } catch ({ code, message, advice }) {
         app.problem(key, new Problem({ code, message: `“${file.name}”: ${message}`, advice }));

@@ -16,7 +16,9 @@ export function createScan(app) {
     look.append(image, el("span", { class: "about" }, name, points));
     const links = FORMATS.map((format) => el("a", { "data-action": "save", "data-format": format, download: "" }, format.toUpperCase()));
     const warnings = el("p", { class: "advice" });
-    const root = el("li", { "data-state": "cloud-file", "data-id": id }, look, el("p", { class: "saves" }, "Save as ", ...links.flatMap((a) => [a, " "])), warnings);
+    const again = button("reconstruct", "Compute it again", () => app.send({ event: "reconstruct", id }), { class: "small", "data-id": id });
+    const outdated = el("p", { class: "advice", "data-state": "cloud-outdated", "data-id": id }, "Made with an earlier calibration. ", again);
+    const root = el("li", { "data-state": "cloud-file", "data-id": id }, look, el("p", { class: "saves" }, "Save as ", ...links.flatMap((a) => [a, " "])), outdated, warnings);
     return {
       root,
       draw(cloud) {
@@ -30,6 +32,8 @@ export function createScan(app) {
           set(a, "href", withRole(`${cloud.url}.${a.dataset.format}`, app.role));
           set(a, "aria-label", `Save ${cloud.name} as ${a.dataset.format.toUpperCase()}`);
         }
+        show(outdated, Boolean(cloud.outdated));
+        show(again, app.operating());
         text(warnings, (cloud.warnings ?? []).map((w) => (typeof w === "string" ? w : told(w))).join(" "));
         show(warnings, (cloud.warnings ?? []).length > 0);
       },

@@ -140,7 +140,7 @@ function build(role) {
 
   async function project(blob, name) {
     try {
-      await sendPicture(role, blob, name); // It is shown as soon as it is drawn.
+      await sendPicture(role, blob, name, { page: app.state.you.page }); // It is shown as soon as it is drawn.
     } catch (problem) {
       app.problem("picture", problem);
     }
@@ -262,7 +262,7 @@ function build(role) {
       if (!webcam.running) return;
       try {
         const { blob, name } = await webcam.grab();
-        await sendPhotograph(role, blob, name, shot);
+        await sendPhotograph(role, blob, name, { page: app.state.you.page, shot });
       } catch (problem) {
         app.problem("shot", problem);
       }

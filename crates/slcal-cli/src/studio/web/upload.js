@@ -43,10 +43,8 @@ async function post(path, role, body, more) {
   return response.json().catch(() => ({}));
 }
 
-/** `{id}` of the photograph, or a Problem. */
-export function sendPhotograph(role, body, name, shot = null) {
-  return post("/api/photographs", role, body, shot === null ? { name } : { name, shot });
-}
+/** `{id}` of the photograph, or a Problem. `more` has the `page` that sends it and the `shot` that it answers. */
+export const sendPhotograph = (role, body, name, more = {}) => post("/api/photographs", role, body, { name, ...more });
 
 /** The picture that is projected onto the sheet. */
-export const sendPicture = (role, body, name) => post("/api/picture", role, body, { name });
+export const sendPicture = (role, body, name, more = {}) => post("/api/picture", role, body, { name, ...more });
