@@ -77,7 +77,8 @@ impl AutoShot {
 
     /// A photograph was taken with the sheet where it is now.
     pub(super) fn taken(&mut self) {
-        self.taken_at = self.last;
+        // Where no sheet is seen it was not moved either.
+        self.taken_at = self.last.or(self.taken_at);
         self.still_since_ms = None;
     }
 }

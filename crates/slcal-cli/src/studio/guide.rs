@@ -5,8 +5,9 @@ use slcal_core::advise::{Advice, CameraPlan, NextView, Predicted, advise_first, 
 use slcal_core::geometry::Camera;
 use slcal_core::{CalibrateConfig, CheckerPattern, Rig, SheetSize, Verdict};
 
+use super::auto_shot::Quad;
 use super::pose_angles::demo_pose;
-use super::state::Guide;
+use super::state::{DemoPose, Guide};
 
 /// Focal length of a camera of which nothing is known, mm on 35 mm film: between webcams and phones.
 const USUAL_CAMERA_MM: f64 = 28.0;
@@ -18,6 +19,8 @@ const USUAL_NOISE_PX: f64 = 0.2;
 const USUAL_PHOTOGRAPHS: usize = 2;
 /// A photograph that lowers σ to less than this share is asked for in any case.
 const MUCH: f64 = 0.5;
+/// Relative σ of the focal lengths below which nothing more is asked for.
+const ENOUGH: f64 = 1e-3;
 
 /// Devices as they are roughly known before anything was photographed.
 #[derive(Debug, Clone, Copy)]
@@ -67,7 +70,7 @@ pub(super) fn next(rig: &Rig, checker: &CheckerPattern) -> slcal_core::Result<Op
     // Two photographs of one pose are like one.
     let worst = |p: Predicted| p.worst_focal();
     let gains = advice.now.zip(advice.next.map(|n| n.after));
-    let much = gains.is_some_and(|(now, after)| worst(after) < MUCH * worst(now));
+    let much = gains.is_some_and(|(now, after)| worst(now) > ENOUGH && worst(after) < MUCH * worst(now));
     let needed = !good || rig.views.len() < USUAL_PHOTOGRAPHS || much;
     Ok(advice.next.and_then(|next| of(&next, &advice, &rig.camera.model, needed)))
 }
@@ -88,26 +91,35 @@ fn of(next: &NextView, advice: &Advice, camera: &Camera, needed: bool) -> Option
     Some(Guide {
         size: camera.size(),
         quad,
-        words: words(next),
+        words: words([next.tilt_x_rad, next.tilt_y_rad]),
+        tilt_rad: [next.tilt_x_rad, next.tilt_y_rad],
         gain,
         needed,
         turn: Some(demo_pose(pose, advice.size)),
     })
 }
 
-/// How to hold the sheet, briefly: the outline shows the rest.
-fn words(next: &NextView) -> String {
+impl Guide {
+    /// The same with the sheet tilted by this share of it, where its corners are then seen.
+    pub(super) fn tilted_less(&self, share: f64, turn: DemoPose, quad: Quad) -> Self {
+        let tilt_rad = self.tilt_rad.map(|t| share * t);
+        Self { words: words(tilt_rad), tilt_rad, quad, turn: Some(turn), ..self.clone() }
+    }
+}
+
+/// How to hold the sheet, briefly: the outline shows the rest. Tilts about the horizontal and the vertical axis.
+fn words([tilt_x_rad, tilt_y_rad]: [f64; 2]) -> String {
     let part = |angle: f64, [positive, negative]: [&str; 2]| {
         let degrees = angle.to_degrees().round();
         let side = if degrees > 0.0 { positive } else { negative };
         (degrees != 0.0).then(|| format!("its {side} side {:.0}° towards the camera", degrees.abs()))
     };
-    let turns = [part(next.tilt_y_rad, ["right", "left"]), part(next.tilt_x_rad, ["top", "bottom"])];
+    let turns = [part(tilt_y_rad, ["right", "left"]), part(tilt_x_rad, ["top", "bottom"])];
     let turns: Vec<String> = turns.into_iter().flatten().collect();
     if turns.is_empty() {
         return "Hold the sheet face-on, within the dashed outline.".to_owned();
     }
-    format!("Turn {}, to fill the dashed outline.", turns.join(" and "))
+    format!("Hold it with {}, to fill the dashed outline.", turns.join(" and "))
 }
 
 #[cfg(test)]
@@ -119,7 +131,7 @@ mod tests {
         let devices = RoughDevices::usual([1280, 960], [1024, 768]).unwrap();
         let guide = first(&devices, "A4".parse().unwrap()).unwrap().unwrap();
         let inside = guide.quad.iter().all(|[x, y]| (0.0..1280.0).contains(x) && (0.0..960.0).contains(y));
-        assert!(inside && guide.needed && guide.words.starts_with("Turn its "), "{guide:?}");
+        assert!(inside && guide.needed && guide.words.starts_with("Hold it with its "), "{guide:?}");
         // Across, as the picture lies.
         assert!(guide.quad[1][0] - guide.quad[0][0] > guide.quad[3][1] - guide.quad[0][1]);
     }

@@ -112,7 +112,11 @@ pub(super) enum Done {
         bytes: Arc<[u8]>,
     },
     Cloud(CloudEntry),
-    Picture(String),
+    /// A picture is drawn; its name for people and its file.
+    Picture {
+        name: String,
+        file: String,
+    },
     Exported {
         files: Vec<String>,
         left_out: Vec<String>,

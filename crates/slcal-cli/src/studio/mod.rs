@@ -25,5 +25,7 @@ mod state;
 mod watch_folder;
 mod words;
 mod worker;
+#[cfg(test)]
+mod worker_tests;
 
 pub(crate) use self::start::run;

@@ -57,6 +57,8 @@ pub(super) struct Settings {
     pub(super) left_out: Vec<String>,
     #[serde(default)]
     pub(super) picture: Option<String>,
+    #[serde(default)]
+    pub(super) picture_file: Option<String>,
 }
 
 fn one() -> f64 {
@@ -75,6 +77,7 @@ impl Default for Settings {
             demo: false,
             left_out: Vec::new(),
             picture: None,
+            picture_file: None,
         }
     }
 }

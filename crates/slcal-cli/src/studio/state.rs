@@ -194,6 +194,9 @@ pub(super) struct Guide {
     pub(super) gain: String,
     /// Whether the verdict asks for it.
     pub(super) needed: bool,
+    /// Tilts about the horizontal and the vertical axis.
+    #[serde(skip)]
+    pub(super) tilt_rad: [f64; 2],
     /// The same pose for the simulated sheet; only the demonstration has it.
     pub(super) turn: Option<DemoPose>,
 }
@@ -236,6 +239,10 @@ pub(super) struct Scan {
 pub(super) struct Use {
     /// Name of the picture that is projected without keystone.
     pub(super) picture: Option<String>,
+    /// Its file in the project's folder.
+    pub(super) picture_file: Option<String>,
+    /// Whether the sheet is where the picture was drawn for; only the demonstration knows.
+    pub(super) straight: Option<bool>,
     pub(super) exports: Vec<&'static str>,
     /// Files that were written for other programs, within the project's folder.
     pub(super) exported: Vec<String>,

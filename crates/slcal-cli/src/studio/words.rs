@@ -1,7 +1,7 @@
 //! The state in one sentence, the next thing to do in one sentence, and the command that does the same.
 
 use super::checker::checker;
-use super::state::{CameraKind, State, Step};
+use super::state::{CameraKind, Picture, State, Step};
 use crate::report::{quoted, sentence};
 
 /// What the head of the page says.
@@ -23,9 +23,14 @@ pub(super) fn words(state: &State) -> Words {
 }
 
 fn set_up(state: &State) -> (String, String) {
+    let calibrated = state.calibration.is_some();
     match (state.set_up.missing, &state.display.problem) {
         (Some(missing), _) => ("Nothing is calibrated yet.".into(), missing.into()),
         (None, Some(problem)) => (sentence(&problem.message), sentence(&problem.advice)),
+        (None, None) if calibrated => (
+            format!("Calibrated from {}.", photographs(state.used().len())),
+            "Go on where you were, or change what has changed.".into(),
+        ),
         (None, None) => {
             ("Projector, sheet and camera are set.".into(), "Calibrate: photograph the sheet twice.".into())
         }
@@ -53,7 +58,7 @@ fn calibrate(state: &State) -> (String, String) {
 fn how_to_take(state: &State) -> &'static str {
     match state.camera.kind {
         Some(CameraKind::Demo | CameraKind::Webcam) if state.auto_shot => {
-            "The photograph is taken when it is still."
+            "The photograph is taken when it is still, or by the space key."
         }
         Some(CameraKind::Demo | CameraKind::Webcam) => "Press space to take the photograph.",
         Some(CameraKind::Phone) => "Take the photograph with the phone.",
@@ -84,10 +89,22 @@ fn scan(state: &State) -> (String, String) {
 }
 
 fn in_use(state: &State) -> (String, String) {
+    if let Some(problem) = &state.display.problem {
+        return (sentence(&problem.message), sentence(&problem.advice));
+    }
+    let shown = state.display.connected && state.display.wanted.kind == Picture::Rectified;
     match &state.in_use.picture {
-        Some(name) => (
+        Some(_) if shown && state.in_use.straight == Some(false) => (
+            "The sheet has moved since its last photograph, for which the picture was drawn.".into(),
+            "Photograph it again in the step Calibrate.".into(),
+        ),
+        Some(name) if shown => (
             format!("{name} is projected without keystone onto the sheet of the last photograph."),
             "Choose another picture, or export the rig.".into(),
+        ),
+        Some(name) => (
+            format!("{name} is drawn for the sheet of the last photograph."),
+            "Show it, choose another picture, or export the rig.".into(),
         ),
         None => ("The rig is calibrated.".into(), "Choose a picture to project, or export the rig.".into()),
     }
@@ -107,7 +124,12 @@ pub(super) fn command(state: &State) -> Option<String> {
         Step::Calibrate => {
             let used = state.photographs.iter().filter(|p| p.used && p.problem.is_none());
             let names: Vec<&str> = used.map(|p| p.name.as_str()).collect();
-            let photos = if names.is_empty() { "sheet-001.jpg".to_owned() } else { names.join(" ") };
+            let photos = match (names.is_empty(), state.photographs.is_empty()) {
+                (false, _) => names.join(" "),
+                (true, true) => "sheet-001.jpg".to_owned(),
+                // All are thrown out.
+                (true, false) => return None,
+            };
             Some(format!("slcal calibrate {photos} --size {size} --pattern checker.json -o rig.json"))
         }
         Step::Scan => {
@@ -117,7 +139,7 @@ pub(super) fn command(state: &State) -> Option<String> {
             Some(format!("slcal reconstruct --rig rig.json --pattern stripes.json {photo} --mesh -o {cloud}"))
         }
         Step::Use => {
-            let picture = state.in_use.picture.as_deref().unwrap_or("picture.png");
+            let picture = state.in_use.picture_file.as_deref().unwrap_or("picture.png");
             Some(format!("slcal rectify --rig rig.json --image {} -o projected.png", quoted(picture)))
         }
     }

@@ -22,9 +22,9 @@ use super::cloud_note::{CloudNote, fingerprint};
 use super::guide::{self, RoughDevices};
 use super::job::{Bench, Calibrated, Done, Job, LiveFrame, LookFor, SheetFound};
 use super::live::Look;
-use super::project::{Project, Purpose, StoredPhoto, cloud_name};
+use super::project::{Project, Purpose, StoredPhoto, cloud_name, extension_of};
 use super::simulated_camera::{DISTANCE_MM, SimulatedCamera};
-use super::state::{CloudEntry, DemoScene, Problem};
+use super::state::{CloudEntry, DemoObject, DemoPose, DemoScene, Guide, Problem};
 use crate::cloud_view::packed;
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{PHOTO_QUALITY, bytes_of, decode_photo, jpeg_bytes, png_bytes, read_tags};
@@ -46,6 +46,11 @@ impl Pictures {
 
     pub(super) fn paint(&self, picture: RgbImage) {
         *self.painted.lock().unwrap_or_else(PoisonError::into_inner) = Some(Arc::new(picture));
+    }
+
+    /// Nothing is painted any more.
+    pub(super) fn darken(&self) {
+        *self.painted.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
     fn painted(&self) -> Option<Arc<RgbImage>> {
@@ -276,7 +281,34 @@ impl Worker {
         let config = ReconstructConfig { mesh: true, ..ReconstructConfig::default() };
         self.scanner = Some(Reconstructor::new(&rig, &prepared.stripes, config)?);
         self.rig = Some(rig.clone());
+        let guide = if self.demo { guide.map(|g| self.where_it_is_seen(g)) } else { guide };
         Ok(Calibrated { rig, fingerprint: self.fingerprint.clone(), used, guide })
+    }
+
+    /// A simulated sheet goes where the guide says, and is photographed by itself when the live picture shows all of it. A
+    /// rig that is known badly misplaces it: then it stays where the projector is aimed at, tilted less until it is seen.
+    fn where_it_is_seen(&mut self, guide: Guide) -> Guide {
+        const SHARES: [f64; 4] = [1.0, 0.8, 0.6, 0.4];
+        let aimed = |pose: DemoPose| DemoPose { distance_mm: DISTANCE_MM, aside_mm: [0.0; 2], ..pose };
+        let (Some(wanted), Some(Prepared { bench, checker, simulated, .. })) =
+            (guide.turn, self.prepared.as_mut())
+        else {
+            return guide;
+        };
+        let Ok(picture) = checker.image() else { return guide };
+        let less = |share: f64| DemoPose { tilt_deg: wanted.tilt_deg.map(|t| share * t), ..wanted };
+        for (share, turn) in [(1.0, wanted)].into_iter().chain(SHARES.map(|s| (s, aimed(less(s))))) {
+            let scene = DemoScene { pose: turn, object: DemoObject::Sheet };
+            let Ok(frame) = simulated.frame(scene, Some(&picture), true) else { continue };
+            let look = Look::for_sheet(0, &frame, bench.sheet, checker);
+            let by = f64::from(guide.size[0]) / f64::from(frame.width());
+            match look.sheet.filter(|_| look.is_complete()) {
+                Some(_) if turn == wanted => return guide,
+                Some(quad) => return guide.tilted_less(share, turn, quad.map(|p| p.map(|x| by * x))),
+                None => {}
+            }
+        }
+        guide
     }
 
     fn take(&mut self, purpose: Purpose, scene: DemoScene) -> Outcome<Done> {
@@ -344,8 +376,10 @@ impl Worker {
         let picture = decode_photo(bytes, &name)?.0.into_rgb8();
         // Onto the sheet where it was photographed last.
         let (drawn, _) = rectify_picture(&rig, rig.views.len().saturating_sub(1), &picture)?;
+        let file = format!("picture-source.{}", extension_of(bytes).unwrap_or("png"));
+        self.project.write(&file, bytes)?;
         self.project.write("picture.png", &png_bytes(&DynamicImage::ImageRgb8(drawn))?)?;
-        Ok(Done::Picture(name))
+        Ok(Done::Picture { name, file })
     }
 
     fn export(&mut self, format: &str) -> Outcome<Done> {

@@ -267,7 +267,7 @@ fn remarks(side: &MeasuredSide, name: &str) -> Vec<Warning> {
         remarks.push(Warning::new(
             "side-covered",
             format!(
-                "{:.0} % of the {name} side of the sheet is not seen as an edge: something covers it or shades it, or it \
+                "{:.0} % of the {name} side of the sheet is not seen as an edge: something covers it or shades it, the projector's light ends there, or it \
                  bends away; that part is left out",
                 percent(side.covered)
             ),

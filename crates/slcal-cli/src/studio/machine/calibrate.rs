@@ -45,7 +45,7 @@ impl Machine {
                 }
                 if self.state.calibration.is_some() {
                     // It was drawn for the rig before.
-                    self.state.in_use.picture = None;
+                    (self.state.in_use.picture, self.state.in_use.picture_file) = (None, None);
                 }
                 self.state.calibration = Some(PageCalibration::new(&rig, self.state.calibration.as_ref()));
                 self.state.guide = guide;
@@ -53,6 +53,7 @@ impl Machine {
                 self.state.problem = None;
                 self.state.in_use.reports = vec!["/report"];
                 self.last_pose = rig.views.last().map(|v| demo_pose(&v.camera_from_sheet, v.size));
+                self.put_sheet_back();
                 (self.rig, self.fingerprint) = (Some(rig), fingerprint);
                 self.compare_clouds();
                 let log =

@@ -27,7 +27,7 @@ impl Machine {
     }
 
     /// How many display pages are there.
-    pub(in crate::studio) fn displays(&mut self, count: usize) {
+    pub(in crate::studio) fn displays(&mut self, count: usize) -> Vec<Effect> {
         self.state.display.connected = count > 0;
         if count == 0 {
             self.state.display.measured = None;
@@ -35,6 +35,8 @@ impl Machine {
             self.refused_by_page = None;
         }
         self.check_display();
+        // Without stripes there is nothing to scan.
+        if count == 0 { self.end_scan() } else { Vec::new() }
     }
 
     pub(super) fn check_display(&mut self) {

@@ -60,7 +60,9 @@ impl Machine {
     pub(super) fn shoot(&mut self, purpose: Purpose) -> Vec<Effect> {
         self.waiting = None;
         self.shooting_since_ms = Some(self.now_ms);
-        self.auto.taken();
+        if purpose == Purpose::Sheet {
+            self.auto.taken();
+        }
         self.state.busy = Some("taking a photograph");
         if let Some(scene) = self.state.demo_scene {
             return vec![Effect::Work(Job::TakeSimulated(purpose, scene))];
@@ -112,6 +114,10 @@ impl Machine {
             Ok(found) => (Some(found), None),
             Err(problem) => (None, Some(problem)),
         };
+        if let Some(problem) = problem.as_ref().filter(|_| used && !self.beginning) {
+            let told = format!("{}: {}", photo.name, problem.message);
+            self.state.problem = Some(Problem::new("photograph-refused", told, problem.advice.clone()));
+        }
         if let Some(size) = found.as_ref().map(|f| f.size).filter(|_| self.state.camera.size.is_none()) {
             self.state.camera.size = Some(size);
         }

@@ -31,12 +31,15 @@ impl Machine {
                 self.last_cloud_ms = None;
                 Ok(Vec::new())
             }
-            ScanMode::Stop => {
-                let scanned = self.state.scan.continuous && self.state.scan.live.is_some();
-                self.stop_scanning();
-                Ok(if scanned { vec![Effect::Work(Job::KeepLive)] } else { Vec::new() })
-            }
+            ScanMode::Stop => Ok(self.end_scan()),
         }
+    }
+
+    /// Ends a continuous scan; its last cloud is kept.
+    pub(super) fn end_scan(&mut self) -> Vec<Effect> {
+        let scanned = self.state.scan.continuous && self.state.scan.live.is_some();
+        self.stop_scanning();
+        if scanned { vec![Effect::Work(Job::KeepLive)] } else { Vec::new() }
     }
 
     pub(super) fn stop_scanning(&mut self) {

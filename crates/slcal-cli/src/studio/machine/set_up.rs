@@ -25,13 +25,17 @@ impl Machine {
         if projector.is_some_and(|p| p.iter().any(|side| !PANEL_SIDES.contains(side))) {
             let problem = Problem::new(
                 "set-up-projector",
-                "the projector's resolution is not that of a projector",
+                "the projector's resolution is not that of a projector: its sides have 64 to 16384 pixels",
                 "give its native resolution, for example 1920x1080; its manual and the display settings state it",
             );
             return wrong(problem, self);
         }
-        if let Some(Err(error)) = size.as_deref().map(str::parse::<slcal_core::SheetSize>) {
-            let problem = Problem::new("set-up-size", error.to_string(), "measure the sheet with a ruler");
+        if size.as_deref().is_some_and(|size| size.parse::<slcal_core::SheetSize>().is_err()) {
+            let problem = Problem::new(
+                "set-up-size",
+                "this is not the size of a sheet",
+                "type width x height with a unit, such as 297x210mm, or a paper: A4, letter",
+            );
             return wrong(problem, self);
         }
         if scale.is_some_and(|s| !PATTERN_SCALES.contains(&s)) {
@@ -60,7 +64,7 @@ impl Machine {
         self.check_display();
         let mut effects = self.begin();
         if !effects.is_empty() {
-            self.state.in_use.picture = None;
+            (self.state.in_use.picture, self.state.in_use.picture_file) = (None, None);
         }
         self.set_up_changed();
         effects.push(Effect::Save);

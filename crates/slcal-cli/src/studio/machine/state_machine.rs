@@ -127,6 +127,7 @@ impl Machine {
             scan: Scan::default(),
             in_use: Use {
                 picture: settings.picture.clone(),
+                picture_file: settings.picture_file.clone(),
                 exports: vec!["opencv", "ros", "colmap", "kalibr", "blender", "npz"],
                 ..Use::default()
             },
@@ -172,6 +173,7 @@ impl Machine {
             demo: self.state.demo,
             left_out: self.left_out.iter().cloned().collect(),
             picture: self.state.in_use.picture.clone(),
+            picture_file: self.state.in_use.picture_file.clone(),
             ..Settings::default()
         }
     }
@@ -234,6 +236,7 @@ impl Machine {
                     )
                 })?;
                 scene.pose = pose;
+                self.check_straight();
                 Ok(Vec::new())
             }
             OperatorEvent::Object { object } => {
@@ -253,28 +256,35 @@ impl Machine {
 
     pub(super) fn go_to(&mut self, step: Step) -> Result<Vec<Effect>, Problem> {
         self.need(step)?;
-        if step != self.state.step {
-            self.stop_scanning();
-        }
+        let mut effects = if step == self.state.step { Vec::new() } else { self.end_scan() };
         self.state.step = step;
         self.waiting = None;
         if let Some(scene) = &mut self.state.demo_scene {
             match step {
-                Step::SetUp => {}
-                Step::Calibrate => scene.object = DemoObject::Sheet,
-                // A picture is drawn for the sheet where it was photographed last.
-                Step::Use => {
-                    (scene.object, scene.pose) = (DemoObject::Sheet, self.last_pose.unwrap_or(scene.pose));
-                }
+                Step::SetUp | Step::Calibrate | Step::Use => scene.object = DemoObject::Sheet,
                 Step::Scan => scene.object = DemoObject::Sphere,
             }
         }
+        self.put_sheet_back();
         self.show_for_step();
-        let mut effects = vec![Effect::Save];
+        effects.push(Effect::Save);
         if step == Step::Calibrate {
             effects.extend(self.ask_for_first_guide());
         }
         Ok(effects)
+    }
+
+    /// In the step Use the simulated sheet hangs where it was photographed last: the picture is drawn for that.
+    pub(super) fn put_sheet_back(&mut self) {
+        if let (Step::Use, Some(scene)) = (self.state.step, &mut self.state.demo_scene) {
+            scene.pose = self.last_pose.unwrap_or(scene.pose);
+        }
+        self.check_straight();
+    }
+
+    fn check_straight(&mut self) {
+        self.state.in_use.straight =
+            self.state.demo_scene.as_ref().map(|scene| self.last_pose.is_none_or(|pose| scene.pose == pose));
     }
 
     pub(super) fn need(&self, step: Step) -> Result<(), Problem> {
@@ -312,9 +322,9 @@ impl Machine {
                 effects
             }
             Done::Cloud(entry) => self.cloud(entry),
-            Done::Picture(name) => {
+            Done::Picture { name, file } => {
                 self.state.busy = None;
-                self.state.in_use.picture = Some(name);
+                (self.state.in_use.picture, self.state.in_use.picture_file) = (Some(name), Some(file));
                 self.show(Picture::Rectified);
                 vec![Effect::Save, Effect::Log(command(&self.state).unwrap_or_default())]
             }

@@ -11,7 +11,7 @@ use crate::studio::job::{Calibrated, Done, Job, SheetFound};
 use crate::studio::live::Look;
 use crate::studio::project::{Purpose, Settings, StoredPhoto};
 use crate::studio::simulated_camera::PHOTO_PX;
-use crate::studio::state::{CameraKind, CloudEntry, DemoObject, Measured, Picture, Problem, Step};
+use crate::studio::state::{CameraKind, CloudEntry, DemoObject, DemoPose, Measured, Picture, Problem, Step};
 
 const PANEL: [u32; 2] = [1024, 768];
 
@@ -286,4 +286,57 @@ fn clouds_of_an_earlier_calibration_are_marked_and_made_again() {
     machine.done(cloud(1, "[1, 2]"), 0);
     assert_eq!(outdated(&machine), [false, true]);
     assert_eq!(machine.operate(OperatorEvent::Reconstruct { id: 7 }).unwrap_err().code, "no-cloud");
+}
+
+#[test]
+fn a_display_that_is_closed_ends_the_scan_and_leaving_the_step_keeps_its_cloud() {
+    for leave in [true, false] {
+        let mut machine = demo();
+        with_display(&mut machine);
+        machine.done(Done::Sheet { photo: photo(1), found: Ok(found()) }, 0);
+        machine.done(calibrated(&[1]), 0);
+        step(&mut machine, Step::Scan).unwrap();
+        machine.operate(OperatorEvent::Scan { mode: ScanMode::Start }).unwrap();
+        let look = Look::at(1, &image::RgbImage::new(4, 4));
+        machine.done(Done::LiveCloud { look, points: 9, bytes: Arc::new([]) }, 50);
+        let effects = if leave { step(&mut machine, Step::Use).unwrap() } else { machine.displays(0) };
+        assert!(matches!(effects[0], Effect::Work(Job::KeepLive)), "{effects:?}");
+        assert!(!machine.state.scan.continuous);
+    }
+}
+
+#[test]
+fn a_picture_is_said_to_be_projected_where_it_is() {
+    let mut machine = demo();
+    with_display(&mut machine);
+    machine.done(Done::Sheet { photo: photo(1), found: Ok(found()) }, 0);
+    machine.done(calibrated(&[1]), 0);
+    step(&mut machine, Step::Use).unwrap();
+    machine.done(Done::Picture { name: "my cat".into(), file: "picture-source.png".into() }, 0);
+    let said = |m: &Machine| crate::studio::words::words(&m.state);
+    assert!(said(&machine).sentence.starts_with("my cat is projected"), "{:?}", said(&machine));
+    assert!(said(&machine).command.unwrap().contains("--image picture-source.png"));
+    let pose = machine.state.demo_scene.unwrap().pose;
+    machine
+        .operate(OperatorEvent::Turn { pose: DemoPose { roll_deg: pose.roll_deg + 5.0, ..pose } })
+        .unwrap();
+    assert_eq!(machine.state.in_use.straight, Some(false));
+    assert!(said(&machine).sentence.contains("has moved"));
+    machine.operate(OperatorEvent::Show { kind: Picture::Black }).unwrap();
+    assert!(said(&machine).sentence.starts_with("my cat is drawn"));
+    machine.displays(0);
+    assert!(said(&machine).sentence.contains("not open"));
+    // Back in the step, the simulated sheet is where it was.
+    step(&mut machine, Step::Scan).unwrap();
+    step(&mut machine, Step::Use).unwrap();
+    assert_eq!(machine.state.in_use.straight, Some(true));
+}
+
+#[test]
+fn a_photograph_without_a_sheet_is_told_at_once() {
+    let mut machine = demo();
+    let none = Problem::new("failed", "no sheet", "");
+    machine.done(Done::Sheet { photo: photo(1), found: Err(none) }, 0);
+    let problem = machine.state.problem.as_ref().unwrap();
+    assert!(problem.code == "photograph-refused" && problem.message == "sheet-001.jpg: no sheet");
 }

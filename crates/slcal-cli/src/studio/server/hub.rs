@@ -165,8 +165,7 @@ impl Hub {
             if role == Role::Operator && inner.operating.is_none() {
                 inner.operating = Some(id);
             }
-            inner.count_displays();
-            Vec::new()
+            self.count_displays(inner)
         });
         id
     }
@@ -178,8 +177,7 @@ impl Hub {
                 inner.operating = inner.pages.iter().find(|p| p.role == Role::Operator).map(|p| p.id);
                 inner.machine.operator_changed();
             }
-            inner.count_displays();
-            Vec::new()
+            self.count_displays(inner)
         });
     }
 
@@ -282,6 +280,14 @@ impl Hub {
         look(&self.lock().machine)
     }
 
+    fn count_displays(&self, inner: &mut Inner) -> Vec<Effect> {
+        let count = inner.pages.iter().filter(|p| p.role == Role::Display).count();
+        if count == 0 {
+            self.pictures.darken();
+        }
+        inner.machine.displays(count)
+    }
+
     pub(super) fn live_cloud(&self) -> Option<Arc<[u8]>> {
         self.lock().live_cloud.as_ref().map(|(_, bytes)| bytes.clone())
     }
@@ -304,11 +310,4 @@ impl Hub {
 
 fn not_operating() -> Problem {
     Problem::new("not-operating", "another page operates", "take over first")
-}
-
-impl Inner {
-    fn count_displays(&mut self) {
-        let count = self.pages.iter().filter(|p| p.role == Role::Display).count();
-        self.machine.displays(count);
-    }
 }

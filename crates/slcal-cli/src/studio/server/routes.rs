@@ -332,10 +332,18 @@ fn not_a_picture() -> Refusal {
     )
 }
 
-/// The name of an upload for messages only: it never becomes a path.
+/// The name of an upload for messages only: it never becomes a path. A long one is shortened in its middle.
 fn shown_name(name: &str, extension: &str) -> String {
-    let plain: String = name.chars().filter(|c| !c.is_control()).take(80).collect();
-    if plain.is_empty() { format!("photograph.{extension}") } else { plain }
+    const LONGEST: usize = 60;
+    let plain: Vec<char> = name.chars().filter(|c| !c.is_control()).collect();
+    if plain.is_empty() {
+        return format!("photograph.{extension}");
+    }
+    if plain.len() <= LONGEST {
+        return plain.into_iter().collect();
+    }
+    let (first, last) = (&plain[..LONGEST / 2], &plain[plain.len() - LONGEST / 2..]);
+    first.iter().chain(&['…']).chain(last).collect()
 }
 
 /// What the display page painted: the simulated camera sees it.
