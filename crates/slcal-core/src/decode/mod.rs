@@ -1,6 +1,7 @@
 //! Photograph of stripes → [`crate::Matches`]: which slit illuminates which pixel.
 //!
-//! A few scanlines give the direction of the stripes, their width and their sharpness (`stripe_scale`, `noise`).
+//! A few scanlines give the direction of the stripes, their width and their sharpness (`stripe_scale`, `noise`), and what
+//! looks like stripes in the dark (`unlit_noise`).
 //! Scanlines across the stripes are read one by one (`scanlines`) and segmented into peaks (`peaks`), whose two edges
 //! are located to sub-pixel (`stripe_edges`). A stripe on one scanline is a crossing; crossings linked from scanline to
 //! scanline form a track (`tracks`). The colour classes of the hues are learned from the photograph (`color_classes`,
@@ -32,6 +33,7 @@ mod stripe_scale;
 #[cfg(test)]
 mod tests;
 mod tracks;
+mod unlit_noise;
 
 pub use config::{DecodeConfig, DecodeInput};
 public_with! { "report": pub use config::{DecodeReport, Rejected, ScanDirection}; }

@@ -2,6 +2,7 @@
 
 use super::rgb::{minus, plus, scaled};
 use super::scanlines::ScanlineReader;
+use super::unlit_noise::UnlitNoise;
 use crate::photo::Encoding;
 
 /// Scanlines and samples in all; enough for a quartile.
@@ -28,6 +29,8 @@ pub(super) struct Noise {
     pub(super) sigma_code: f32,
     variance_by_light: Vec<f32>,
     sigma_by_total: Vec<f32>,
+    /// What is seen beside the stripes.
+    pub(super) unlit: UnlitNoise,
 }
 
 impl Noise {
@@ -38,11 +41,13 @@ impl Noise {
             sigma_code: -1.0,
             variance_by_light: Vec::new(),
             sigma_by_total: Vec::new(),
+            unlit: UnlitNoise::default(),
         }
     }
 
     /// Measures the noise of a photograph.
     pub(super) fn measure(&mut self, reader: &ScanlineReader<'_>) {
+        self.unlit.clear();
         self.samples.clear();
         let lines = LINES.min(reader.count());
         let stride = (3 * lines * reader.length() / SAMPLES).max(1);

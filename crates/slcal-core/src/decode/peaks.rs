@@ -130,11 +130,11 @@ fn packed(marks: &[u8; 64]) -> u64 {
 }
 
 fn rise(low: f32, noise: &Noise, sigmas: f32) -> f32 {
-    low + (RISE * low).max(sigmas * noise.sigma_of_total(low))
+    low + (RISE * low).max(sigmas * noise.sigma_of_total(low)).max(SIGMAS * noise.unlit.sigma(low))
 }
 
 fn fall(low: f32, high: f32, noise: &Noise, sigmas: f32) -> f32 {
-    high - (FALL * (high - low)).max(sigmas * noise.sigma_of_total(high))
+    high - (FALL * (high - low)).max(sigmas * noise.sigma_of_total(high)).max(SIGMAS * noise.unlit.sigma(low))
 }
 
 /// Removes low peaks between two higher ones, and joins peaks with a dent between them.
