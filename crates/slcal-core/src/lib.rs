@@ -112,6 +112,7 @@ mod solve;
 pub mod verify;
 
 mod assumption;
+mod channel_registration;
 mod cloud;
 mod error;
 #[cfg(test)]
@@ -129,6 +130,9 @@ pub use calibrate::{
 };
 #[cfg(feature = "report")]
 pub use calibrate::{CalibrationReport, NoiseFound, PairResidual, PointResidual, ViewResiduals, residuals};
+pub use channel_registration::{
+    ChannelDisplacements, ChannelRegistration, LateralColor, PanelDisplacement, RedBlue, RegistrationSource,
+};
 pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Cause, Error, ErrorClass, ErrorSubject, Result};
 pub use geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize, SheetBend, SheetSize};

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::channel_registration::ChannelRegistration;
 use crate::error::{Result, within};
 use crate::matches::Matches;
 use crate::photo::{Encoding, PhotoView};
@@ -17,11 +18,15 @@ pub struct DecodeConfig {
     /// Scanlines are searched on the threads of the caller's rayon pool (the cargo feature `rayon`; without it on one
     /// thread). The result is the same, bit for bit.
     pub parallel: bool,
+    /// How red and blue are displaced against green, from a calibration; `None`: it is estimated from the stripes where they show
+    /// it.
+    #[serde(skip)]
+    pub registration: Option<ChannelRegistration>,
 }
 
 impl Default for DecodeConfig {
     fn default() -> Self {
-        Self { encoding: Encoding::Srgb, min_confidence: 0.4, parallel: false }
+        Self { encoding: Encoding::Srgb, min_confidence: 0.4, parallel: false, registration: None }
     }
 }
 

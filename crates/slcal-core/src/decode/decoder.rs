@@ -185,7 +185,7 @@ impl Decoder {
     }
 
     fn decode_lines(&mut self, reader: &ScanlineReader<'_>, scale: &StripeScale) -> Result<()> {
-        self.noise.unlit.measure(reader, scale);
+        self.noise.unlit.measure(reader, scale.half_period_px, scale.radii.smoothing);
         let aligned = AlignedLines::for_width(scale.half_period_px);
         let low_contrast = self.find(reader, scale, aligned);
         self.tracks.link();

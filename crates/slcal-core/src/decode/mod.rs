@@ -24,6 +24,7 @@ mod noise;
 mod peaks;
 mod report_json;
 mod rgb;
+mod running_mean;
 mod scanlines;
 mod sequence_alignment;
 mod slit_layout;

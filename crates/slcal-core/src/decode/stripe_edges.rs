@@ -3,6 +3,7 @@
 use super::noise::Noise;
 use super::peaks::{self, Peak};
 use super::rgb::{Rgb, mean, minus, plus, positive, scaled, total, unit};
+use super::running_mean::smooth;
 use super::scanlines::Scanline;
 
 /// A crossing: one stripe on one scanline.
@@ -81,7 +82,7 @@ pub(super) fn peaks_of<'s>(
     scratch: &'s mut Scratch,
 ) -> &'s [Peak] {
     if smoothing > 0 {
-        peaks::smooth(light, smoothing, &mut scratch.smooth);
+        smooth(light, smoothing, &mut scratch.smooth);
         let share = ((2 * smoothing + 1) as f32).sqrt().recip();
         peaks::find(&scratch.smooth, noise, share, &mut scratch.turns, &mut scratch.peaks);
     } else {

@@ -5,9 +5,8 @@
 //! blocks of a compressed photograph; noise does not. Pieces of scanlines that do not continue give the scatter, by the
 //! light of the piece.
 
-use super::peaks::smooth;
+use super::running_mean::smooth;
 use super::scanlines::{Scanline, ScanlineReader};
-use super::stripe_scale::StripeScale;
 
 /// Scanlines that are sampled.
 const LINES: usize = 24;
@@ -53,12 +52,12 @@ impl UnlitNoise {
         self.sigma = [0.0; CLASSES];
     }
 
-    /// Measures it in a photograph whose stripes have this scale.
-    pub(super) fn measure(&mut self, reader: &ScanlineReader<'_>, scale: &StripeScale) {
+    /// Measures it in a photograph of stripes with this half period, px, smoothed over some pixels to either side.
+    pub(super) fn measure(&mut self, reader: &ScanlineReader<'_>, half_period_px: f32, smoothing: usize) {
         self.clear();
         self.pieces.iter_mut().for_each(Vec::clear);
         self.all = [0; CLASSES];
-        let piece = ((PIECE_HALF_PERIODS * scale.half_period_px) as usize).max(MIN_PIECE);
+        let piece = ((PIECE_HALF_PERIODS * half_period_px) as usize).max(MIN_PIECE);
         if reader.count() <= 2 * APART || reader.length() < piece + 2 * APART {
             return;
         }
@@ -67,7 +66,7 @@ impl UnlitNoise {
             let y = reader.spread(k, lines).min(reader.count() - APART - 1);
             for (i, y) in [y, y + APART].into_iter().enumerate() {
                 reader.read_total(y, &mut self.lines[i]);
-                smooth(&self.lines[i].total, scale.radii.smoothing, &mut self.smoothed[i]);
+                smooth(&self.lines[i].total, smoothing, &mut self.smoothed[i]);
             }
             let [here, there] = &self.smoothed;
             for from in (APART..here.len() - piece - APART).step_by(piece) {
