@@ -877,6 +877,11 @@ class Overlay {
     c.fillText(text, x, y);
   }
 
+  /** Keeps a place free of names and numbers, by its left upper corner. */
+  #reserve(x, y, width, height) {
+    this.#taken.push({ x: x + width / 2, y: y + height / 2, width, height });
+  }
+
   /** How far a text about a place reaches in a direction. */
   extent(text, size, [x, y]) {
     this.#context.font = `${size}px ${this.family}`;
@@ -957,7 +962,10 @@ class Overlay {
       [c.strokeStyle, c.lineWidth, c.lineJoin] = [stroke, width, "miter"];
       c.stroke();
     }
-    this.text(`${numeral(length, length)} mm`, x + (length * perMm) / 2, y - 13, { colour: ink });
+    const name = `${numeral(length, length)} mm`;
+    this.text(name, x + (length * perMm) / 2, y - 13, { colour: ink });
+    const wide = Math.max(length * perMm, 2 * this.extent(name, 12, [1, 0]));
+    this.#reserve(x + (length * perMm - wide) / 2 - 3, y - 21, wide + 6, 25);
   }
 
   /** The colours with their numbers: at the right, or above where there is little width. */
@@ -969,6 +977,8 @@ class Overlay {
     const marks = ticks(low, high, step).map((value) => ({ value, text: numeral(value, step) }));
     const widest = 2 * Math.max(0, ...marks.map(({ text }) => this.extent(text, 12, [1, 0])));
     const [x, y] = flat ? [20, 28] : [this.width - Math.max(66, widest + 31), (this.height - long) / 2];
+    if (flat) this.#reserve(0, 0, this.width, y + 30);
+    else this.#reserve(x - 4, y - 24, this.width - x + 4, long + 34);
     for (let i = 0; i < long; i++) {
       const at = 4 * Math.round((255 * i) / (long - 1));
       c.fillStyle = `rgb(${map[at]},${map[at + 1]},${map[at + 2]})`;
@@ -1255,7 +1265,8 @@ class CloudView {
     const others = [parts.whole, parts.axes, parts.reset, parts.helper];
     parts.others = element("div", { class: "cloud-view-group", role: "group", "aria-label": "View" }, ...others);
     parts.bar = element("div", { class: "cloud-view-bar" }, parts.colours, parts.forms, parts.others);
-    parts.help = element("p", { class: "cloud-view-help", id: `${id}-help` }, HELP);
+    // It scrolls where there is little room, by keyboard, too.
+    parts.help = element("p", { class: "cloud-view-help", id: `${id}-help`, tabindex: "0", role: "note", "aria-label": "Help" }, HELP);
     parts.legend = element("ul", { class: "cloud-view-legend", "aria-label": "Legend" });
     parts.range = element("span", { class: "cloud-view-heard", data: { state: "colour-range" } });
     parts.told = element("p", { class: "cloud-view-heard", role: "status" });
@@ -1265,6 +1276,12 @@ class CloudView {
     );
     parts.help.hidden = parts.message.hidden = parts.point.hidden = true;
     parts.helper.setAttribute("aria-expanded", "false");
+    parts.root.addEventListener("keydown", (event) => {
+      if (event.key !== "Escape" || parts.help.hidden) return;
+      event.preventDefault();
+      this.#toggleHelp();
+      if (!parts.root.contains(document.activeElement) || document.activeElement === parts.help) parts.helper.focus();
+    });
     container.append(parts.root);
   }
 
@@ -1583,16 +1600,17 @@ class CloudView {
     if (this.#moving && fine) this.#time();
     const overlay = this.#overlay;
     overlay.begin(viewer.width, viewer.height, this.#ratio, { family: this.#family, paper: css.paper });
-    drawAxes(overlay, viewer, focus, axes.numbers, css);
-    overlay.labels(this.#labels, viewer.projection());
-    if (this.#marked !== null) overlay.ring(viewer.projection()(this.#place(this.#marked)), css.ink);
-    if (empty) overlay.text("no points", viewer.width / 2, viewer.height / 2, { colour: css.muted, size: 14 });
-    else overlay.scale(viewer.focal / viewer.distance, css);
+    // These have their places; names and numbers take what is left.
+    if (!empty) overlay.scale(viewer.focal / viewer.distance, css);
     const measured = this.#cloud?.n && !this.#hidden.has(POINTS) ? this.#cloud.measured[this.#colour] : null;
     if (measured) {
       const title = measured.unit ? `${measured.text}, ${measured.unit}` : measured.text;
       overlay.bar({ title, range: measured.range, map: this.#map }, css);
     }
+    drawAxes(overlay, viewer, focus, axes.numbers, css);
+    overlay.labels(this.#labels, viewer.projection());
+    if (this.#marked !== null) overlay.ring(viewer.projection()(this.#place(this.#marked)), css.ink);
+    if (empty) overlay.text("no points", viewer.width / 2, viewer.height / 2, { colour: css.muted, size: 14 });
     this.#count();
   }
 

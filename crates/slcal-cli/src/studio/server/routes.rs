@@ -388,7 +388,14 @@ async fn picture(
     role(&hub, &headers, &asked, &[Role::Operator])?;
     operates(&hub, &asked)?;
     let sent = body(request, MOST_BYTES).await?;
-    let extension = extension_of(&sent).ok_or_else(not_a_picture)?;
+    let extension = extension_of(&sent).ok_or_else(|| {
+        Refusal::new(
+            StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            "not-a-picture",
+            "expected a picture to project (JPEG, PNG or TIFF), found something else",
+            "save it as PNG or JPEG",
+        )
+    })?;
     let name = shown_name(asked.name.as_deref().unwrap_or_default(), extension);
     hub.project_picture(name, sent.to_vec().into()).map_err(|problem| Refusal::of(&problem))?;
     Ok(json_answer(&json!({})))

@@ -12,6 +12,8 @@ const open = (state, step) => stepState(state, step) !== "locked";
 const webcamMissing = (state, here) => state.camera.kind === "webcam" && !here.webcam;
 /** Nothing is shown: the display window is not open, or it says what is wrong with it. */
 const displayMissing = (state) => !state.display.connected || Boolean(state.display.problem);
+/** The studio takes no photograph: the simulated camera would see nothing, a webcam a picture that is scaled. */
+const blind = (state) => displayMissing(state) && (state.demo || state.display.connected);
 
 function setUp(state, here) {
   const { set_up: settings, display } = state;
@@ -32,8 +34,8 @@ function calibrate(state, here) {
   const used = state.photographs.filter((p) => p.used && !p.problem).length;
   const enough = used >= ENOUGH_PHOTOGRAPHS && state.calibration && !state.guide?.needed;
   const shoot = { files: "choose-files", phone: null, folder: null }[state.camera.kind];
-  const take = shoot === undefined ? "take" : shoot;
-  const turnable = state.demo_scene && state.guide?.turn && !here.turned && !(here.near >= NEAR) ? "turn-for-me" : null;
+  const take = shoot !== undefined ? shoot : blind(state) ? null : "take";
+  const turnable = state.demo_scene && !blind(state) && state.guide?.turn && !here.turned && !(here.near >= NEAR) ? "turn-for-me" : null;
   const open_display = displayMissing(state) ? "open-display" : null;
   const go = open(state, "scan") ? "go-scan" : null;
   const start = webcamMissing(state, here) ? "start-webcam" : null;
@@ -44,7 +46,7 @@ function calibrate(state, here) {
 
 function scan(state, here) {
   const byHand = ["phone", "folder"].includes(state.camera.kind);
-  const once = state.camera.kind === "files" ? "choose-files" : byHand ? null : "scan-once";
+  const once = state.camera.kind === "files" ? "choose-files" : byHand || blind(state) ? null : "scan-once";
   const go = open(state, "use") && state.scan.clouds.length > 0 ? "go-use" : null;
   if (displayMissing(state) && !byHand) return { first: "open-display", others: [state.scan.continuous ? "scan-stop" : once, go] };
   if (webcamMissing(state, here)) return { first: "start-webcam", others: [go] };
@@ -55,7 +57,7 @@ function scan(state, here) {
 function use(state) {
   if (displayMissing(state)) return { first: "open-display", others: ["choose-picture", state.display.wanted?.kind === "picture" ? "show-black" : null] };
   if (!state.use.picture) return { first: "test-picture", others: ["choose-picture"] };
-  if (state.display.wanted?.kind === "picture") return { first: "show-black", others: ["choose-picture"] };
+  if (state.display.wanted?.kind === "picture") return { first: "choose-picture", others: ["show-black"] };
   return { first: "show-picture", others: ["choose-picture", "test-picture"] };
 }
 

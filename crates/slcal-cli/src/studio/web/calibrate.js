@@ -6,6 +6,18 @@ import { createTiles } from "./tiles.js";
 import { createVerdict } from "./verdict.js";
 import { sentence } from "./words.js";
 
+const FOCAL = "The lengths that the calibration gives are as accurate as these: 0.1 % is 1 mm in 1 m (one standard deviation)";
+
+/** What a photograph brings, in plain words; "" where it would change no figure. */
+function gainOf({ gain, needed }) {
+  const [, before, after] = /([\d.]+ %) → ([\d.]+ %)/.exec(gain) ?? [];
+  if (before && before === after) return "";
+  const [, about] = /about ([\d.]+ %) with a second/.exec(gain) ?? [];
+  if (about) return `With a second photograph, tilted the other way: accuracy of the focal lengths about ${about}`;
+  const what = before ? `accuracy of the focal lengths ${before} → ${after}` : gain;
+  return `${needed ? "The next photograph brings" : "Another photograph would bring"}: ${what}`;
+}
+
 export function createCalibrate(app) {
   const auto = el("input", { type: "checkbox", "data-action": "auto-shot" });
   auto.addEventListener("change", () => app.send({ event: "auto-shot", on: auto.checked }));
@@ -18,7 +30,7 @@ export function createCalibrate(app) {
     app.send({ event: "set-up", projector, size, pattern_scale: Number(scale.value) / 100 });
   });
   const scaleRow = el("label", { class: "slider", "data-state": "pattern-scale" }, el("span", {}, "Size of the checkerboard"), scale, scaleShown);
-  const gain = el("p", { class: "gain", "data-state": "gain" });
+  const gain = el("p", { class: "gain", "data-state": "gain", title: FOCAL });
   const details = el("p", { class: "hint", "data-state": "pose" });
   const phone = createPhone(app);
   const verdict = createVerdict(app);
@@ -31,7 +43,7 @@ export function createCalibrate(app) {
       fields.disabled = !state.you.operating;
       auto.checked = state.auto_shot;
       show(autoRow, ["webcam", "demo"].includes(state.camera.kind));
-      say(gain, state.guide?.gain ? `${state.guide.needed ? "The next photograph brings" : "Another photograph would bring"}: ${state.guide.gain}` : "");
+      say(gain, state.guide?.gain ? gainOf(state.guide) : "");
       say(details, state.guide?.needed ? sentence(state.guide.details) : "");
       set(gain, "data-value", state.guide?.needed ? "needed" : "optional");
       // Another pattern would contradict photographs that were taken already. The simulated sheet is as large as it should be.

@@ -31,10 +31,11 @@ function build() {
   const input = el("input", { type: "file", accept: "image/*", capture: "environment", id: "shoot", class: "out-of-sight", "data-action": "photograph-file" });
   const label = el("label", { class: "shoot", for: "shoot", "data-state": "shoot" });
   const list = el("ul", { class: "sent" });
+  const title = el("h1", { class: "out-of-sight" }, "Photographs for slcal studio");
   const link = createLink();
   document.getElementById("page").replaceChildren(
     el("div", { class: "messages" }, link.root),
-    el("main", {}, el("div", { "aria-live": "polite" }, sentence, next), input, label,
+    el("main", {}, title, el("div", { "aria-live": "polite" }, sentence, next), input, label,
       el("h2", { class: "out-of-sight" }, "Photographs that were sent"), list));
 
   const drawAll = keyed(list, (item) => item.key, () => {
@@ -67,12 +68,14 @@ function build() {
   }
 
   function draw() {
+    // In other steps the studio would refuse it; what is to be done there is done on the computer.
+    const expected = state?.step === "calibrate" || state?.step === "scan";
     text(sentence, state?.sentence);
-    text(next, state?.next);
+    text(next, expected || !state ? state?.next : "The computer is not ready for a photograph yet.");
     const sending = sent.some((item) => item.status === "sending");
     text(label, sending ? "Sending …" : state?.step === "scan" ? "Photograph the object" : "Take a photograph");
-    set(label, "data-value", sending ? "sending" : "ready");
-    input.disabled = sending;
+    set(label, "data-value", sending ? "sending" : expected ? "ready" : "waiting");
+    input.disabled = sending || !expected;
     drawAll(sent);
     show(list, sent.length > 0);
   }
@@ -85,7 +88,7 @@ function build() {
     sent.unshift(item);
     draw();
     try {
-      const refused = refusal(file);
+      const refused = refusal(file, "photograph");
       if (refused) throw refused;
       Object.assign(item, await sendPhotograph("camera", file, file.name || "photograph.jpg"));
       item.status = "looking";

@@ -5,16 +5,19 @@ import { Problem } from "./session.js";
 import { refusal, sendPhotograph, sendPicture } from "./upload.js";
 
 export function createDrop(app) {
-  const files = el("input", { type: "file", accept: "image/*,.tif,.tiff", multiple: true, class: "out-of-sight", tabindex: "-1",
-    "data-action": "files", "aria-label": "Photographs" });
-  const picture = el("input", { type: "file", accept: "image/*", class: "out-of-sight", tabindex: "-1",
-    "data-action": "picture-file", "aria-label": "Picture to project" });
+  // Opened by buttons that say what they are for: by themselves they are neither seen, nor reached, nor read out.
+  const unseen = { type: "file", class: "out-of-sight", tabindex: "-1", "aria-hidden": "true" };
+  const files = el("input", { ...unseen, accept: "image/*,.tif,.tiff", multiple: true, "data-action": "files" });
+  const picture = el("input", { ...unseen, accept: "image/*", "data-action": "picture-file" });
   const veil = el("div", { class: "veil", hidden: true, "data-state": "drop" }, el("p"));
 
-  async function send(list, post) {
+  async function send(list, kind) {
+    // What was wrong with files of before is of no interest any more.
+    app.forget("file-");
+    const post = { picture: sendPicture, photograph: sendPhotograph }[kind];
     // One after the other: the order of the photographs stays, and a slow network is not choked.
     for (const file of list) {
-      const refused = refusal(file);
+      const refused = refusal(file, kind);
       const key = `file-${file.name}`;
       if (refused) {
         app.problem(key, refused);
@@ -28,7 +31,7 @@ export function createDrop(app) {
       }
     }
   }
-  const take = (list) => send(list, app.state?.step === "use" ? sendPicture : sendPhotograph);
+  const take = (list) => send(list, app.state?.step === "use" ? "picture" : "photograph");
 
   files.addEventListener("change", async () => {
     const chosen = [...files.files];
@@ -38,7 +41,7 @@ export function createDrop(app) {
   picture.addEventListener("change", async () => {
     const chosen = [...picture.files];
     picture.value = "";
-    await send(chosen, sendPicture);
+    await send(chosen, "picture");
   });
 
   // dragenter and dragleave come for every element that is crossed.

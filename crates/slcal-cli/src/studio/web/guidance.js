@@ -1,7 +1,7 @@
 // What is so, what comes next, and the button for it.
 
 import { choose } from "./actions.js";
-import { button, el, set, show, text } from "./dom.js";
+import { button, el, say, set, show, text } from "./dom.js";
 import { pixels } from "./words.js";
 
 /** A click just after a button took the place of another was meant for that one. */
@@ -78,6 +78,7 @@ export function createGuidance(app, handlers) {
     if (viewport) text(buttons.get("use-measured"), `Use ${pixels(viewport)}, as the display has`);
     text(buttons.get("open-display"), state.display.connected ? "Show the display window" : "Open the display window");
     text(buttons.get("take"), state.photographs.length > 0 && first !== "take" ? "Take another photograph" : "Take the photograph");
+    text(buttons.get("choose-picture"), state.use.picture ? "Choose another picture" : "Choose a picture");
     text(buttons.get("scan-once"), state.scan.clouds.length > 0 ? "Scan again" : "Scan");
     // Not `disabled`, which would take the focus away from whoever has just pressed it.
     for (const [name, b] of buttons) set(b, "aria-disabled", ready(name) ? null : "true");
@@ -88,13 +89,20 @@ export function createGuidance(app, handlers) {
     root,
     draw(state) {
       text(sentence, state.sentence);
-      text(next, state.next);
+      // Who only looks on has nothing to do.
+      say(next, state.you.operating ? state.next : "");
       show(busy, Boolean(state.busy));
       text(busy, state.busy ? `${state.busy[0].toUpperCase()}${state.busy.slice(1)} …` : "");
       set(root, "data-busy", Boolean(state.busy));
       arrange(state);
     },
     live: () => app.state && arrange(app.state),
+    /** For a focus whose place is gone: the next thing to do. False where there is nothing to press. */
+    focus() {
+      const b = [buttons.get(primary), ...buttons.values()].find((one) => one && !one.hidden);
+      b?.focus({ preventScroll: true });
+      return Boolean(b);
+    },
     /** What the space key does: the photograph or the scan, where there is a button for it. */
     shoot() {
       const name = SHOOTING.find((n) => !buttons.get(n).hidden);

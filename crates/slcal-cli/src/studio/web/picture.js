@@ -19,7 +19,12 @@ export function createPicture(app, video) {
   const overlay = createOverlay();
   const placeholder = el("p", { class: "placeholder", "data-state": "placeholder" });
   const caption = el("p", { class: "caption", "data-state": "picture-problem", role: "status" });
-  const back = button("live-picture", "Back to the live picture", () => photograph(null), { class: "small back" });
+  const back = button("live-picture", "Back to the live picture", () => {
+    const id = chosen;
+    const focused = document.activeElement === back;
+    photograph(null);
+    if (focused) returned(id);
+  }, { class: "small back" });
   const frame = el("div", { class: "frame", "data-state": "picture" }, video, canvas, still, overlay.drawing, overlay.words, caption, back);
   const stage = el("div", { class: "stage" }, frame, placeholder);
   const readings = Object.fromEntries(["size", "corners", "sharpness", "clipped", "tilt", "near"].map((name) =>
@@ -131,6 +136,14 @@ export function createPicture(app, video) {
     chosen = id;
     draw();
     app.redraw();
+  }
+
+  /** The button is gone: the focus returns to the photograph that was looked at, or to the picture. */
+  function returned(id) {
+    const look = document.querySelector(`[data-action=look][data-id="${id}"]`);
+    const to = [look, frame].find((node) => node?.checkVisibility() && node.tabIndex >= 0);
+    if (to) to.focus({ preventScroll: true });
+    else app.focus();
   }
 
   let kindBefore = null;

@@ -4,6 +4,9 @@ import { copyButton } from "./copy.js";
 import { button, el, keyed, say, set, show, text, value } from "./dom.js";
 import { parsePixels, pixels, told } from "./words.js";
 
+const INTRODUCTION = "You need a flat, white, rectangular sheet: a second window, the display window, has the projector throw a checkerboard onto it, " +
+  "whose corners the camera measures.";
+const IN_DEMO = "Here projector, sheet and camera are simulated.";
 const CAMERAS = [
   { kind: "demo", label: "Simulated camera", about: "sees what the display window shows" },
   { kind: "webcam", label: "Webcam of this computer", about: "live, photographs taken by itself" },
@@ -19,52 +22,62 @@ function createSettings(app) {
     spellcheck: "false", "aria-describedby": "projector-hint projector-problem", placeholder: "1920x1080" });
   const size = el("input", { id: "size", "data-action": "set-up", "data-field": "size", autocomplete: "off",
     spellcheck: "false", "aria-describedby": "size-hint size-problem", placeholder: "297x210mm" });
-  const problems = { projector: el("p", { class: "wrong", id: "projector-problem", "data-state": "projector-problem" }),
-    size: el("p", { class: "wrong", id: "size-problem", "data-state": "size-problem" }) };
+  const fields = { projector, size };
+  const problem = (field) => el("p", { class: "wrong", role: "alert", id: `${field}-problem`, "data-state": `${field}-problem` });
+  const problems = { projector: problem("projector"), size: problem("size") };
+  const typed = new Set(); // fields whose text is not yet known to be accepted
+  let noPixels = ""; // what is wrong with the pixels before they are sent
   const known = el("div", { class: "choices", role: "group", "aria-label": "Usual sizes" });
   const drawKnown = keyed(known, (name) => name, (name) => ({
     root: button("size", name, () => {
       size.value = name;
-      tell();
+      tell("size");
     }, { "data-size": name, class: "small" }),
     draw: () => {},
   }));
 
-  function tell() {
+  function tell(field) {
+    typed.add(field);
     const panel = projector.value.trim() === "" ? null : parsePixels(projector.value);
     const wrong = projector.value.trim() !== "" && panel === null;
-    say(problems.projector, wrong ? `Expected width x height in pixels, such as 1920x1080; found “${projector.value.trim()}”.` : "");
-    set(projector, "aria-invalid", wrong ? "true" : null);
-    if (!wrong) app.send({ event: "set-up", projector: panel, size: size.value.trim() || null });
+    noPixels = wrong ? "Type width x height in pixels, such as 1920x1080." : "";
+    if (wrong) draw(app.state);
+    else app.send({ event: "set-up", projector: panel, size: size.value.trim() || null });
   }
-  for (const input of [projector, size]) {
-    input.addEventListener("change", tell);
+  for (const [field, input] of Object.entries(fields)) {
+    input.addEventListener("change", () => tell(field));
     input.addEventListener("keydown", (event) => event.key === "Enter" && input.blur());
   }
 
   const root = el("div", { class: "pairs" },
     el("div", { class: "field" }, el("label", { for: "projector" }, "Projector, pixels"), projector,
-      el("p", { class: "hint", id: "projector-hint" }, "Native resolution."), problems.projector,
+      el("p", { class: "hint", id: "projector-hint" }, "Native resolution."),
       el("datalist", { id: "panels" }, ...PANELS.map((p) => el("option", { value: p })))),
     el("div", { class: "field" }, el("label", { for: "size" }, "Sheet, width x height"), size,
-      el("p", { class: "hint", id: "size-hint" }, "Measure it with a ruler."), problems.size),
-    known);
-  return {
-    root,
-    draw({ set_up: settings }) {
-      value(projector, pixels(settings.projector));
-      value(size, settings.size ?? "");
-      set(projector, "data-missing", !settings.projector && projector.value.trim() === "");
-      set(size, "data-missing", !settings.size && size.value.trim() === "");
-      drawKnown(settings.sizes ?? []);
-      const problem = settings.problem;
-      const ofSize = problem?.code?.includes("size");
-      if (problem || !projector.hasAttribute("aria-invalid")) say(problems.projector, ofSize ? "" : told(problem));
-      say(problems.size, ofSize ? told(problem) : "");
-      set(size, "aria-invalid", ofSize ? "true" : null);
-      for (const b of known.querySelectorAll("button")) set(b, "aria-pressed", String(b.dataset.size === settings.size));
-    },
-  };
+      el("p", { class: "hint", id: "size-hint" }, "Measure it with a ruler.")),
+    problems.projector, problems.size, known);
+
+  function draw({ set_up: settings }) {
+    const { problem } = settings;
+    const ofSize = problem?.code?.includes("size");
+    const ofProjector = problem && !ofSize && problem.code !== "set-up-pattern"; // The pattern's size is told where it is set.
+    const wrong = { projector: noPixels || (ofProjector ? told(problem) : ""), size: ofSize ? told(problem) : "" };
+    const accepted = { projector: pixels(settings.projector), size: settings.size ?? "" };
+    // As long as something is wrong nothing is accepted: all stays as it was typed, to be mended.
+    if (!wrong.projector && !wrong.size) typed.clear();
+    for (const [field, input] of Object.entries(fields)) {
+      if (!typed.has(field)) value(input, accepted[field]);
+      set(input, "data-missing", !accepted[field] && input.value.trim() === "");
+      set(input, "aria-invalid", wrong[field] ? "true" : null);
+      const newly = wrong[field] && wrong[field] !== problems[field].textContent;
+      say(problems[field], wrong[field]);
+      if (newly && app.operating()) requestAnimationFrame(() => problems[field].scrollIntoView({ block: "nearest" }));
+    }
+    drawKnown(settings.sizes ?? []);
+    for (const b of known.querySelectorAll("button")) set(b, "aria-pressed", String(b.dataset.size === settings.size));
+  }
+
+  return { root, draw };
 }
 
 function createDisplay(app) {
@@ -182,12 +195,14 @@ export function createSetUp(app) {
   const settings = createSettings(app);
   const display = createDisplay(app);
   const camera = createCamera(app);
-  const fields = el("fieldset", { class: "bare" }, settings.root, camera.root, display.root);
+  const introduction = el("p", { class: "hint", "data-state": "introduction" });
+  const fields = el("fieldset", { class: "bare" }, introduction, settings.root, camera.root, display.root);
   const root = el("div", { class: "step-panel", "data-state": "panel", "data-step": "set-up" }, fields);
   return {
     root,
     draw(state) {
       fields.disabled = !state.you.operating;
+      text(introduction, state.demo ? `${INTRODUCTION} ${IN_DEMO}` : INTRODUCTION);
       settings.draw(state);
       display.draw(state);
       camera.draw(state);

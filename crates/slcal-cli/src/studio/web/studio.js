@@ -7,7 +7,7 @@ import { createCloud } from "./cloud.js";
 import { createCommandLine } from "./command_line.js";
 import { createDemoScene } from "./demo_scene.js";
 import { DisplayWindow } from "./display_window.js";
-import { el, set, show } from "./dom.js";
+import { el, set, show, text } from "./dom.js";
 import { createDrop } from "./drop.js";
 import { createGuidance } from "./guidance.js";
 import { createNotices } from "./notices.js";
@@ -59,7 +59,10 @@ function build(role) {
     // Who only looks on changes nothing.
     send: (event) => (app.operating() || event.event === "take-over") && socket.send(event),
     problem: (name, problem) => notices.problem(name, problem),
+    forget: (name) => notices.forget(name),
     note: (message, advice) => notices.note(message, advice),
+    /** Where the focus goes when what had it is gone. */
+    focus: () => guidance.focus() || steps.focus(),
     look: (id) => picture.photograph(picture.chosen === id ? null : id),
     looking: () => picture.chosen,
     pickedCloud: () => pickedCloud ?? app.state?.scan.clouds.at(-1)?.id,
@@ -139,6 +142,7 @@ function build(role) {
   }
 
   async function project(blob, name) {
+    app.problem("picture", null);
     try {
       await sendPicture(role, blob, name, { page: app.state.you.page }); // It is shown as soon as it is drawn.
     } catch (problem) {
@@ -186,7 +190,8 @@ function build(role) {
     scan: createScan(app),
     use: createUse(app),
   };
-  const panel = el("div", { class: "panel" }, ...Object.values(panels).map((p) => p.root), slot);
+  const title = el("h2", { class: "out-of-sight" });
+  const panel = el("div", { class: "panel" }, title, ...Object.values(panels).map((p) => p.root), slot);
   slot.append(scene.root);
   const page = document.getElementById("page");
   const main = el("main", {}, picture.root, cloud.root, guidance.root, panel);
@@ -196,10 +201,14 @@ function build(role) {
     main, command.root, ...drop.nodes);
 
   function draw(state) {
-    if (page.dataset.step !== state.step) main.scrollTop = 0;
+    if (page.dataset.step !== state.step) {
+      main.scrollTop = 0;
+      notices.forget("file-"); // They belong to the step before.
+    }
     set(page, "data-step", state.step);
     set(page, "data-operating", String(state.you.operating));
     document.title = `${TITLES[state.step]} · slcal studio`;
+    text(title, TITLES[state.step]);
     for (const [name, part] of Object.entries(panels)) show(part.root, name === state.step);
     show(slot, state.step !== "set-up");
     show(cloud.root, state.step === "scan");

@@ -5,6 +5,8 @@ import { withRole } from "./session.js";
 import { degrees, sentence } from "./words.js";
 
 const TILE_WIDTH = 320;
+const FIGURES = "rms: how far the corners lie, in the mean, from where the calibration expects them. " +
+  "Tilt: about the horizontal and about the vertical axis.";
 
 function words(photo) {
   if (photo.problem) return sentence(photo.problem.message);
@@ -24,7 +26,7 @@ export function createTiles(app) {
     const look = button("look", "", () => app.look(id), { class: "look", "data-id": id });
     look.append(image, drawing);
     const name = el("p", { class: "file" });
-    const figures = el("p", { class: "figures" });
+    const figures = el("p", { class: "figures", title: FIGURES });
     const advice = el("p", { class: "advice" });
     const toggle = button("photograph", "", () => {
       const now = app.state.photographs.find((p) => p.id === id);

@@ -4,6 +4,14 @@ import { el, keyed, say, set, show, text } from "./dom.js";
 import { withRole } from "./session.js";
 import { plural, plusMinus, sentence } from "./words.js";
 
+const SIGMA = "One standard deviation: in two of three cases the true value lies no further away";
+/** What the figures are, for whoever has not met them. */
+const EXPLAINED = {
+  "camera focal length": "How strongly the camera magnifies: the wider its view, the shorter",
+  "projector focal length": "How strongly the projector magnifies: the wider its picture, the shorter",
+  baseline: "The distance between camera and projector",
+};
+
 const STATUS = { assumed: "assumed", tested: "tested", estimated: "estimated" };
 
 function rowOf() {
@@ -15,6 +23,7 @@ function rowOf() {
     draw(f) {
       set(name.parentNode, "data-name", f.name);
       text(name, f.unit ? `${f.name}, ${f.unit}` : f.name);
+      set(name, "title", EXPLAINED[f.name]);
       text(before, f.before ? plusMinus(f.before.value, f.before.sigma) : "");
       text(now, plusMinus(f.value, f.sigma));
     },
@@ -59,7 +68,7 @@ export function createVerdict(app) {
   const advice = el("p", { class: "hint" });
   const body = el("tbody");
   const beforeHead = el("th", { scope: "col", class: "before" }, "before");
-  const table = el("table", {}, el("thead", {}, el("tr", {}, el("td"), beforeHead, el("th", { scope: "col", class: "now" }, "now, ± one σ"))), body);
+  const table = el("table", {}, el("thead", {}, el("tr", {}, el("td"), beforeHead, el("th", { scope: "col", class: "now" }, "now, ± one ", el("abbr", { title: SIGMA }, "σ")))), body);
   const warnings = el("ul", { class: "warnings" });
   const assumptions = el("ul", { class: "assumptions" });
   const count = el("summary");
@@ -72,17 +81,19 @@ export function createVerdict(app) {
   const drawAssumptions = keyed(assumptions, (a) => a.name, assumptionOf);
   return {
     root,
-    draw({ calibration: c }) {
+    draw({ calibration: c, guide }) {
       show(root, Boolean(c));
       set(root, "data-value", c?.verdict);
       if (!c) return;
       text(what, `Calibration from ${plural(c.photographs, "photograph")}: `);
       text(word, c.verdict);
       say(cause, sentence(c.cause));
-      say(advice, sentence(c.advice));
+      // The pose that is asked for says the same, more exactly.
+      say(advice, guide?.needed ? "" : sentence(c.advice));
       drawFigures(c.figures);
       set(table, "data-before", c.figures.some((f) => f.before));
-      drawWarnings(c.warnings ?? []);
+      // The worst warning is the cause: it stands above already, as does the advice that several share.
+      drawWarnings((c.warnings ?? []).filter((w) => w.message !== c.cause).map((w) => (w.advice === c.advice ? { ...w, advice: "" } : w)));
       drawAssumptions(c.assumptions ?? []);
       const tested = (c.assumptions ?? []).filter((a) => a.status !== "assumed").length;
       const total = (c.assumptions ?? []).length;
