@@ -109,6 +109,19 @@ pub enum ScanDirection {
     Columns,
 }
 
+/// Displacement of red and blue light against green along the pattern's axis, projector px.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct ChannelShift {
+    /// Of red.
+    pub red_px: f64,
+    /// Of blue.
+    pub blue_px: f64,
+    /// 1σ of red and blue.
+    pub sigma_px: [f64; 2],
+    /// Whether it was removed: it came from a calibration, or is beyond 3σ.
+    pub used: bool,
+}
+
 /// Counts and measures of one photograph.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct DecodeReport {
@@ -140,6 +153,13 @@ pub struct DecodeReport {
     pub hue_spread_rad: f64,
     /// Share of the crossings whose core is clipped in some channel.
     pub saturated: f64,
+    /// How far red and blue were seen beside green. `None` where too few slits stand side by side to tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel_shift: Option<ChannelShift>,
+    /// Whether the stripes' edges alternated from scanline to scanline, as a demosaiced photograph's do, and were averaged over
+    /// three.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub demosaiced: bool,
     /// How much better than chance the colours follow the pattern, nats per crossing. Below about a third of the
     /// maximum ln(hues) + 1 the pattern is another one.
     pub code_fit: f64,

@@ -15,14 +15,13 @@ const MIN_HUE_ANGLE: f64 = 0.3;
 /// Rounds in which the brightness of the hues is fitted: enough for a surface that reflects a tenth of a channel.
 const MIX_ROUNDS: usize = 200;
 
-/// Least squares for M in `M · palette = brightness · direction` over the hues. Each column is divided by its largest
-/// entry, which removes the brightness of the primaries and leaves the crosstalk. `None` where the palette has fewer
-/// than three independent colours.
-pub(super) fn crosstalk(
+/// Least squares for M in `M · palette = brightness · direction` over the hues: the light of each primary (columns) in each
+/// channel (rows). `None` where the palette has fewer than three independent colours.
+pub(super) fn mixing(
     palette: &[[f32; 3]],
     directions: &[[f32; 3]],
     brightness: &[f32],
-) -> Option<[[f64; 3]; 3]> {
+) -> Option<Matrix3<f64>> {
     let mut cp = Matrix3::<f64>::zeros();
     for ((p, d), b) in palette.iter().zip(directions).zip(brightness) {
         let p = vector(*p);
@@ -31,7 +30,12 @@ pub(super) fn crosstalk(
         let c = c * f64::from(*b) / c.sum().max(1e-9);
         cp += c * p.transpose();
     }
-    let m = cp * inverse_products(palette)?;
+    Some(cp * inverse_products(palette)?)
+}
+
+/// [`mixing`] with each column divided by its largest entry, which removes the brightness of the primaries and leaves the
+/// crosstalk.
+pub(super) fn crosstalk(m: &Matrix3<f64>) -> Option<[[f64; 3]; 3]> {
     let mut out = [[0.0; 3]; 3];
     for k in 0..3 {
         let top = m.column(k).amax();

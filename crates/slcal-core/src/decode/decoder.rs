@@ -7,9 +7,11 @@ use super::code_check::{CodeCandidates, another_pattern, check_color, try_patter
 use super::config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Rejected, ScanDirection};
 use super::consistency::{check_neighbors, check_runs};
 use super::crossing_features::NONE;
-use super::crosstalk::{check_hues, crosstalk};
+use super::crosstalk::{check_hues, crosstalk, mixing};
 use super::labeling::{AlignedLines, Labeling};
 use super::noise::Noise;
+use super::registration::{Labelled, Registration};
+use super::row_parity;
 use super::scanlines::{self, Scanline, ScanlineReader, Tables};
 use super::sequence_alignment::Code;
 use super::slit_layout::SlitLayout;
@@ -82,6 +84,7 @@ pub struct Decoder {
     labeling: Labeling,
     centers: Vec<StripeCenter>,
     layout: SlitLayout,
+    registration: Registration,
     sigma_work: SigmaWork,
     scratch: Vec<f32>,
     slits_seen: Vec<bool>,
@@ -125,6 +128,7 @@ impl Decoder {
             labeling: Labeling::default(),
             centers: Vec::new(),
             layout: SlitLayout::default(),
+            registration: Registration::default(),
             sigma_work: SigmaWork::default(),
             scratch: Vec::new(),
             slits_seen: Vec::new(),
@@ -213,15 +217,33 @@ impl Decoder {
             self.layout.set(gaps, nominal);
         }
         let votes = &self.labeling.votes;
+        let slits = self.candidates.slits(reversed);
+        let demosaiced = row_parity::remove(&mut self.tracks, votes, slits, &mut self.scratch);
         let half_px =
             stripe_centers::measure_half_width(&self.tracks, votes, &self.layout, &mut self.scratch);
         self.layout.set_half_width(half_px);
-        stripe_centers::locate(&self.tracks, votes, &self.layout, &mut self.scratch, &mut self.centers);
+        let hues = &self.labeling.classes;
+        let mixing = mixing(&self.palette, &hues.directions, &hues.brightness);
+        let labelled = Labelled {
+            tracks: &mut self.tracks,
+            votes,
+            layout: &self.layout,
+            slits,
+            reversed,
+            pattern: &self.pattern,
+        };
+        let channel_shift = self.registration.locate(
+            labelled,
+            reader,
+            self.config.registration.as_ref(),
+            (&hues.directions, mixing.as_ref()),
+            &mut self.scratch,
+            &mut self.centers,
+        );
         let reach = (SIGMA_WIDTHS * width).ceil() as usize;
         measure_sigma(&self.tracks, votes, reach, &mut self.sigma_work, &mut self.centers);
 
         let n = self.tracks.crossings.len();
-        let hues = &self.labeling.classes;
         let report = &mut self.out.report;
         report.crossings = n + low_contrast;
         report.rejected = Rejected { low_contrast, ..Rejected::default() };
@@ -231,7 +253,9 @@ impl Decoder {
         report.noise_levels = f64::from(self.noise.sigma_code * 255.0);
         report.hues_seen.clear();
         report.hues_seen.extend(hues.directions.iter().map(|d| d.map(f64::from)));
-        report.crosstalk = crosstalk(&self.palette, &hues.directions, &hues.brightness);
+        report.crosstalk = mixing.as_ref().and_then(crosstalk);
+        report.channel_shift = channel_shift;
+        report.demosaiced = demosaiced;
         report.hue_spread_rad = f64::from(hues.spread_rad);
         let saturated = self.tracks.colors.iter().filter(|p| p.saturated).count();
         report.saturated = saturated as f64 / self.tracks.colors.len().max(1) as f64;

@@ -19,11 +19,14 @@ mod consistency;
 mod crossing_features;
 mod crosstalk;
 mod decoder;
+mod hue_shift;
 mod labeling;
 mod noise;
 mod peaks;
+mod registration;
 mod report_json;
 mod rgb;
+mod row_parity;
 mod running_mean;
 mod scanlines;
 mod sequence_alignment;
@@ -35,8 +38,9 @@ mod stripe_scale;
 mod tests;
 mod tracks;
 mod unlit_noise;
+mod zigzag;
 
 pub use config::{DecodeConfig, DecodeInput};
-public_with! { "report": pub use config::{DecodeReport, Rejected, ScanDirection}; }
+public_with! { "report": pub use config::{ChannelShift, DecodeReport, Rejected, ScanDirection}; }
 public_with! { "stages": pub use config::Decoding; }
 public_with! { "stages": pub use decoder::{Decoder, decode}; }

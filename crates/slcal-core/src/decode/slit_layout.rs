@@ -64,6 +64,11 @@ impl SlitLayout {
         self.per_gap.get(label + side).copied().unwrap_or(0.5 / self.half_px)
     }
 
+    /// The weights of the edges of the stripe before, of a stripe's own edges together, and of the stripe after in the cubic.
+    pub(super) fn weights_of_stripes(&self, label: usize) -> [f32; 3] {
+        self.cubics.get(label).map_or([0.0, 1.0, 0.0], |Cubic { weights: [l, r, b, a], .. }| [*b, l + r, *a])
+    }
+
     /// The cubic through a slit's own edges and the next ones on either side at its centre, and its σ over that of an
     /// edge.
     pub(super) fn cubic(&self, label: usize, own: (f32, f32), before: f32, after: f32) -> (f32, f32) {

@@ -54,6 +54,22 @@ impl Tracks {
         self.lines[line] as usize..self.lines[line + 1] as usize
     }
 
+    /// The scanline of a crossing.
+    pub(super) fn line_of(&self, crossing: usize) -> usize {
+        self.lines.partition_point(|first| *first as usize <= crossing) - 1
+    }
+
+    /// By how much the stripe of a crossing moves along the scanline from one to the next, px.
+    pub(super) fn slope(&self, crossing: usize) -> f32 {
+        self.slope[crossing]
+    }
+
+    /// Indices of crossings, track by track, and the crossings to change.
+    pub(super) fn iter_mut(&mut self) -> (impl Iterator<Item = &[u32]>, &mut [StripeEdges]) {
+        let Self { crossings, order, starts, .. } = self;
+        (starts.windows(2).map(|w| &order[w[0] as usize..w[1] as usize]), crossings)
+    }
+
     /// Indices of crossings, track by track.
     pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|w| &self.order[w[0] as usize..w[1] as usize])
