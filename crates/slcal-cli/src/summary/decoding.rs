@@ -82,6 +82,14 @@ pub(crate) fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
         );
         remarks.push(("note", sentence));
     }
+    if let Some(shift) = report.channel_shift.filter(|s| s.used) {
+        let [red, blue] = shift.sigma_px;
+        let sentence = format!(
+            "red is seen {:+.2} ± {red:.2} and blue {:+.2} ± {blue:.2} projector px beside green; that is removed",
+            shift.red_px, shift.blue_px
+        );
+        remarks.push(("note", sentence));
+    }
     if let Some((into, of, share)) = largest_crosstalk(report)
         && share > CROSSTALK_SHARE
     {

@@ -154,11 +154,11 @@ pub struct DecodeReport {
     /// Share of the crossings whose core is clipped in some channel.
     pub saturated: f64,
     /// How far red and blue were seen beside green. `None` where too few slits stand side by side to tell.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub channel_shift: Option<ChannelShift>,
     /// Whether the stripes' edges alternated from scanline to scanline, as a demosaiced photograph's do, and were averaged over
     /// three.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[serde(default)]
     pub demosaiced: bool,
     /// How much better than chance the colours follow the pattern, nats per crossing. Below about a third of the
     /// maximum ln(hues) + 1 the pattern is another one.

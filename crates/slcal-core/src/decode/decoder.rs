@@ -22,7 +22,7 @@ use super::tracks::Tracks;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::matches::Match;
 use crate::pattern::{Axis, StripePattern, unique_window};
-use crate::photo::Encoding;
+use crate::photo::{Encoding, PhotoView};
 use crate::solve::median_f32;
 
 /// Number of bands of scanlines; each can be searched by its own thread.
@@ -156,7 +156,18 @@ impl Decoder {
         // The direction that looks most like stripes comes first, the other one when the first does not show this
         // pattern.
         let tables = std::mem::take(&mut self.tables);
-        let result = self.decode_either_way(input, &tables);
+        let mut result = self.decode_either_way(input, &tables);
+        if let Err(Error::NotFound { what: ErrorSubject::PatternCode | ErrorSubject::PatternHues, .. }) =
+            result
+            && let Some(exchanged) = exchanged(input)
+            && self.decode_either_way(&exchanged, &tables).is_ok()
+        {
+            result = Err(Error::NotFound {
+                what: ErrorSubject::PatternHues,
+                seen: "stripes whose code fits with red and blue exchanged".into(),
+                advice: "give the photograph as RGB: programs that use OpenCV write BGR; or project the pattern with its colours in their order".into(),
+            });
+        }
         self.tables = tables;
         result?;
         Ok(&self.out)
@@ -400,6 +411,13 @@ fn each_band(bands: &mut [Band], parallel: bool, search: impl Fn((usize, &mut Ba
     #[cfg(not(feature = "rayon"))]
     let _ = parallel;
     bands.iter_mut().enumerate().for_each(search);
+}
+
+/// The frames with red taken for blue and blue for red.
+fn exchanged<'a>(input: &DecodeInput<'a>) -> Option<DecodeInput<'a>> {
+    let exchange = |frame: Option<PhotoView<'a>>| frame.map(|f| f.with_red_and_blue_exchanged().unwrap_or(f));
+    let photo = input.photo.with_red_and_blue_exchanged()?;
+    Some(DecodeInput { photo, black: exchange(input.black), white: exchange(input.white) })
 }
 
 fn no_stripes() -> Error {

@@ -64,6 +64,17 @@ impl SlitLayout {
         self.per_gap.get(label + side).copied().unwrap_or(0.5 / self.half_px)
     }
 
+    /// Weights of five centres of neighbouring slits: the middle one minus the cubic through the others.
+    pub(super) fn misfit_weights(&self, label: usize) -> [f32; 5] {
+        let gap = |slit: usize| self.gap_px(slit, 1);
+        let (before, after) = (gap(label.saturating_sub(1)), gap(label));
+        let at = [-before - gap(label.saturating_sub(2)), -before, after, after + gap(label + 1)];
+        let one = |i: usize| {
+            polynomial_at_zero::<4>(&std::array::from_fn(|k| (at[k], f32::from(u8::from(k == i))))).0
+        };
+        [-one(0), -one(1), 1.0, -one(2), -one(3)]
+    }
+
     /// The weights of the edges of the stripe before, of a stripe's own edges together, and of the stripe after in the cubic.
     pub(super) fn weights_of_stripes(&self, label: usize) -> [f32; 3] {
         self.cubics.get(label).map_or([0.0, 1.0, 0.0], |Cubic { weights: [l, r, b, a], .. }| [*b, l + r, *a])

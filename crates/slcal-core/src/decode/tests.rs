@@ -1,5 +1,6 @@
 //! Decoding of rendered photographs whose ground truth is a homography.
 
+mod channels;
 mod color_classes;
 mod patterns;
 mod scanlines;

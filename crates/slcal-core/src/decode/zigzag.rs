@@ -16,8 +16,6 @@ use crate::solve::median_f32;
 
 /// Every so many scanlines are used: an odd number, for both parities.
 const STEP: usize = 3;
-/// Weights of five centres in the misfit of the middle one.
-const CUBIC: [f32; 5] = [1.0 / 6.0, -4.0 / 6.0, 1.0, -4.0 / 6.0, 1.0 / 6.0];
 /// The darkest of five stripes has this share of the light of the brightest tenth: dim ones are more noise than displacement.
 const MIN_LIGHT: f32 = 0.25;
 /// Distances of neighbours change by at most this share from one to the next, displacements included, and over five slits.
@@ -189,12 +187,13 @@ fn sample(at: Located<'_>, i: usize, y: usize, least_light: f32) -> Option<Sampl
     // Image px per projector px, and per slit.
     let per_slit = 0.25 * (u[4] - u[0]);
     let scale = (u[3] - u[1]) / (at.layout.gap_px(label, 0) + at.layout.gap_px(label, 1));
-    let misfit: f32 = CUBIC.iter().zip(u).map(|(w, u)| w * u).sum::<f32>() / scale;
+    let cubic = at.layout.misfit_weights(label);
+    let misfit: f32 = cubic.iter().zip(u).map(|(w, u)| w * u).sum::<f32>() / scale;
     let mut factors = [0.0; MAX_UNKNOWNS];
     let slope = at.tracks.slope(i);
     // Each centre is made of the edges of its own stripe and of its neighbours'.
     let [before, own, after] = at.layout.weights_of_stripes(label);
-    for (k, weight) in CUBIC.iter().enumerate() {
+    for (k, weight) in cubic.iter().enumerate() {
         for (side, share) in [(0, before), (1, own), (2, after)] {
             let slit = label + k + side - 3;
             let hue = usize::from(at.slits[slit]);

@@ -108,6 +108,18 @@ impl<'a> PhotoView<'a> {
         Ok(Self { samples, width, height, row_stride, layout })
     }
 
+    /// The same samples, with red taken for blue and blue for red; `None` without colour.
+    pub(crate) fn with_red_and_blue_exchanged(&self) -> Option<Self> {
+        let layout = match self.layout {
+            Layout::Grey | Layout::GreyAlpha => return None,
+            Layout::Rgb => Layout::Bgr,
+            Layout::Bgr => Layout::Rgb,
+            Layout::Rgba => Layout::Bgra,
+            Layout::Bgra => Layout::Rgba,
+        };
+        Some(Self { layout, ..*self })
+    }
+
     /// Width, px.
     #[must_use]
     pub fn width(&self) -> usize {

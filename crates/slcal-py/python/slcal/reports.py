@@ -219,6 +219,18 @@ class Dropped(Report):
 
 
 @dataclass(frozen=True)
+class ChannelShift(Report):
+    """Displacement of red and blue light against green along the pattern's axis, projector px."""
+
+    red_px: float
+    blue_px: float
+    #: 1σ of red and blue.
+    sigma_px: tuple[float, ...]
+    #: Whether it was removed: it came from a calibration, or is beyond 3σ.
+    used: bool
+
+
+@dataclass(frozen=True)
 class DecodeReport(Report):
     """Counts and measurements of decoding a photograph of stripes."""
 
@@ -245,6 +257,10 @@ class DecodeReport(Report):
     hue_spread_rad: float
     #: Share of the crossings that are saturated in some channel.
     saturated: float
+    #: How far red and blue were seen beside green; ``None`` where too few slits stand side by side to tell.
+    channel_shift: ChannelShift | None
+    #: Whether edges alternated from scanline to scanline, as a demosaiced photograph's do, and were averaged over three.
+    demosaiced: bool
     #: Log-likelihood ratio of the pattern against chance, nats per crossing.
     code_fit: float
     #: Whether slit numbers ascend against the image's axis.
