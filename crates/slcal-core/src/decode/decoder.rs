@@ -18,6 +18,7 @@ use super::slit_layout::SlitLayout;
 use super::stripe_centers::{self, StripeCenter};
 use super::stripe_edges::{self, Scratch, StripeColor, StripeEdges};
 use super::stripe_scale::{ScaleScratch, StripeScale, measure_scale};
+use super::touching_stripes::{stripes_touch, touching};
 use super::tracks::Tracks;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::matches::Match;
@@ -167,6 +168,13 @@ impl Decoder {
                 seen: "stripes whose code fits with red and blue exchanged".into(),
                 advice: "give the photograph as RGB: programs that use OpenCV write BGR; or project the pattern with its colours in their order".into(),
             });
+        }
+        if let Err(Error::NotFound { .. }) = result {
+            let either = [ScanDirection::Rows, ScanDirection::Columns];
+            let touch = either
+                .iter()
+                .any(|scan| stripes_touch(&ScanlineReader::new(input, &tables, *scan), &self.noise));
+            result = if touch { Err(touching()) } else { result };
         }
         self.tables = tables;
         result?;

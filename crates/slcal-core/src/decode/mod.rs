@@ -36,6 +36,7 @@ mod stripe_edges;
 mod stripe_scale;
 #[cfg(test)]
 mod tests;
+mod touching_stripes;
 mod tracks;
 mod unlit_noise;
 mod zigzag;

@@ -70,7 +70,7 @@ pub(super) fn check(frames: &DecodeInput<'_>) -> Result<()> {
     if !frames.photo.layout().has_color() {
         return Err(Error::invalid(
             ErrorSubject::StripedPhotograph,
-            "a colour photograph: the stripes are told apart by their hues",
+            "a colour photograph: the stripes are told apart by their hues, which a camera without colour does not see",
             "a greyscale one",
         ));
     }

@@ -186,3 +186,15 @@ fn a_single_row_or_column_of_pixels_is_refused() {
         assert!(refused.to_string().contains("1 line of pixels"), "{refused}");
     }
 }
+
+#[test]
+fn stripes_that_touch_are_named() {
+    // Each stripe begins where the one before ends; no two neighbours are alike.
+    const HUES: [[u8; 3]; 6] =
+        [[255, 0, 0], [0, 255, 0], [255, 255, 0], [0, 0, 255], [255, 0, 255], [0, 255, 255]];
+    let hue = |stripe: u32| HUES[(stripe * 7 + stripe / 6) as usize % 6];
+    let drawn = RgbImage::from_fn(1024, 768, |x, _| image::Rgb(hue(x / 8)));
+    let photo = crate::pattern::warp_image(&drawn, [1060, 160], &slanted().into(), [0; 3]).unwrap();
+    let error = decode_image(photo, &pattern(Axis::Columns)).unwrap_err().to_string();
+    assert!(error.contains("touch") && error.contains("black between"), "{error}");
+}
