@@ -5,7 +5,7 @@ import { Problem } from "./session.js";
 import { refusal, sendPhotograph, sendPicture } from "./upload.js";
 
 export function createDrop(app) {
-  const files = el("input", { type: "file", accept: "image/*,.tif,.tiff", multiple: true, class: "out-of-sight", tabindex: "-1",
+  const files = el("input", { type: "file", accept: "image/*,.tif,.tiff,.webp,.bmp", multiple: true, class: "out-of-sight", tabindex: "-1",
     "data-action": "files", "aria-label": "Photographs" });
   const picture = el("input", { type: "file", accept: "image/*", class: "out-of-sight", tabindex: "-1",
     "data-action": "picture-file", "aria-label": "Picture to project" });

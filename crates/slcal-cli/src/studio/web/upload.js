@@ -22,7 +22,7 @@ export function refusal(file) {
     return new Problem({
       code: "no-picture",
       message: `“${file.name}” is no picture (${file.type}).`,
-      advice: "Choose a photograph: JPEG, PNG or TIFF.",
+      advice: "Choose a photograph: JPEG, PNG, TIFF, WebP or BMP.",
     });
   }
   return null;
