@@ -322,7 +322,7 @@ def load_pattern(file: _File) -> CheckerPattern | StripePattern:
     FormatError
         When it does not follow its schema; the message names the field.
     """
-def read_image(file: _Path | IO[bytes]) -> _Image:
+def read_image(file: _Path | IO[bytes], *, as_stored: bool = False) -> _Image:
     """Reads a photograph: PNG, JPEG or TIFF, 8 or 16 bit, turned upright as its EXIF orientation asks.
 
     Parameters
