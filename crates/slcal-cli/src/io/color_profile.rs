@@ -26,7 +26,7 @@ impl ColorProfile {
         if bytes.get(36..40) != Some(b"acsp") {
             return None;
         }
-        let tag = |name: &[u8; 4]| tag(bytes, name);
+        let tag = |name: &[u8; 4]| tag(bytes, *name);
         let curves = |names: &[&[u8; 4]]| names.iter().map(|name| curve(tag(name)?)).collect();
         let curves = match bytes.get(16..20)? {
             b"RGB " => curves(&[b"rTRC", b"gTRC", b"bTRC"]),
@@ -51,11 +51,11 @@ fn fixed_at(bytes: &[u8], at: usize) -> Option<f64> {
 }
 
 /// The content of a tag.
-fn tag<'a>(bytes: &'a [u8], name: &[u8; 4]) -> Option<&'a [u8]> {
+fn tag<'a>(bytes: &'a [u8], name: [u8; 4]) -> Option<&'a [u8]> {
     let (_, table) = bytes.get(HEADER..)?.split_at_checked(4)?;
     let (entries, _) = table.as_chunks::<12>();
     let count = u32_at(bytes, HEADER)?.min(MOST_TAGS);
-    let entry = entries.iter().take(count).find(|entry| entry.starts_with(name))?;
+    let entry = entries.iter().take(count).find(|entry| entry.starts_with(&name))?;
     let (at, length) = (u32_at(entry, 4)?, u32_at(entry, 8)?);
     bytes.get(at..at.checked_add(length)?)
 }
