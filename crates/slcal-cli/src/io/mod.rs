@@ -5,6 +5,7 @@ mod color_profile;
 pub(crate) mod exchange;
 mod exif;
 mod folder;
+mod named_inks;
 mod photo;
 mod photo_kind;
 mod raw;

@@ -9,6 +9,7 @@ use slcal_core::PhotoTags;
 use slcal_core::format::recognise;
 
 use super::exif::read_tags;
+use super::named_inks::{are_inks_named, decode_named_inks};
 use super::photo_kind::{FORMATS, Foreign, format_of, what_it_is};
 use super::read::read_bytes;
 use super::sample_coding::{Coding, coding};
@@ -164,7 +165,11 @@ pub(crate) fn decode_photo_as(bytes: &[u8], name: &str, samples: Samples) -> Out
         // The decoder fills missing data with grey.
         return Err(broken(name, format, &"the data ends before the picture does"));
     }
-    let photo = DynamicImage::from_decoder(decoder).map_err(|e| undecoded(&e))?;
+    let photo = if format == ImageFormat::Jpeg && are_inks_named(bytes) {
+        decode_named_inks(bytes).map_err(|why| broken(name, format, &why))?
+    } else {
+        DynamicImage::from_decoder(decoder).map_err(|e| undecoded(&e))?
+    };
     let mut decoded = Decoded { photo, orientation, converted: None, notes: Vec::new() };
     decoded.notes.extend(transparency(&decoded.photo, name)?);
     match says {
@@ -291,7 +296,7 @@ mod tests {
     #[test]
     fn jpeg_files_of_inks_show_what_was_printed() {
         let source = image::load_from_memory(&kind("source.png")).unwrap();
-        for name in ["cmyk.jpg", "ycck.jpg"] {
+        for name in ["cmyk.jpg", "ycck.jpg", "ycck_named_cmyk.jpg"] {
             let seen = decode_photo(&kind(name), name).unwrap();
             assert!(farthest(&seen.photo, &source) <= 4, "{name}");
         }
@@ -440,7 +445,7 @@ mod tests {
     fn files() -> Vec<(ImageFormat, Vec<u8>)> {
         use ImageFormat::{Bmp, Jpeg, Png, Tiff, WebP};
         let mut files = [Png, Jpeg, Tiff, WebP, Bmp].map(|f| (f, encoded(&picture(), f))).to_vec();
-        files.extend(["cmyk.jpg", "ycck.jpg"].map(|name| (Jpeg, kind(name))));
+        files.extend(["cmyk.jpg", "ycck.jpg", "ycck_named_cmyk.jpg"].map(|name| (Jpeg, kind(name))));
         // A grey BMP with a palette, as industrial cameras write it.
         files.push((Bmp, encoded(&picture().to_luma8().into(), Bmp)));
         files
