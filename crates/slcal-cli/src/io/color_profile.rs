@@ -51,7 +51,7 @@ fn fixed_at(bytes: &[u8], at: usize) -> Option<f64> {
 }
 
 /// The content of a tag.
-fn tag<'a>(bytes: &'a [u8], name: [u8; 4]) -> Option<&'a [u8]> {
+fn tag(bytes: &[u8], name: [u8; 4]) -> Option<&[u8]> {
     let (_, table) = bytes.get(HEADER..)?.split_at_checked(4)?;
     let (entries, _) = table.as_chunks::<12>();
     let count = u32_at(bytes, HEADER)?.min(MOST_TAGS);
@@ -118,10 +118,10 @@ pub(super) mod tests {
     use super::*;
 
     /// A profile with these tags.
-    pub(crate) fn profile(space: &[u8; 4], tags: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
+    pub(crate) fn profile(space: [u8; 4], tags: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
         let mut bytes = vec![0; HEADER];
         bytes[12..16].copy_from_slice(b"mntr");
-        bytes[16..20].copy_from_slice(space);
+        bytes[16..20].copy_from_slice(&space);
         bytes[20..24].copy_from_slice(b"XYZ ");
         bytes[36..40].copy_from_slice(b"acsp");
         bytes.extend((tags.len() as u32).to_be_bytes());
@@ -132,7 +132,9 @@ pub(super) mod tests {
             bytes.extend((content.len() as u32).to_be_bytes());
             at += content.len();
         }
-        tags.iter().for_each(|(_, content)| bytes.extend(content));
+        for (_, content) in tags {
+            bytes.extend(content);
+        }
         let length = bytes.len() as u32;
         bytes[..4].copy_from_slice(&length.to_be_bytes());
         bytes
@@ -158,7 +160,7 @@ pub(super) mod tests {
     pub(crate) fn rgb(name: &str, curve: &[u8]) -> Vec<u8> {
         let curves = [b"rTRC", b"gTRC", b"bTRC"].map(|channel| (channel, curve.to_vec()));
         let tags: Vec<_> = [(b"desc", named(name))].into_iter().chain(curves).collect();
-        profile(b"RGB ", &tags)
+        profile(*b"RGB ", &tags)
     }
 
     /// The curve of sRGB as profiles of version 4 have it.
@@ -184,7 +186,7 @@ pub(super) mod tests {
         desc.extend(name);
         let mut tags = vec![(b"desc", desc)];
         tags.extend([b"rTRC", b"gTRC", b"bTRC"].map(|channel| (channel, srgb_curve())));
-        let p3 = ColorProfile::read(&profile(b"RGB ", &tags)).unwrap();
+        let p3 = ColorProfile::read(&profile(*b"RGB ", &tags)).unwrap();
         assert_eq!(p3.name.as_deref(), Some("Display P3"));
         assert!(p3.curves.unwrap().iter().all(Curve::is_srgb));
     }
@@ -193,12 +195,12 @@ pub(super) mod tests {
     fn tables_grey_and_inks() {
         let table: Vec<u8> = [0_u16, 16384, 65535].into_iter().flat_map(u16::to_be_bytes).collect();
         let curv = [b"curv\0\0\0\0\0\0\0\x03".as_slice(), &table].concat();
-        let grey = ColorProfile::read(&profile(b"GRAY", &[(b"kTRC", curv)])).unwrap();
+        let grey = ColorProfile::read(&profile(*b"GRAY", &[(b"kTRC", curv)])).unwrap();
         let curves = grey.curves.unwrap();
         assert!(grey.name.is_none() && (curves[0].light(0.25) - 0.125).abs() < 1e-4);
         let linear = ColorProfile::read(&rgb("linear", b"curv\0\0\0\0\0\0\0\0")).unwrap();
         assert_eq!(linear.curves.unwrap()[1], Curve::Linear);
-        let inks = ColorProfile::read(&profile(b"CMYK", &[(b"desc", named("SWOP"))])).unwrap();
+        let inks = ColorProfile::read(&profile(*b"CMYK", &[(b"desc", named("SWOP"))])).unwrap();
         assert!(inks.curves.is_none() && inks.name.is_some());
     }
 

@@ -275,9 +275,9 @@ mod tests {
     }
 
     /// A PNG with a chunk behind its header.
-    fn with_chunk(png: &[u8], name: &[u8; 4], content: &[u8]) -> Vec<u8> {
+    fn with_chunk(png: &[u8], name: [u8; 4], content: &[u8]) -> Vec<u8> {
         let mut chunk = (content.len() as u32).to_be_bytes().to_vec();
-        chunk.extend_from_slice(name);
+        chunk.extend_from_slice(&name);
         chunk.extend_from_slice(content);
         let checked = chunk[4..].iter().fold(!0_u32, |crc, &byte| {
             (0..8)
@@ -318,7 +318,7 @@ mod tests {
     fn what_a_png_says_of_its_samples_is_followed_unless_it_is_overruled() {
         let stored = picture().to_rgb16();
         let png = encoded(&stored.clone().into(), ImageFormat::Png);
-        let linear = with_chunk(&png, b"gAMA", &100_000_u32.to_be_bytes());
+        let linear = with_chunk(&png, *b"gAMA", &100_000_u32.to_be_bytes());
         let seen = decode_photo(&linear, "x.png").unwrap();
         let told = seen.converted.unwrap();
         assert!(told.contains("gAMA") && told.contains("linear") && told.contains("sRGB"), "{told}");
@@ -331,15 +331,15 @@ mod tests {
         let seen = decode_photo_as(&linear, "x.png", Samples::AsStored).unwrap();
         assert!(seen.converted.is_none() && seen.photo.to_rgb16() == stored);
         // sRGB before gAMA, and a gAMA that is nearly sRGB.
-        let srgb = with_chunk(&linear, b"sRGB", &[0]);
-        let usual = with_chunk(&png, b"gAMA", &45_455_u32.to_be_bytes());
+        let srgb = with_chunk(&linear, *b"sRGB", &[0]);
+        let usual = with_chunk(&png, *b"gAMA", &45_455_u32.to_be_bytes());
         for bytes in [srgb, usual] {
             let seen = decode_photo(&bytes, "x.png").unwrap();
             assert!(seen.converted.is_none() && seen.photo.to_rgb16() == stored);
         }
-        let bt709 = decode_photo(&with_chunk(&linear, b"cICP", &[1, 1, 0, 1]), "x.png").unwrap();
+        let bt709 = decode_photo(&with_chunk(&linear, *b"cICP", &[1, 1, 0, 1]), "x.png").unwrap();
         assert!(bt709.converted.unwrap().contains("BT.709"));
-        let pq = decode_photo(&with_chunk(&linear, b"cICP", &[9, 16, 0, 1]), "x.png").unwrap_err();
+        let pq = decode_photo(&with_chunk(&linear, *b"cICP", &[9, 16, 0, 1]), "x.png").unwrap_err();
         assert!(pq.code() == 3 && pq.to_string().contains("PQ"), "{pq}");
     }
 
@@ -415,7 +415,7 @@ mod tests {
                     .concat();
             let mut bytes = png[..33].to_vec();
             for (name, content) in all.iter().rev() {
-                bytes = with_chunk(&bytes, name, content);
+                bytes = with_chunk(&bytes, **name, content);
             }
             [&bytes[..8], &bytes[33..]].concat()
         };

@@ -141,7 +141,9 @@ mod tests {
     use super::super::color_profile::tests::{exponent, rgb, srgb_curve};
     use super::*;
 
-    fn png(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
+    type Chunk<'a> = (&'a [u8; 4], &'a [u8]);
+
+    fn png(chunks: &[Chunk]) -> Vec<u8> {
         let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
         for (name, content) in chunks {
             bytes.extend((content.len() as u32).to_be_bytes());
@@ -162,9 +164,8 @@ mod tests {
 
     #[test]
     fn the_first_of_cicp_profile_srgb_and_gama_counts() {
-        let linear: (&[u8; 4], &[u8]) = (b"gAMA", &100_000_u32.to_be_bytes());
-        let (srgb, bt709): ((&[u8; 4], &[u8]), (&[u8; 4], &[u8])) =
-            ((b"sRGB", &[0]), (b"cICP", &[1, 1, 0, 1]));
+        let linear: Chunk = (b"gAMA", &100_000_u32.to_be_bytes());
+        let (srgb, bt709): (Chunk, Chunk) = ((b"sRGB", &[0]), (b"cICP", &[1, 1, 0, 1]));
         let adobe = rgb("Adobe RGB (1998)", &exponent(2.2));
         let wide = rgb("ProPhoto RGB", &exponent(1.8));
         let found = |chunks: &[_], profile| coding(Some(&png(chunks)), profile);
