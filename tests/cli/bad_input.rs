@@ -60,7 +60,7 @@ fn a_truncated_photograph() {
 fn a_text_file_called_png() {
     let bench = with_pattern();
     bench.put("photo.png", "this is no picture");
-    bench.run(CALIBRATE).fails(3, &["photo.png", "PNG, JPEG or TIFF", "text file"]);
+    bench.run(CALIBRATE).fails(3, &["photo.png", "PNG, JPEG, TIFF, WebP or BMP", "text file"]);
     bench.put("photo.png", "");
     bench.run(CALIBRATE).fails(3, &["photo.png", "empty"]);
 }

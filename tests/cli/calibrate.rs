@@ -211,7 +211,7 @@ fn a_folder_and_wildcards_stand_for_their_photographs() {
     }
     bench.run(&LINE.replace("photo.png", "none*.jpg")).fails(3, &["none*.jpg", "found none"]);
     std::fs::create_dir(bench.path("empty")).unwrap();
-    bench.run(&LINE.replace("photo.png", "empty")).fails(3, &["empty", "PNG, JPEG or TIFF"]);
+    bench.run(&LINE.replace("photo.png", "empty")).fails(3, &["empty", "PNG, JPEG, TIFF, WebP or BMP"]);
 }
 
 #[test]

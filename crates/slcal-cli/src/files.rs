@@ -11,12 +11,47 @@ pub use crate::io::exchange::{ExportPlaces, export_places, import_paths, storage
 use crate::io;
 use crate::report::{Photo, RigPage, ShownCloud, rig_html};
 
-/// The photograph in the bytes of a file (PNG, JPEG or TIFF), turned upright by its EXIF orientation.
+/// A photograph from its file.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct DecodedPhoto {
+    /// Upright, with samples as sRGB codes them unless they were asked for as they are stored.
+    pub photo: DynamicImage,
+    /// How samples were converted, if they were.
+    pub converted: Option<String>,
+}
+
+/// The photograph in the bytes of a file (PNG, JPEG, TIFF, WebP or BMP), turned upright by its EXIF orientation. Samples that the
+/// file says to be coded otherwise than sRGB are converted unless they are wanted `as_stored`.
 ///
 /// # Errors
 /// A message that begins with `name` when the bytes are not such a picture, or are truncated.
-pub fn decode_photo(bytes: &[u8], name: &str) -> std::result::Result<DynamicImage, String> {
-    io::decode_photo(bytes, name).map(|(photo, _)| photo).map_err(|failure| failure.to_string())
+pub fn decode_photo(bytes: &[u8], name: &str, as_stored: bool) -> std::result::Result<DecodedPhoto, String> {
+    let samples = if as_stored { io::Samples::AsStored } else { io::Samples::AsFileSays };
+    let io::Decoded { photo, converted, .. } =
+        io::decode_photo_as(bytes, name, samples).map_err(|failure| failure.to_string())?;
+    Ok(DecodedPhoto { photo, converted })
+}
+
+/// A format of photographs that takes a library of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ForeignPhoto {
+    /// HEIF with HEVC inside, as telephones write it.
+    Heic,
+    /// HEIF with AV1 inside.
+    Avif,
+}
+
+impl ForeignPhoto {
+    /// The format of a file by its bytes, if it is one of these.
+    #[must_use]
+    pub fn of(bytes: &[u8]) -> Option<Self> {
+        match io::Foreign::of(bytes, "")? {
+            io::Foreign::Heic => Some(Self::Heic),
+            io::Foreign::Avif => Some(Self::Avif),
+            io::Foreign::Raw => None,
+        }
+    }
 }
 
 /// The EXIF tags in the bytes of a photograph's file; `None` where there are none that can be read.

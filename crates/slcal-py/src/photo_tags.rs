@@ -211,7 +211,7 @@ impl PhotoTags {
 /// Parameters
 /// ----------
 /// file : path or binary file object
-///     The photograph: JPEG, PNG or TIFF.
+///     The photograph: JPEG, PNG, TIFF, WebP or HEIC.
 ///
 /// Returns
 /// -------

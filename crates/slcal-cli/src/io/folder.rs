@@ -4,11 +4,9 @@ use std::cmp::Ordering;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::photo_kind::{EXTENSIONS, Foreign, has_extension};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::name::is_dash;
-
-/// Extensions of the photographs in a folder; other files are ignored.
-const EXTENSIONS: [&str; 5] = ["png", "jpg", "jpeg", "tif", "tiff"];
 
 /// Expands paths: a folder to its photographs, a name with `*` or `?` to the matching files.
 pub(crate) fn photographs(paths: &[PathBuf]) -> Outcome<Vec<PathBuf>> {
@@ -18,10 +16,9 @@ pub(crate) fn photographs(paths: &[PathBuf]) -> Outcome<Vec<PathBuf>> {
         if is_dash(path) {
             files.push(path.clone());
         } else if path.is_dir() {
-            let is_photo = |name: &Path| {
-                EXTENSIONS.iter().any(|e| name.extension().is_some_and(|x| x.eq_ignore_ascii_case(e)))
-            };
-            files.extend(of_folder(path, is_photo, "a folder with photographs (PNG, JPEG or TIFF)", path)?);
+            let is_photo = |name: &Path| has_extension(name, &EXTENSIONS);
+            let expected = "a folder with photographs (PNG, JPEG, TIFF, WebP or BMP)";
+            files.extend(of_folder(path, is_photo, expected, path)?);
         } else if name.contains(['*', '?']) && !path.exists() {
             let folder = path.parent().unwrap_or(Path::new(""));
             let matching = |file: &Path| matches(&name, &file.to_string_lossy());
@@ -45,14 +42,20 @@ fn of_folder(
     };
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let entries = fs::read_dir(here).map_err(|e| refused(&format!("a folder that cannot be read ({e})")))?;
-    let names = entries.filter_map(|e| Some(PathBuf::from(e.ok()?.file_name())));
+    let names: Vec<_> = entries.filter_map(|e| Some(PathBuf::from(e.ok()?.file_name()))).collect();
     let mut files: Vec<PathBuf> = names
+        .iter()
         .filter(|name| wanted(name))
         .map(|name| folder.join(name))
         .filter(|file| file.is_file())
         .collect();
     if files.is_empty() {
-        return Err(refused("none"));
+        return Err(match names.iter().find(|name| Foreign::is_named_so(name)) {
+            Some(name) => {
+                refused(&format!("none, but {}; convert such files to JPEG or PNG first", name.display()))
+            }
+            None => refused("none"),
+        });
     }
     files.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
     Ok(files)

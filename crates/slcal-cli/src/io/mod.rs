@@ -1,13 +1,19 @@
 //! All files: photographs and texts in, complete files out.
 
 mod cloud;
+mod color_profile;
 pub(crate) mod exchange;
 mod exif;
 mod folder;
+mod named_inks;
 mod photo;
+mod photo_kind;
 mod raw;
 mod read;
+mod sample_coding;
 mod text;
+mod tiff_tag;
+mod transfer_curve;
 mod write;
 
 pub(crate) use crate::name::{input_name, is_dash};
@@ -15,7 +21,12 @@ pub(crate) use cloud::{cloud_format_of, cloud_is_complete};
 pub(crate) use exchange::{export_places, import_paths, storage_of};
 pub(crate) use exif::read_tags;
 pub(crate) use folder::photographs;
-pub(crate) use photo::{decode_photo, load_photo, load_tagged_photo, read_photo};
+pub(crate) use photo::{
+    Decoded, Samples, decode_photo, decode_photo_as, load_photo, load_tagged_photo, read_photo,
+};
+pub(crate) use photo_kind::Foreign;
+#[cfg(feature = "studio")]
+pub(crate) use photo_kind::extension_of;
 pub(crate) use raw::{RawFormat, RawFrame};
 pub(crate) use read::{check_one_stdin, read_bytes};
 pub(crate) use text::{

@@ -5,7 +5,6 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use image::ImageFormat;
 use serde::{Deserialize, Serialize};
 
 use super::state::{CameraKind, Step};
@@ -199,7 +198,7 @@ impl Project {
 
     /// The photographs of a kind, in the order of their numbers.
     pub(super) fn photos(&self, purpose: Purpose) -> Vec<StoredPhoto> {
-        const EXTENSIONS: [&str; 3] = ["jpg", "png", "tif"];
+        const EXTENSIONS: [&str; 5] = ["jpg", "png", "tif", "webp", "bmp"];
         let names = fs::read_dir(&self.folder).into_iter().flatten().flatten();
         let mut all: Vec<StoredPhoto> = names
             .filter_map(|entry| {
@@ -222,16 +221,6 @@ impl Project {
 /// The file of a scan's cloud.
 pub(super) fn cloud_name(id: u32, extension: &str) -> String {
     format!("{}-{id:03}.{extension}", Purpose::Scan.stem())
-}
-
-/// The extension of a picture's file by its content; `None` for what is no picture that can be read.
-pub(super) fn extension_of(bytes: &[u8]) -> Option<&'static str> {
-    match image::guess_format(bytes).ok()? {
-        ImageFormat::Jpeg => Some("jpg"),
-        ImageFormat::Png => Some("png"),
-        ImageFormat::Tiff => Some("tif"),
-        _ => None,
-    }
 }
 
 #[cfg(test)]
@@ -265,13 +254,5 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join(SETTINGS), b"{\"schema\":\"other/1\"}").unwrap();
         assert_eq!(Project::open(folder.path()).unwrap_err().code(), 3);
-    }
-
-    #[test]
-    fn only_pictures_have_an_extension() {
-        assert_eq!(extension_of(b"\xFF\xD8\xFF\xE0\0\x10JFIF"), Some("jpg"));
-        assert_eq!(extension_of(b"\x89PNG\r\n\x1a\n"), Some("png"));
-        assert_eq!(extension_of(b"GIF89a"), None);
-        assert_eq!(extension_of(b"hello"), None);
     }
 }

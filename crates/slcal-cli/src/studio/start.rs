@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::browser;
 use super::job::Done;
 use super::machine::{Machine, Options};
-use super::project::{Project, Purpose, Settings, extension_of};
+use super::project::{Project, Purpose, Settings};
 use super::queue::{Next, Queue};
 use super::server::access::Access;
 use super::server::hub::Hub;
@@ -24,7 +24,7 @@ use super::watch_folder::WatchFolder;
 use super::worker::{Pictures, Worker};
 use crate::args::StudioArgs;
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::{decode_photo, end_normally_on_interrupt, input_name, read_bytes};
+use crate::io::{Foreign, decode_photo, end_normally_on_interrupt, extension_of, input_name, read_bytes};
 use crate::output::{Printer, print_json, print_result, sanitized};
 
 /// The usual port, and how many after it are tried.
@@ -211,10 +211,15 @@ fn start_watching(mut watched: WatchFolder, project: Arc<Project>, hub: Arc<Hub>
 
 fn take(path: &Path, purpose: Purpose, project: &Project, hub: &Hub) -> Outcome {
     let bytes = read_bytes(path, "a photograph")?;
+    let name = input_name(path);
+    let extension = extension_of(&bytes);
     // Cameras write other files beside their photographs.
-    let Some(extension) = extension_of(&bytes) else { return Ok(()) };
+    if extension.is_none() && Foreign::of(&bytes, "").is_none_or(|kind| kind == Foreign::Raw) {
+        return Ok(());
+    }
     // By its own name: raw files look like TIFF.
-    decode_photo(&bytes, &input_name(path))?;
+    decode_photo(&bytes, &name)?;
+    let Some(extension) = extension else { return Ok(()) };
     let photo = project.keep(purpose, &bytes, extension)?;
     hub.kept(purpose, photo);
     Ok(())

@@ -127,7 +127,7 @@ impl Worker {
     /// Looks at a live frame.
     pub(super) fn look(&mut self, frame: &LiveFrame) -> Option<Done> {
         let picture = match (&frame.bytes, frame.scene) {
-            (Some(bytes), _) => decode_photo(bytes, "live frame").ok()?.0.into_rgb8(),
+            (Some(bytes), _) => decode_photo(bytes, "live frame").ok()?.photo.into_rgb8(),
             (None, Some(scene)) => {
                 let painted = self.pictures.painted();
                 // A cloud needs the size that was calibrated.
@@ -243,7 +243,7 @@ impl Worker {
             .project
             .read(name)
             .map_err(|e| Failure::input(&self.project.path(name), format!("cannot be read: {e}")))?;
-        Ok((decode_photo(&bytes, name)?.0, bytes))
+        Ok((decode_photo(&bytes, name)?.photo, bytes))
     }
 
     /// There is no calibration any more.
@@ -373,7 +373,7 @@ impl Worker {
 
     fn rectify(&mut self, name: String, bytes: &[u8]) -> Outcome<Done> {
         let rig = self.rig.clone().ok_or_else(not_calibrated)?;
-        let picture = decode_photo(bytes, &name)?.0.into_rgb8();
+        let picture = decode_photo(bytes, &name)?.photo.into_rgb8();
         // Onto the sheet where it was photographed last.
         let (drawn, _) = rectify_picture(&rig, rig.views.len().saturating_sub(1), &picture)?;
         let file = format!("picture-source.{}", extension_of(bytes).unwrap_or("png"));
@@ -416,7 +416,7 @@ pub(super) fn report(project: &Project, rig: &Rig, command: Option<String>) -> V
         .and_then(|bytes| slcal_core::format::read_observations(bytes.as_slice()).ok());
     let photos = rig.views.iter().map(|view| {
         let name = view.photo.as_deref()?;
-        let picture = decode_photo(&project.read(name).ok()?, name).ok()?.0;
+        let picture = decode_photo(&project.read(name).ok()?, name).ok()?.photo;
         Photo::new(&picture, rig.views.len()).ok()
     });
     let page = RigPage {

@@ -26,7 +26,7 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     let pattern = load_stripes(&args.input.pattern)?;
     let busy = printer.busy(format!("decoding {}", input_name(&args.image)));
     let frames = References::load(&args.input, printer)?;
-    let photo = load_photo(&args.image, printer)?;
+    let photo = load_photo(&args.image, args.input.gamma.samples(), printer)?;
     let decoding =
         decode(frames.input(&args.image, &photo)?, &pattern, &frames.config).in_file(&args.image)?;
 
@@ -60,9 +60,9 @@ impl References {
             if is_dash(path) {
                 return Err(Failure::usage("only the striped photograph can come from stdin (-)"));
             }
-            Ok((path.clone(), load_photo(path, printer)?))
+            Ok((path.clone(), load_photo(path, input.gamma.samples(), printer)?))
         };
-        let config = DecodeConfig { encoding: input.gamma.gamma, ..DecodeConfig::default() };
+        let config = DecodeConfig { encoding: input.gamma.encoding(), ..DecodeConfig::default() };
         config.validate()?;
         Ok(Self {
             black: input.black.as_ref().map(load).transpose()?,

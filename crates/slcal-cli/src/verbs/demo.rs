@@ -66,11 +66,12 @@ pub(super) fn run(args: &DemoArgs, printer: Printer) -> Outcome {
     let checker = CheckerPattern::new(PANEL, &CheckerConfig::default())?;
     let stripes = StripePattern::new(PANEL, &StripeConfig::default())?;
     let busy = printer.busy("calibrating from the photograph of the sheet");
-    let sheet_photo = decode_photo(SHEET, "sheet.jpg")?.0;
+    let sheet_photo = decode_photo(SHEET, "sheet.jpg")?.photo;
     let (detection, calibration) = calibrate(&sheet_photo, &checker)?;
     let rig = &calibration.rig;
     busy.say("reconstructing a board and a head from one photograph each");
-    let (board_photo, head_photo) = (decode_photo(BOARD, "board.jpg")?.0, decode_photo(HEAD, "head.jpg")?.0);
+    let (board_photo, head_photo) =
+        (decode_photo(BOARD, "board.jpg")?.photo, decode_photo(HEAD, "head.jpg")?.photo);
     let board = cloud(rig, &stripes, &board_photo)?;
     let head = cloud(rig, &stripes, &head_photo)?;
     let flatness = fit_plane(&board.cloud, &FitConfig::default())?.report;

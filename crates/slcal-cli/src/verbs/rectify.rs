@@ -8,7 +8,7 @@ use slcal_core::{rectify_checker_picture, rectify_picture};
 use crate::args::RectifyArgs;
 use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_panel, check_spares, load_checker, load_photo, load_rig, png_bytes, write_all,
+    Destination, Samples, check_panel, check_spares, load_checker, load_photo, load_rig, png_bytes, write_all,
 };
 use crate::output::{Printer, TextLayout};
 use crate::summary::unsigned;
@@ -26,7 +26,7 @@ pub(super) fn run(args: &RectifyArgs, printer: Printer) -> Outcome {
             rectify_checker_picture(&rig, 0, &pattern).in_file(&args.rig)?
         }
         (None, Some(path)) => {
-            let picture = load_photo(path, printer)?.to_rgb8();
+            let picture = load_photo(path, Samples::AsFileSays, printer)?.to_rgb8();
             rectify_picture(&rig, 0, &picture).in_file(&args.rig)?
         }
         (None, None) => return Err(Failure::usage("expected --pattern or --image")),

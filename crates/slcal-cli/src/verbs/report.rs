@@ -34,7 +34,7 @@ pub(super) fn run(args: &ReportArgs, typed: &CommandLine, printer: Printer) -> O
     };
     let cloud = args.cloud.as_deref().map(load_cloud).transpose()?;
     let count = photos.len();
-    let gamma = args.gamma.gamma;
+    let gamma = args.gamma.encoding();
     // Frees the photograph, which may be large.
     let shown =
         |photo: Option<Photo>| photo.map(|p| Shown::new(&for_display(p.picture, gamma), count)).transpose();
@@ -82,7 +82,7 @@ fn photos(args: &ReportArgs, rig: &Rig, printer: Printer) -> Outcome<Vec<Option<
             photos.push(None);
             continue;
         };
-        let loaded = load_photo(&path, printer)
+        let loaded = load_photo(&path, args.gamma.samples(), printer)
             .and_then(|picture| check_image_size(&path, &picture, &args.rig, rig).map(|()| picture));
         match loaded {
             Ok(picture) => {
@@ -139,7 +139,7 @@ fn seen(
             "some photographs (--photo) and the measurements (--observations) are missing".to_owned()
         ));
     }
-    let detect = DetectConfig { encoding: args.gamma.gamma, ..DetectConfig::default() };
+    let detect = DetectConfig { encoding: args.gamma.encoding(), ..DetectConfig::default() };
     let mut views = Vec::new();
     for (photo, view) in photos.iter().flatten().zip(&rig.views) {
         let seen = PhotoView::try_from(&photo.picture).in_file(&photo.path)?;

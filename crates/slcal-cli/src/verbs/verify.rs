@@ -25,7 +25,7 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     let config = VerifyPhotoConfig {
         size: args.size,
         as_drawn: args.as_drawn,
-        encoding: args.gamma.gamma,
+        encoding: args.gamma.encoding(),
         corners: args.corners,
         significance: args.significance,
     };
@@ -36,7 +36,7 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     check_size(args, &rig)?;
     let verifier = PhotoVerifier::new(&rig, &pattern, &config).in_file(&args.rig)?;
     let busy = printer.busy(format!("finding the sheet in {}", input_name(&args.photo)));
-    let photo = load_photo(&args.photo, printer)?;
+    let photo = load_photo(&args.photo, args.gamma.samples(), printer)?;
     check_image_size(&args.photo, &photo, &args.rig, &rig)?;
     let view = PhotoView::try_from(&photo).in_file(&args.photo)?;
     let VerifiedPhoto { detection: found, verification: result, .. } =

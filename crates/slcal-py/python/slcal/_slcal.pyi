@@ -322,13 +322,19 @@ def load_pattern(file: _File) -> CheckerPattern | StripePattern:
     FormatError
         When it does not follow its schema; the message names the field.
     """
-def read_image(file: _Path | IO[bytes]) -> _Image:
-    """Reads a photograph: PNG, JPEG or TIFF, 8 or 16 bit, turned upright as its EXIF orientation asks.
+def read_image(file: _Path | IO[bytes], *, as_stored: bool = False) -> _Image:
+    """Reads a photograph: PNG, JPEG, TIFF, WebP or BMP, 8 or 16 bit, turned upright as its EXIF orientation asks.
+
+    HEIC and AVIF are read, too, where pillow-heif is installed: ``pip install slcal[heif]``.
 
     Parameters
     ----------
     file : path or binary file object
         The photograph.
+    as_stored : bool, default False
+        Take the samples as they are in the file, for `gamma` of what follows. By default samples that the file says to be
+        coded otherwise than sRGB (gAMA or cICP of a PNG, the curve of a colour profile) are converted to sRGB with 16
+        bit, with a UserWarning.
 
     Returns
     -------
@@ -349,7 +355,7 @@ def read_tags(file: _Path | IO[bytes]) -> PhotoTags | None:
     Parameters
     ----------
     file : path or binary file object
-        The photograph: JPEG, PNG or TIFF.
+        The photograph: JPEG, PNG, TIFF, WebP or HEIC.
 
     Returns
     -------

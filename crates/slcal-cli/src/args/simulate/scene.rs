@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use nalgebra::Point2;
+use slcal_core::photo::Encoding;
 
 use super::rig::RigArgs;
 use super::values::{Distortion, PoseArg, numbers, parse_distortion, parse_pose};
 use crate::args::headings::{INPUT, OUTPUT, SETTINGS};
-use crate::args::photo::GammaArg;
-use crate::args::value::{parse_length, parse_point};
+use crate::args::value::{parse_encoding, parse_length, parse_point};
 
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {
@@ -124,8 +124,10 @@ pub(crate) struct LightArgs {
     /// Seed of the noise: the same seed gives the same output.
     #[arg(long, value_name = "N", default_value_t = 1, allow_hyphen_values = true)]
     pub(crate) seed: u64,
-    #[command(flatten)]
-    pub(crate) gamma: GammaArg,
+    /// Encoding of the photograph: srgb, linear, or an exponent from 0.1 to 10.
+    #[arg(long, value_name = "srgb|linear|N", value_parser = parse_encoding, default_value_t,
+          allow_hyphen_values = true)]
+    pub(crate) gamma: Encoding,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

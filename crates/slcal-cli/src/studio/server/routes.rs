@@ -22,8 +22,8 @@ use super::hub::Hub;
 use super::session::{Answer, Asked, role};
 use super::{pages, socket};
 use crate::cloud_view::packed;
-use crate::io::{decode_photo, jpeg_bytes};
-use crate::studio::project::{Purpose, cloud_name, extension_of};
+use crate::io::{Foreign, decode_photo, extension_of, jpeg_bytes};
+use crate::studio::project::{Purpose, cloud_name};
 use crate::studio::words::command;
 use crate::studio::worker;
 
@@ -202,7 +202,7 @@ async fn stored_picture(hub: Arc<Hub>, purpose: Purpose, name: &str, width: Opti
     let encoded = decoding(&hub, move || {
         let photo = project.photos(purpose).into_iter().find(|p| p.id == id).ok_or_else(missing)?;
         let file = project.read(&photo.name).map_err(|_| missing())?;
-        let picture = decode_photo(&file, &photo.name).map_err(|_| missing())?.0;
+        let picture = decode_photo(&file, &photo.name).map_err(|_| missing())?.photo;
         shown_jpeg(&smaller(picture, longest))
     });
     Ok(bytes("image/jpeg", encoded.await?))
@@ -293,7 +293,7 @@ async fn upload(
     operates(&hub, &asked)?;
     let purpose = hub.purpose(asked.shot).map_err(|problem| Refusal::of(&problem))?;
     let sent = body(request, MOST_BYTES).await?;
-    let extension = extension_of(&sent).ok_or_else(not_a_picture)?;
+    let extension = extension_of(&sent).ok_or_else(|| not_a_picture("a photograph", &sent))?;
     let name = asked.name.unwrap_or_default();
     let photo = decoding(&hub, {
         let hub = hub.clone();
@@ -323,12 +323,17 @@ fn operates(hub: &Hub, asked: &Asked) -> Result<(), Refusal> {
     asked.page.map_or(Ok(()), |page| hub.check_operates(page)).map_err(|problem| Refusal::of(&problem))
 }
 
-fn not_a_picture() -> Refusal {
+/// `what` was expected to be there: a photograph, or a picture to project.
+fn not_a_picture(what: &str, sent: &[u8]) -> Refusal {
+    let foreign = Foreign::of(sent, "");
     Refusal::new(
         StatusCode::UNSUPPORTED_MEDIA_TYPE,
         "not-a-picture",
-        "expected a photograph (JPEG, PNG or TIFF), found something else",
-        "send the photograph as the camera wrote it; convert HEIC and raw files first",
+        format!(
+            "expected {what} (JPEG, PNG, TIFF, WebP or BMP), found {}",
+            foreign.map_or("something else", Foreign::found)
+        ),
+        foreign.map_or("send it as the camera or program wrote it", Foreign::advice),
     )
 }
 
@@ -363,7 +368,7 @@ async fn painted(
         image::ImageReader::with_format(Cursor::new(&sent[..]), image::ImageFormat::Png)
             .decode()
             .map(|p| p.to_rgb8())
-            .map_err(|_| not_a_picture())
+            .map_err(|_| not_a_picture("a photograph", &sent))
     })
     .await?;
     if panel != Some([picture.width(), picture.height()]) {
@@ -388,14 +393,7 @@ async fn picture(
     role(&hub, &headers, &asked, &[Role::Operator])?;
     operates(&hub, &asked)?;
     let sent = body(request, MOST_BYTES).await?;
-    let extension = extension_of(&sent).ok_or_else(|| {
-        Refusal::new(
-            StatusCode::UNSUPPORTED_MEDIA_TYPE,
-            "not-a-picture",
-            "expected a picture to project (JPEG, PNG or TIFF), found something else",
-            "save it as PNG or JPEG",
-        )
-    })?;
+    let extension = extension_of(&sent).ok_or_else(|| not_a_picture("a picture to project", &sent))?;
     let name = shown_name(asked.name.as_deref().unwrap_or_default(), extension);
     hub.project_picture(name, sent.to_vec().into()).map_err(|problem| Refusal::of(&problem))?;
     Ok(json_answer(&json!({})))

@@ -7,7 +7,7 @@ import { refusal, sendPhotograph, sendPicture } from "./upload.js";
 export function createDrop(app) {
   // Opened by buttons that say what they are for: by themselves they are neither seen, nor reached, nor read out.
   const unseen = { type: "file", class: "out-of-sight", tabindex: "-1", "aria-hidden": "true" };
-  const files = el("input", { ...unseen, accept: "image/*,.tif,.tiff", multiple: true, "data-action": "files" });
+  const files = el("input", { ...unseen, accept: "image/*,.tif,.tiff,.webp,.bmp", multiple: true, "data-action": "files" });
   const picture = el("input", { ...unseen, accept: "image/*", "data-action": "picture-file" });
   const veil = el("div", { class: "veil", hidden: true, "data-state": "drop" }, el("p"));
 

@@ -10,12 +10,12 @@ const KINDS = {
   photograph: {
     tooLarge: "Save it as JPEG or PNG, at full size. A folder given by --watch takes larger files.",
     empty: "Copy it from the camera again.",
-    other: "Choose a photograph: JPEG, PNG or TIFF.",
+    other: "Choose a photograph: JPEG, PNG, TIFF, WebP or BMP.",
   },
   picture: {
     tooLarge: "Save it smaller: the projector has only a few million pixels.",
     empty: "Choose another picture, or save this one again.",
-    other: "Choose a picture to project: JPEG, PNG or TIFF.",
+    other: "Choose a picture to project: JPEG, PNG, TIFF, WebP or BMP.",
   },
 };
 

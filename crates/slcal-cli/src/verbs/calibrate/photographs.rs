@@ -26,7 +26,7 @@ pub(super) fn observe_all(
     printer: Printer,
 ) -> Outcome<Calibrator> {
     let mut calibrator =
-        Calibrator::new(sheet_size(args)?).with_encoding(args.gamma.gamma).with_config(config);
+        Calibrator::new(sheet_size(args)?).with_encoding(args.gamma.encoding()).with_config(config);
     if let Some(path) = &args.pattern {
         calibrator = calibrator.with_pattern(&load_checker(path)?);
     }
@@ -35,7 +35,7 @@ pub(super) fn observe_all(
     for (i, path) in args.photos.iter().enumerate() {
         let name = input_name(path);
         busy.say(format!("finding the sheet in {name}"));
-        let (photo, tags) = load_tagged_photo(path, printer)?;
+        let (photo, tags) = load_tagged_photo(path, args.gamma.samples(), printer)?;
         let size = [photo.width(), photo.height()];
         if let Some((file, known)) = known.filter(|_| i == 0) {
             // Checked before any detection.
@@ -49,7 +49,7 @@ pub(super) fn observe_all(
         if let Ok(tags) = tags {
             shot = shot.tags(tags);
         }
-        let plain = args.plain.get(i).map(|s| load_photo(s, printer)).transpose()?;
+        let plain = args.plain.get(i).map(|s| load_photo(s, args.gamma.samples(), printer)).transpose()?;
         if let Some((plain, file)) = plain.as_ref().zip(args.plain.get(i)) {
             shot = shot.plain(PhotoView::try_from(plain).in_file(file)?);
         }
@@ -64,7 +64,7 @@ pub(super) fn observe_all(
         });
         if let Some(gallery) = gallery.as_deref_mut() {
             let partly = if found.is_err() { partly(i, &photo, args) } else { Partly::default() };
-            gallery.add(path, for_display(photo, args.gamma.gamma), found.as_deref(), partly);
+            gallery.add(path, for_display(photo, args.gamma.encoding()), found.as_deref(), partly);
         }
         for note in &found?.notes {
             printer.note(format!("{name}: {note}"));
@@ -121,7 +121,7 @@ fn partly(i: usize, photo: &DynamicImage, args: &CalibrateArgs) -> Partly {
         return Partly::Given(*corners);
     }
     let alone = || {
-        let detect = DetectConfig { encoding: args.gamma.gamma, ..DetectConfig::default() };
+        let detect = DetectConfig { encoding: args.gamma.encoding(), ..DetectConfig::default() };
         observe(PhotoView::try_from(photo).ok()?, None, args.size?.upright(), None, &detect).ok()
     };
     alone().map_or(Partly::Nothing, |found| Partly::Sheet(found.observation))

@@ -181,7 +181,9 @@ impl Job<'_> {
         let place = frame.place.as_ref().map_err(Failure::clone)?;
         let Some(output) = &place.output else { return Ok(FrameResult::Resumed { resumed: true }) };
         let name = PathBuf::from(frame.name());
-        let photo = if frame.raw.is_none() { Some(read_photo(&frame.image, remarks)?) } else { None };
+        let samples = self.args.input.gamma.samples();
+        let photo =
+            if frame.raw.is_none() { Some(read_photo(&frame.image, samples, remarks)?) } else { None };
         let input = match (&frame.raw, &photo) {
             (Some(raw), _) => self.scene.around(raw.view().in_file(&name)?)?,
             (None, Some(photo)) => self.scene.input(&name, photo)?,

@@ -72,7 +72,7 @@ fn render_config(light: &LightArgs) -> RenderConfig {
         blur_px,
         noise_levels,
         seed: light.seed,
-        encoding: light.gamma.gamma,
+        encoding: light.gamma,
         bits,
         ..RenderConfig::default()
     }

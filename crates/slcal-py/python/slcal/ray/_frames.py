@@ -20,7 +20,7 @@ Path: TypeAlias = str | os.PathLike[str]
 StorageOptions: TypeAlias = Mapping[str, Mapping[str, Any]]
 
 #: What photographs' names end in where a whole folder is given.
-ENDINGS = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
+ENDINGS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp")
 
 
 class Frame(NamedTuple):
@@ -50,7 +50,7 @@ def find_photos(place: Path, *, storage_options: StorageOptions | None = None) -
     Parameters
     ----------
     place : path or URI
-        A folder (its PNG, JPEG and TIFF files are taken, not those of folders in it), a pattern such as
+        A folder (its PNG, JPEG, TIFF, WebP and BMP files are taken, not those of folders in it), a pattern such as
         ``"s3://bucket/scan/**/*.png"``, or one photograph.
     storage_options : mapping, optional
         Options of the file systems by protocol, e.g. ``{"s3": {"endpoint_url": ...}}``.

@@ -8,7 +8,6 @@ import json
 import os
 import platform
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -57,7 +56,7 @@ class Photo(NamedTuple):
         fs, path = open_location(self.path, options)
         return str(fs.ukey(path))
 
-    def image(self, options: StorageOptions) -> NDArray[Any]:
+    def image(self, options: StorageOptions, *, as_stored: bool = False) -> NDArray[Any]:
         """The pixels, by the reader of the command line: upright, 8 or 16 bit."""
         if isinstance(self.content, np.ndarray):
             return self.content
@@ -67,7 +66,7 @@ class Photo(NamedTuple):
             content = fs.cat_file(path)
         file = io.BytesIO(content)
         file.name = self.path
-        return read_image(file)
+        return read_image(file, as_stored=as_stored)
 
 
 def work(batch: Any, task: Task) -> pa.Table:
@@ -118,8 +117,11 @@ class _FrameWork:
         try:
             self.check_attempts(source)
             self.task.store.remove(self.output)
-            reconstructor, frames = _kept(self.task)
-            cloud = reconstructor.reconstruct(self.photo.image(self.task.options), **frames)
+            job, reconstructor = _kept(self.task)
+            # A gamma that was asked for is that of the samples in the file.
+            as_stored = job.options.get("gamma", "srgb") != "srgb"
+            image = self.photo.image(self.task.options, as_stored=as_stored)
+            cloud = reconstructor.reconstruct(image, **job.frames)
             self.write(cloud, identity, started)
         finally:
             self.task.ledger.end.remote(self.row.frame)
@@ -183,13 +185,13 @@ class _FrameWork:
 
 
 #: What a worker process keeps from frame to frame: the run that it is of, and its buffers.
-_keeping: tuple[str, Reconstructor, Mapping[str, NDArray[Any]]] | None = None
+_keeping: tuple[str, Job, Reconstructor] | None = None
 
 
-def _kept(task: Task) -> tuple[Reconstructor, Mapping[str, NDArray[Any]]]:
-    """The reconstructor of this process, and the dark and the white frame that it takes."""
+def _kept(task: Task) -> tuple[Job, Reconstructor]:
+    """The job, and the reconstructor of this process."""
     global _keeping
     if _keeping is None or _keeping[0] != task.run:
         job: Job = ray.get(task.job)
-        _keeping = task.run, job.reconstructor(), job.frames
+        _keeping = task.run, job, job.reconstructor()
     return _keeping[1:]
