@@ -50,21 +50,18 @@ pub(crate) struct DeviceArgs {
 }
 
 impl DeviceArgs {
-    /// `render` with these effects.
-    pub(crate) fn on(&self, render: RenderConfig) -> RenderConfig {
-        RenderConfig {
-            projector_gamma: self.projector_gamma,
-            projector_falloff: self.projector_falloff,
-            channel_shift_px: self.channel_shift.0,
-            lateral_colour: self.lateral_colour.0,
-            vignetting: self.vignetting,
-            flicker: self.flicker,
-            demosaic: self.demosaic,
-            tone: self.tone,
-            sharpen: self.sharpen,
-            jpeg_quality: self.jpeg,
-            ..render
-        }
+    /// Switches these effects on.
+    pub(crate) fn apply(&self, render: &mut RenderConfig) {
+        render.projector_gamma = self.projector_gamma;
+        render.projector_falloff = self.projector_falloff;
+        render.channel_shift_px = self.channel_shift.0;
+        render.lateral_colour = self.lateral_colour.0;
+        render.vignetting = self.vignetting;
+        render.flicker = self.flicker;
+        render.demosaic = self.demosaic;
+        render.tone = self.tone;
+        render.sharpen = self.sharpen;
+        render.jpeg_quality = self.jpeg;
     }
 }
 

@@ -79,7 +79,8 @@ fn render_config(light: &LightArgs) -> RenderConfig {
 }
 
 fn setup(args: &SceneArgs) -> Outcome<SceneSetup> {
-    let render = args.devices.on(render_config(&args.light));
+    let mut render = render_config(&args.light);
+    args.devices.apply(&mut render);
     render.validate()?;
     let place = &args.place;
     let surface = surface(args)?;

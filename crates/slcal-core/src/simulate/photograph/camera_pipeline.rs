@@ -25,7 +25,9 @@ pub(super) fn develop(light: &mut [[f64; 3]], width: usize, config: &RenderConfi
         let filled = demosaic.fill(&mosaic, width);
         light.iter_mut().zip(filled).for_each(|(l, f)| *l = f.map(|f| config.encoding.from_linear(f)));
     } else {
-        light.iter_mut().for_each(|l| *l = l.map(&mut sample));
+        for l in light.iter_mut() {
+            *l = l.map(&mut sample);
+        }
     }
     if config.tone > 0.0 {
         light.as_flattened_mut().iter_mut().for_each(|v| *v = curved(*v, config.tone));

@@ -57,9 +57,9 @@ fn seen(rig: &Rig, surface: &Surface, panel: Point2<f64>) -> Point2<f64> {
     rig.camera.model.project(&point).unwrap()
 }
 
-fn photograph(render: RenderConfig) -> (Rig, Surface, CheckerPattern, DynamicImage) {
+fn photograph(render: &RenderConfig) -> (Rig, Surface, CheckerPattern, DynamicImage) {
     let (rig, surface, checker) = set_up();
-    let photographer = Photographer::new(&rig, std::slice::from_ref(&surface), &render).unwrap();
+    let photographer = Photographer::new(&rig, std::slice::from_ref(&surface), render).unwrap();
     let photo = photographer.photograph(ProjectedImage::Picture(&checker.image().unwrap()), 0).unwrap();
     (rig, surface, checker, photo)
 }
@@ -86,7 +86,7 @@ fn sharp() -> RenderConfig {
 #[test]
 fn light_of_shifted_panels_falls_where_green_light_of_the_sum_falls() {
     let [red, blue] = [[1.3, -0.7], [-0.9, 1.6]];
-    let shot = photograph(RenderConfig { channel_shift_px: [red, blue], ..sharp() });
+    let shot = photograph(&RenderConfig { channel_shift_px: [red, blue], ..sharp() });
     for (channel, shift) in [(RED, red), (GREEN, [0.0; 2]), (BLUE, blue)] {
         let (mean, rms) = errors(&shot, channel, |rig, wall, q| seen(rig, wall, q + Vector2::from(shift)));
         assert!(mean < 0.005 && rms < 0.015, "channel {channel}: mean {mean:.4}, rms {rms:.4} px");
@@ -99,7 +99,7 @@ fn light_of_shifted_panels_falls_where_green_light_of_the_sum_falls() {
 #[test]
 fn lateral_colour_scales_about_the_principal_point() {
     let [red, blue] = [0.003, -0.002];
-    let shot = photograph(RenderConfig { lateral_colour: [red, blue], ..sharp() });
+    let shot = photograph(&RenderConfig { lateral_colour: [red, blue], ..sharp() });
     let centre = shot.0.camera.model.intrinsics.principal_point();
     for (channel, radial) in [(RED, red), (GREEN, 0.0), (BLUE, blue)] {
         let scaled = |rig: &Rig, wall: &Surface, q| centre + (seen(rig, wall, q) - centre) * (1.0 + radial);
@@ -111,9 +111,9 @@ fn lateral_colour_scales_about_the_principal_point() {
 }
 
 /// The red channel under `config`, and the green one of another rig under `plain`, must be the same picture.
-fn red_is_green_of(config: RenderConfig, change: impl FnOnce(&mut Rig)) {
+fn red_is_green_of(config: &RenderConfig, change: impl FnOnce(&mut Rig)) {
     let (rig, surface, checker) = set_up();
-    let config = RenderConfig { reference_mm: Some(1000.0), ..config };
+    let config = RenderConfig { reference_mm: Some(1000.0), ..config.clone() };
     let plain = RenderConfig { channel_shift_px: [[0.0; 2]; 2], lateral_colour: [0.0; 2], ..config.clone() };
     let mut other = rig.clone();
     change(&mut other);
@@ -131,7 +131,7 @@ fn red_is_green_of(config: RenderConfig, change: impl FnOnce(&mut Rig)) {
 fn a_shifted_panel_is_a_projector_with_another_principal_point() {
     let shift = [1.3, -0.7];
     let config = RenderConfig { channel_shift_px: [shift, [0.0; 2]], blur_px: 0.0, ..sharp() };
-    red_is_green_of(config, |rig| {
+    red_is_green_of(&config, |rig| {
         let k = &mut rig.projector.as_mut().unwrap().device.model.intrinsics;
         [k.cx, k.cy] = [k.cx - shift[0], k.cy - shift[1]];
     });
@@ -140,7 +140,7 @@ fn a_shifted_panel_is_a_projector_with_another_principal_point() {
 #[test]
 fn lateral_colour_is_a_camera_with_another_focal_length() {
     let config = RenderConfig { lateral_colour: [0.003, 0.0], blur_px: 0.0, ..sharp() };
-    red_is_green_of(config, |rig| {
+    red_is_green_of(&config, |rig| {
         let k = &mut rig.camera.model.intrinsics;
         [k.fx, k.fy] = [k.fx * 1.003, k.fy * 1.003];
     });
