@@ -304,6 +304,32 @@ fn the_same_scene_gives_the_same_bytes_and_another_seed_another_noise() {
 }
 
 #[test]
+fn real_devices_change_the_photographs_and_no_truth() {
+    let bench = bench();
+    let effects = "--channel-shift 0.3,-0.18,-0.24,0.3 --lateral-colour 0.0003,-0.0002 --vignetting 0.2 --flicker 0.1,170 \
+                   --demosaic malvar --tone 0.25 --sharpen 0.6,1 --projector-gamma 2.2 --projector-falloff 0.15 --jpeg 88";
+    let made = |folder: &str, options: &str| {
+        let line = format!("simulate scene {SMALL} --surface sphere {options} --out {folder} --json");
+        serde_json::from_slice::<Value>(&bench.run(&line).ok().stdout).unwrap()
+    };
+    let (ideal, real) = (made("ideal", ""), made("real", effects));
+    assert_eq!(real["files"].as_array().unwrap()[..3], ["photo.jpg", "white.jpg", "black.jpg"]);
+    assert_eq!(real["render"]["sharpen"], serde_json::json!({"amount": 0.6, "radius_px": 1.0}));
+    assert_eq!(
+        (&real["render"]["demosaic"], &real["render"]["jpeg_quality"]),
+        (&"malvar".into(), &88.into())
+    );
+    assert_eq!(ideal["render"].get("demosaic"), None);
+    for name in ["rig.json", "truth_matches.csv", "truth_column.pfm", "truth_depth.pfm"] {
+        let bytes = |folder: &str| std::fs::read(bench.path(folder).join(name)).unwrap();
+        assert_eq!(bytes("ideal"), bytes("real"), "{name}");
+    }
+    let photo = std::fs::read(bench.path("real").join("photo.jpg")).unwrap();
+    assert_eq!(photo[..3], [0xFF, 0xD8, 0xFF]);
+    let _ = bench.run("decode --pattern real/pattern.json real/photo.jpg -o matches.csv").ok();
+}
+
+#[test]
 fn nothing_of_a_scene_is_replaced_or_guessed() {
     let bench = bench();
     bench.put("vast.obj", "v 0 0 0\nv 1e200 0 0\nv 0 1e200 0\nf 1 2 3\n");
@@ -324,6 +350,21 @@ fn nothing_of_a_scene_is_replaced_or_guessed() {
         ("--bits 12", 2, vec!["8 or 16"]),
         ("--pattern here/pattern.json --projector 800x600", 2, vec!["--projector 1024x768"]),
         ("--exact --noise 2", 2, vec!["--exact"]),
+        ("--exact --jpeg 90", 2, vec!["--exact", "--jpeg"]),
+        ("--bits 16 --jpeg 90", 2, vec!["bits", "8 with JPEG"]),
+        ("--jpeg 0", 2, vec!["JPEG quality", "1 to 100"]),
+        ("--jpeg 101", 2, vec!["JPEG quality", "1 to 100"]),
+        ("--channel-shift 1,1", 2, vec!["--channel-shift", "four finite numbers"]),
+        ("--channel-shift 0,0,0,99", 2, vec!["channel shift", "-20 to 20 px"]),
+        ("--lateral-colour 0.5,0", 2, vec!["lateral colour"]),
+        ("--demosaic nearest", 2, vec!["malvar", "bilinear"]),
+        ("--sharpen 0.5,-1", 2, vec!["radius of sharpening"]),
+        ("--sharpen nan,1", 2, vec!["--sharpen", "finite"]),
+        ("--tone 1.5", 2, vec!["tone", "0 to 1"]),
+        ("--vignetting nan", 2, vec!["vignetting", "0 to 1"]),
+        ("--flicker 0.5,0", 2, vec!["period of flicker"]),
+        ("--projector-gamma 0", 2, vec!["the projector's gamma"]),
+        ("--projector-falloff 2", 2, vec!["the projector's falloff"]),
         ("--distance nan", 2, vec!["distance"]),
         ("--crosstalk -0.5", 2, vec!["crosstalk", "zero or more"]),
         ("--surface sphere --radius 1e9", 2, vec!["radius", "1000.0 mm"]),

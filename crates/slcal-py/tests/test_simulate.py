@@ -116,6 +116,35 @@ def test_bent_sheets_and_real_lenses() -> None:
     assert simulate.noise([0.1], draws=2, bend="3mm", **lens).config["rig"]["bend"] == "3mm,0,curl"
 
 
+def test_real_projectors_and_cameras() -> None:
+    options = {
+        "projector_gamma": 2.0,
+        "projector_falloff": 0.2,
+        "channel_shift": (0.5, -0.3, -0.4, 0.5),
+        "lateral_colour": (6e-4, -5e-4),
+        "vignetting": 0.3,
+        "flicker": (0.1, 170),
+        "demosaic": "malvar",
+        "tone": 0.35,
+        "sharpen": (0.6, 1.0),
+        "jpeg": 88,
+    }
+    plain = simulate.scene(**SMALL)
+    real = simulate.scene(**SMALL, **options)
+    assert real.report.render["channel_shift_px"] == [[0.5, -0.3], [-0.4, 0.5]]
+    assert real.report.render["sharpen"] == {"amount": 0.6, "radius_px": 1.0}
+    assert real.report.render["demosaic"] == "malvar"
+    assert real.report.render["jpeg_quality"] == 88
+    assert "demosaic" not in plain.report.render
+    np.testing.assert_array_equal(real.column, plain.column)  # the geometry of green is the rig's
+    assert real.photo.dtype == np.uint8
+    assert (real.photo != plain.photo).mean() > 0.5
+    np.testing.assert_array_equal(real.photo, simulate.scene(**SMALL, **options).photo)
+    corner = simulate.scene("plane", vignetting=0.5, exact=True, gamma="linear", **SMALL)
+    bright = simulate.scene("plane", exact=True, gamma="linear", **SMALL)
+    assert corner.black[0, 0, 1] / bright.black[0, 0, 1] == pytest.approx(0.5, abs=0.01)
+
+
 def test_meshes(tmp_path: Path) -> None:
     square = slcal.PointCloud(
         [[-100, -80, 900], [100, -80, 900], [100, 80, 900], [-100, 80, 900]], triangles=[[0, 2, 1], [0, 3, 2]]
@@ -165,6 +194,19 @@ def test_meshes(tmp_path: Path) -> None:
         ({"albedo": 2}, slcal.Error, "albedo"),
         ({"gamma": "rec709"}, slcal.Error, "gamma"),
         ({"distortion": [3, 0]}, slcal.Error, "distortion"),
+        ({"channel_shift": (0.5, 0.5)}, slcal.Error, "channel_shift"),
+        ({"channel_shift": (0, 0, 0, 100)}, slcal.Error, "channel shift"),
+        ({"lateral_colour": (np.nan, 0)}, slcal.Error, "finite"),
+        ({"projector_gamma": 0}, slcal.Error, "gamma"),
+        ({"projector_falloff": 2}, slcal.Error, "falloff"),
+        ({"vignetting": -1}, slcal.Error, "vignetting"),
+        ({"flicker": (0.5, 0)}, slcal.Error, "period"),
+        ({"demosaic": "nearest"}, slcal.Error, "malvar, bilinear"),
+        ({"tone": 2}, slcal.Error, "tone"),
+        ({"sharpen": (1, -1)}, slcal.Error, "radius"),
+        ({"jpeg": 0}, slcal.Error, "1 to 100"),
+        ({"jpeg": 101}, slcal.Error, "1 to 100"),
+        ({"jpeg": 90, "exact": True}, slcal.Error, "8 with JPEG"),
         ({"rig": 3}, TypeError, "Rig"),
         ({"pattern": slcal.StripePattern((640, 480))}, slcal.Error, "640x480"),
     ],

@@ -68,6 +68,16 @@ def scene(
     bits: Literal[8, 16] | None = None,
     seed: int = 1,
     gamma: Literal["srgb", "linear"] | float = "srgb",
+    projector_gamma: float | None = None,
+    projector_falloff: float = 0.0,
+    channel_shift: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
+    lateral_colour: tuple[float, float] = (0.0, 0.0),
+    vignetting: float = 0.0,
+    flicker: tuple[float, float] | None = None,
+    demosaic: Literal["malvar", "bilinear"] | None = None,
+    tone: float = 0.0,
+    sharpen: tuple[float, float] | None = None,
+    jpeg: int | None = None,
 ) -> Scene:
     """Simulates photographs of a surface under the projector's light, with the ground truth of every pixel.
 
@@ -151,6 +161,32 @@ def scene(
         Seed of the noise: the same seed gives the same photographs.
     gamma : {"srgb", "linear"} or float
         The transfer curve of the photographs.
+    projector_gamma : float, optional
+        Light of the projector is value ** projector_gamma; by default it follows sRGB's curve.
+    projector_falloff, vignetting : float
+        Share of the light that is lost in the corners of the projector's panel and of the camera's image. It falls with the
+        square of the distance from the middle.
+    channel_shift : (float, float, float, float)
+        Columns and rows by which the red and the blue panel of the projector lie beside the green one (rx, ry, bx, by), panel
+        px: red light of panel position p falls where green light of p + (rx, ry) falls. The true rig, matches and maps
+        are those of green.
+    lateral_colour : (float, float)
+        Lateral colour of the camera's lens for red and blue: what green shows at u, red shows at c + (u - c) * (1 + r), with c
+        the principal point.
+    flicker : (float, float), optional
+        Amount A and period P of mains flicker under a rolling shutter: row y gets 1 - A/2 + A/2 * sin(2 * pi * y / P) of its
+        light.
+    demosaic : {"malvar", "bilinear"}, optional
+        A sensor with a Bayer mosaic (RGGB), and how the camera fills it in. `noise` is then that of the sensor's samples. By
+        default each pixel has three samples.
+    tone : float
+        Strength S of an S-shaped tone curve, 0 to 1: an encoded value v becomes v + S * (3 * v**2 - 2 * v**3 - v).
+    sharpen : (float, float), optional
+        Amount and radius of sharpening: the amount times what a Gaussian whose σ is the radius, px, takes away from the luma of
+        the encoded image is added to all channels.
+    jpeg : int, optional
+        The photographs are what is read from JPEG files of this quality, 1 to 100, with colour at half the resolution (4:2:0);
+        8 bit only.
 
     Returns
     -------

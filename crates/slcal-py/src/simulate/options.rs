@@ -8,7 +8,7 @@ use slcal_core::format::{read_obj, read_ply};
 use slcal_core::pattern::Pattern;
 use slcal_core::photo::Encoding;
 use slcal_core::simulate::{
-    PatternKind, PoseConfig, RenderConfig, RigConfig, SurfaceKind, TriangleMesh, WallKind,
+    Flicker, PatternKind, PoseConfig, RenderConfig, RigConfig, Sharpen, SurfaceKind, TriangleMesh, WallKind,
 };
 
 use crate::cloud::PointCloud;
@@ -142,7 +142,33 @@ pub(super) fn render_config(options: &Options<'_, '_>) -> PyResult<RenderConfig>
     options.number("exposure", &mut render.exposure)?;
     options.whole("seed", &mut render.seed)?;
     render.encoding = option::parsed_or(options.get("gamma")?.as_ref(), "gamma", Encoding::default())?;
+    real_devices(options, &mut render)?;
     Ok(render)
+}
+
+/// What real projectors and cameras do to light and values.
+fn real_devices(options: &Options<'_, '_>, render: &mut RenderConfig) -> PyResult<()> {
+    render.projector_gamma =
+        options.get("projector_gamma")?.map(|g| number(&g, "projector_gamma")).transpose()?;
+    options.number("projector_falloff", &mut render.projector_falloff)?;
+    if let Some(shift) = options.get("channel_shift")? {
+        let [rx, ry, bx, by] = vector_of(&shift, "channel_shift")?;
+        render.channel_shift_px = [[rx, ry], [bx, by]];
+    }
+    options.set("lateral_colour", &mut render.lateral_colour, |v| vector_of(v, "lateral_colour"))?;
+    options.number("vignetting", &mut render.vignetting)?;
+    if let Some(flicker) = options.get("flicker")? {
+        let [amount, period_px] = vector_of(&flicker, "flicker")?;
+        render.flicker = Some(Flicker { amount, period_px });
+    }
+    render.demosaic = options.get("demosaic")?.map(|d| parsed(&d, "demosaic")).transpose()?;
+    options.number("tone", &mut render.tone)?;
+    if let Some(sharpen) = options.get("sharpen")? {
+        let [amount, radius_px] = vector_of(&sharpen, "sharpen")?;
+        render.sharpen = Some(Sharpen { amount, radius_px });
+    }
+    render.jpeg_quality = options.get("jpeg")?.map(|q| whole(&q, "jpeg")).transpose()?;
+    Ok(())
 }
 
 /// A share for neighbouring channels, or all of the matrix.

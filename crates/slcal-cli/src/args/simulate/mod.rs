@@ -1,5 +1,6 @@
 //! `slcal simulate`.
 
+mod devices;
 mod noise;
 mod rig;
 mod scene;

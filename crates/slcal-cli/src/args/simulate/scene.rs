@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use nalgebra::Point2;
 use slcal_core::photo::Encoding;
 
+use super::devices::DeviceArgs;
 use super::rig::RigArgs;
 use super::values::{Distortion, PoseArg, numbers, parse_distortion, parse_pose};
 use crate::args::headings::{INPUT, OUTPUT, SETTINGS};
@@ -40,6 +41,8 @@ pub(crate) struct SceneArgs {
     pub(crate) place: PlaceArgs,
     #[command(flatten)]
     pub(crate) light: LightArgs,
+    #[command(flatten)]
+    pub(crate) devices: DeviceArgs,
     /// Print the result as JSON instead of a summary.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,

@@ -11,21 +11,25 @@ use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{bytes_of, png_bytes};
 use crate::output::{TextLayout, sanitized, unbroken};
 
-/// The files, in the order of [`contents`].
-pub(super) const NAMES: [&str; 12] = [
-    "photo.png",
-    "white.png",
-    "black.png",
-    "pattern.png",
-    "pattern.json",
-    "rig.json",
-    "truth_matches.csv",
-    "truth_cloud.ply",
-    "truth_column.pfm",
-    "truth_row.pfm",
-    "truth_depth.pfm",
-    "truth_surface.png",
-];
+/// The files, in the order of [`contents`]; `jpeg`: the camera writes JPEG.
+pub(super) fn names(jpeg: bool) -> [&'static str; 12] {
+    let [photo, white, black] =
+        if jpeg { ["photo.jpg", "white.jpg", "black.jpg"] } else { ["photo.png", "white.png", "black.png"] };
+    [
+        photo,
+        white,
+        black,
+        "pattern.png",
+        "pattern.json",
+        "rig.json",
+        "truth_matches.csv",
+        "truth_cloud.ply",
+        "truth_column.pfm",
+        "truth_row.pfm",
+        "truth_depth.pfm",
+        "truth_surface.png",
+    ]
+}
 
 /// The files' contents.
 pub(super) fn contents(scene: &SimulatedScene) -> Outcome<Vec<Vec<u8>>> {
@@ -33,10 +37,14 @@ pub(super) fn contents(scene: &SimulatedScene) -> Outcome<Vec<Vec<u8>>> {
     let map = |values: Vec<f32>| bytes_of(|out| write_pfm(truth.width(), &values, out));
     let surfaces = GrayImage::from_raw(truth.width() as u32, truth.height() as u32, scene.surfaces())
         .ok_or_else(|| Failure::new(Exit::Other, "the map and the photograph differ in size"))?;
+    let [photo, white, black] = match &scene.jpeg_files {
+        Some(files) => files.clone(),
+        None => [png_bytes(&scene.photo)?, png_bytes(&scene.white)?, png_bytes(&scene.black)?],
+    };
     Ok(vec![
-        png_bytes(&scene.photo)?,
-        png_bytes(&scene.white)?,
-        png_bytes(&scene.black)?,
+        photo,
+        white,
+        black,
         png_bytes(&DynamicImage::ImageRgb8(scene.picture.clone()))?,
         bytes_of(|out| write_pattern(&scene.pattern, out))?,
         bytes_of(|out| write_rig(&scene.rig, out))?,
@@ -59,7 +67,7 @@ pub(super) struct SceneOutputs {
 
 impl SceneOutputs {
     pub(super) fn of(scene: &SimulatedScene) -> Self {
-        Self { scene: scene.report.clone(), files: NAMES }
+        Self { scene: scene.report.clone(), files: names(scene.jpeg_files.is_some()) }
     }
 
     pub(super) fn in_words(&self, folder: &Path) -> String {

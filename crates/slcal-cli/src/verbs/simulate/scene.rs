@@ -6,7 +6,7 @@ use slcal_core::Rig;
 use slcal_core::pattern::Pattern;
 use slcal_core::simulate::{PatternKind, RenderConfig, RigConfig, SceneSetup, SurfaceKind, WallKind};
 
-use super::outputs::{NAMES, SceneOutputs, contents};
+use super::outputs::{SceneOutputs, contents, names};
 use crate::args::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs, WallArg};
 use crate::exit::{Failure, Outcome};
 use crate::io::{
@@ -42,7 +42,7 @@ pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
 /// The destinations of the files, in a folder that is created when it does not exist.
 fn places(args: &SceneArgs) -> Outcome<Vec<Destination>> {
     make_folder(&args.out)?;
-    let places = NAMES
+    let places = names(args.devices.jpeg.is_some())
         .iter()
         .map(|name| Destination::prepare(&args.out.join(name), args.force))
         .collect::<Outcome<Vec<_>>>()?;
@@ -79,7 +79,8 @@ fn render_config(light: &LightArgs) -> RenderConfig {
 }
 
 fn setup(args: &SceneArgs) -> Outcome<SceneSetup> {
-    let render = render_config(&args.light);
+    let mut render = render_config(&args.light);
+    args.devices.apply(&mut render);
     render.validate()?;
     let place = &args.place;
     let surface = surface(args)?;

@@ -1,4 +1,4 @@
-//! Gaussian blur of linear light.
+//! Gaussian blur of pictures.
 
 /// Gaussians are truncated where they have fallen to 3e-4 of their height.
 const REACH: f64 = 4.0;
@@ -13,7 +13,7 @@ pub(super) enum Border {
 }
 
 /// Blurs a picture that is `width` wide by a Gaussian of `sigma` pixels.
-pub(super) fn blur(values: &mut [[f64; 3]], width: usize, sigma: f64, border: Border) {
+pub(super) fn blur<const N: usize>(values: &mut [[f64; N]], width: usize, sigma: f64, border: Border) {
     let kernel = gaussian(sigma);
     blur_rows(values, width, &kernel, border);
     blur_columns(values, width, &kernel, border);
@@ -28,13 +28,13 @@ fn gaussian(sigma: f64) -> Vec<f64> {
 }
 
 /// Blurs every row of a picture that is `width` wide.
-fn blur_rows(values: &mut [[f64; 3]], width: usize, kernel: &[f64], border: Border) {
+fn blur_rows<const N: usize>(values: &mut [[f64; N]], width: usize, kernel: &[f64], border: Border) {
     let mut line = Vec::with_capacity(width);
     for row in values.chunks_exact_mut(width) {
         line.clear();
         line.extend_from_slice(row);
         for (x, out) in row.iter_mut().enumerate() {
-            *out = [0.0; 3];
+            *out = [0.0; N];
             add(out, kernel[0], line[x]);
             for (i, w) in kernel.iter().enumerate().skip(1) {
                 for at in [x.checked_sub(i), Some(x + i)] {
@@ -48,7 +48,7 @@ fn blur_rows(values: &mut [[f64; 3]], width: usize, kernel: &[f64], border: Bord
 }
 
 /// Blurs every column.
-fn blur_columns(values: &mut [[f64; 3]], width: usize, kernel: &[f64], border: Border) {
+fn blur_columns<const N: usize>(values: &mut [[f64; N]], width: usize, kernel: &[f64], border: Border) {
     let height = values.len() / width;
     let source = values.to_vec();
     for (y, row) in values.chunks_exact_mut(width).enumerate() {
@@ -71,7 +71,7 @@ fn place(at: Option<usize>, length: usize, border: Border) -> Option<usize> {
     }
 }
 
-fn add(out: &mut [f64; 3], weight: f64, value: [f64; 3]) {
+fn add<const N: usize>(out: &mut [f64; N], weight: f64, value: [f64; N]) {
     for (o, v) in out.iter_mut().zip(value) {
         *o += weight * v;
     }

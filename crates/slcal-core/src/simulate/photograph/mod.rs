@@ -21,28 +21,40 @@
 //! ```
 
 mod blur;
+mod camera_pipeline;
+mod channel_offset;
 mod config;
 mod crossings;
+mod demosaic;
+mod flicker;
 mod hit;
+mod jpeg;
 mod mesh;
 mod panel;
 mod photographer;
+mod pixel_light;
+mod radial_falloff;
 mod ray_tracer;
 mod report_json;
 mod scene_object;
 mod sensor;
 mod setup;
+mod sharpen;
 mod sheet_object;
 mod simulated;
 mod surface;
+mod tone;
 mod truth;
 
 pub use config::RenderConfig;
+pub use demosaic::Demosaic;
+pub use flicker::Flicker;
 pub use mesh::TriangleMesh;
 pub use photographer::{Photographer, ProjectedImage};
 pub use report_json::SceneReport;
 pub use scene_object::{Placement, SceneObject};
 pub use setup::{PatternKind, PreparedScene, SceneSetup, SurfaceKind, WallKind};
+pub use sharpen::Sharpen;
 pub use sheet_object::SheetObject;
 pub use simulated::SimulatedScene;
 pub use surface::{Shape, Surface};

@@ -3,6 +3,7 @@
 use image::RgbImage;
 
 use super::blur::{Border, blur};
+use super::radial_falloff::RadialFalloff;
 use crate::photo::Encoding;
 
 /// Largest subdivision of a panel's pixel for its blur. The remaining steps are half a pixel wide, which the camera's
@@ -11,6 +12,19 @@ const BLUR_DIVISIONS: usize = 2;
 /// Smallest width of a part of the panel, px: the difference of sums keeps its digits, and no pixel's light changes
 /// within it.
 const THINNEST_PX: f64 = 1.0 / 64.0;
+
+/// How a projector turns the values of a picture into light.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Emission {
+    /// Linear light of a value.
+    pub(super) curve: Encoding,
+    /// Light where the picture is black, as a share of full light.
+    pub(super) black: f64,
+    /// σ of the Gaussian blur, panel px.
+    pub(super) blur_px: f64,
+    /// Share of the light that is lost in the panel's corners.
+    pub(super) falloff: f64,
+}
 
 /// Linear light of a panel as a summed-area table at the pixels' corners. A pixel is a square of constant light;
 /// outside the panel it is dark.
@@ -22,15 +36,17 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// Of an sRGB picture, blurred by a Gaussian of `blur_px`, raised to `black` where it is dark.
-    pub(super) fn new(picture: &RgbImage, blur_px: f64, black: f64) -> Self {
-        let table: Vec<f64> = (0..=255_u8)
-            .map(|c| black + (1.0 - black) * Encoding::Srgb.to_linear(f64::from(c) / 255.0))
-            .collect();
+    /// Of a picture.
+    pub(super) fn new(picture: &RgbImage, emission: &Emission) -> Self {
+        let Emission { curve, black, blur_px, falloff } = *emission;
+        let table: Vec<f64> =
+            (0..=255_u8).map(|c| black + (1.0 - black) * curve.to_linear(f64::from(c) / 255.0)).collect();
         let n = if blur_px > 0.0 { BLUR_DIVISIONS } else { 1 };
         let (width, height) = (picture.width() as usize * n, picture.height() as usize * n);
+        let falloff = RadialFalloff::new(falloff, width, height);
         let light = |x: usize, y: usize| {
-            picture.get_pixel((x / n) as u32, (y / n) as u32).0.map(|c| table[usize::from(c)])
+            let left = falloff.at(x, y);
+            picture.get_pixel((x / n) as u32, (y / n) as u32).0.map(|c| left * table[usize::from(c)])
         };
         let mut values: Vec<[f64; 3]> = Vec::with_capacity(width * height);
         for y in 0..height {

@@ -1,9 +1,12 @@
 //! Ray tracing of a rig and its surfaces: what a camera's ray meets, and which light of the projector falls there.
 
+use std::sync::Arc;
+
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
+use super::channel_offset::ChannelOffset;
 use super::surface::Surface;
-use super::truth::StoredTruth;
+use super::truth::{StoredTruth, Truth};
 use crate::error::Result;
 use crate::geometry::{Camera, Plane, Pose, Ray};
 use crate::rig::{Projector, Rig};
@@ -14,14 +17,17 @@ const OWN_SHADOW: f64 = 1e-7;
 /// Beyond the fold of the lens's model the result is elsewhere.
 const SAME_RAY: f64 = 1e-6;
 
-/// Camera, projector and surfaces.
+/// Camera, projector and surfaces, for one channel of the light.
+#[derive(Clone)]
 pub(super) struct RayTracer {
     pub(super) camera: Camera,
     pub(super) projector: Camera,
     pub(super) projector_from_camera: Pose,
     /// The projector's centre in the camera's frame.
     pub(super) lamp: Point3<f64>,
-    pub(super) surfaces: Vec<Surface>,
+    pub(super) surfaces: Arc<[Surface]>,
+    /// Where the channel lies; `None`: where the rig has it.
+    offset: Option<ChannelOffset>,
 }
 
 /// The intersection of a camera's ray with a surface.
@@ -45,8 +51,20 @@ impl RayTracer {
             projector: device.model,
             projector_from_camera,
             lamp: projector_from_camera.centre(),
-            surfaces: surfaces.to_vec(),
+            surfaces: surfaces.into(),
+            offset: None,
         })
+    }
+
+    /// The same for a channel that lies elsewhere.
+    pub(super) fn shifted(&self, offset: ChannelOffset) -> Self {
+        Self { offset: Some(offset), ..self.clone() }
+    }
+
+    /// The direction of a pixel position's ray.
+    fn bearing(&self, p: Point2<f64>) -> Option<Vector3<f64>> {
+        let centre = self.camera.intrinsics.principal_point();
+        self.camera.bearing(self.offset.map_or(p, |o| o.green_position(p, centre)))
     }
 
     /// The nearest surface on a ray: its index, the distance in lengths of the direction, the normal.
@@ -63,7 +81,7 @@ impl RayTracer {
 
     /// The intersection of the ray of a pixel position.
     pub(super) fn trace(&self, p: Point2<f64>) -> Option<CameraHit> {
-        let ray = Ray { origin: Point3::origin(), direction: self.camera.bearing(p)? };
+        let ray = Ray { origin: Point3::origin(), direction: self.bearing(p)? };
         let (surface, distance, normal) = self.nearest(&ray)?;
         let point = ray.origin + ray.direction * distance;
         let same_side = normal.dot(&(self.lamp - point)) * normal.dot(&-point.coords) > 0.0;
@@ -75,16 +93,17 @@ impl RayTracer {
     pub(super) fn panel(&self, point: &Point3<f64>) -> Option<Point2<f64>> {
         let local = self.projector_from_camera.transform(point);
         let q = self.projector.project(&local)?;
+        let shown = self.offset.map_or(q, |o| o.panel_position(q));
         let inside = |v: f64, n: u32| v >= -0.5 && v <= f64::from(n) - 0.5;
-        if !(inside(q.x, self.projector.width) && inside(q.y, self.projector.height)) {
+        if !(inside(shown.x, self.projector.width) && inside(shown.y, self.projector.height)) {
             return None;
         }
         if !self.projector.distortion.is_none() {
             let back = self.projector.undistort(q)?;
             let ideal = Vector2::new(local.x / local.z, local.y / local.z);
-            return ((back - ideal).norm() <= SAME_RAY * (1.0 + ideal.norm())).then_some(q);
+            return ((back - ideal).norm() <= SAME_RAY * (1.0 + ideal.norm())).then_some(shown);
         }
-        Some(q)
+        Some(shown)
     }
 
     fn shaded(&self, point: &Point3<f64>) -> bool {
@@ -105,7 +124,7 @@ impl RayTracer {
     pub(super) fn slope(&self, p: Point2<f64>, hit: &CameraHit, step: f64) -> Option<[Vector2<f64>; 2]> {
         let tangent = Plane::from_point_normal(&hit.point, hit.normal)?;
         let at = |offset: Vector2<f64>| {
-            let ray = Ray { origin: Point3::origin(), direction: self.camera.bearing(p + offset)? };
+            let ray = Ray { origin: Point3::origin(), direction: self.bearing(p + offset)? };
             self.projector.project(&self.projector_from_camera.transform(&ray.meet(&tangent)?))
         };
         let half = step / 2.0;
@@ -113,8 +132,18 @@ impl RayTracer {
         Some([at(x)? - at(-x)?, at(y)? - at(-y)?])
     }
 
+    /// The truth of all pixels.
+    pub(super) fn picture(&self) -> Truth {
+        let (width, height) = (self.camera.width as usize, self.camera.height as usize);
+        let mut pixels = Vec::with_capacity(width * height);
+        for y in 0..height {
+            pixels.extend((0..width).map(|x| self.pixel(x, y)));
+        }
+        Truth { width, height, pixels }
+    }
+
     /// The truth of a pixel.
-    pub(super) fn pixel(&self, x: usize, y: usize) -> StoredTruth {
+    fn pixel(&self, x: usize, y: usize) -> StoredTruth {
         let Some(hit) = self.trace(Point2::new(x as f64, y as f64)) else { return StoredTruth::EMPTY };
         StoredTruth {
             point: hit.point.into(),

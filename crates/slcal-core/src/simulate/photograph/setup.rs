@@ -287,15 +287,29 @@ impl PreparedScene {
     /// As [`Photographer::new`].
     pub fn photograph(self) -> Result<SimulatedScene> {
         let photographer = Photographer::new(&self.rig, &self.surfaces, &self.render)?;
-        let shot = |shown, frame| photographer.photograph(shown, frame);
+        let shot = |shown, frame| photographer.exposure(shown, frame);
         let photo = shot(ProjectedImage::Picture(&self.picture), 0)?;
         let (white, black) = (shot(ProjectedImage::White, 1)?, shot(ProjectedImage::Black, 2)?);
+        let files = photo.file.zip(white.file).zip(black.file);
+        let jpeg_files = files.map(|((photo, white), black)| [photo, white, black]);
+        let [photo, white, black] = [photo.picture, white.picture, black.picture];
         let matches = match &self.pattern {
             Pattern::Stripes(stripes) => photographer.stripe_matches(stripes),
             Pattern::Checker(checker) => photographer.corner_matches(checker),
         };
         let PreparedScene { rig, pattern, picture, bend, thickness_mm, .. } = self;
         let report = SceneReport { bend, thickness_mm, ..photographer.report(&matches) };
-        Ok(SimulatedScene { rig, pattern, picture, photo, white, black, matches, photographer, report })
+        Ok(SimulatedScene {
+            rig,
+            pattern,
+            picture,
+            photo,
+            white,
+            black,
+            jpeg_files,
+            matches,
+            photographer,
+            report,
+        })
     }
 }

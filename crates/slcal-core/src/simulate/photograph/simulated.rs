@@ -24,6 +24,8 @@ pub struct SimulatedScene {
     pub white: DynamicImage,
     /// That under a dark one.
     pub black: DynamicImage,
+    /// The camera's files of these three, where it writes JPEG: the photographs are what is read from them.
+    pub jpeg_files: Option<[Vec<u8>; 3]>,
     /// Exact correspondences of slits or corners of the pattern.
     pub matches: Matches,
     /// The renderer of the photographs, which can trace any pixel.

@@ -1,8 +1,10 @@
 //! Photographs against closed forms.
 
+mod channels;
 mod geometry;
 mod light;
 mod meshes;
+mod pipeline;
 mod scene_objects;
 mod setups;
 mod sheets;
