@@ -22,12 +22,12 @@ use super::cloud_note::{CloudNote, fingerprint};
 use super::guide::{self, RoughDevices};
 use super::job::{Bench, Calibrated, Done, Job, LiveFrame, LookFor, SheetFound};
 use super::live::Look;
-use super::project::{Project, Purpose, StoredPhoto, cloud_name, extension_of};
+use super::project::{Project, Purpose, StoredPhoto, cloud_name};
 use super::simulated_camera::{DISTANCE_MM, SimulatedCamera};
 use super::state::{CloudEntry, DemoObject, DemoPose, DemoScene, Guide, Problem};
 use crate::cloud_view::packed;
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::{PHOTO_QUALITY, bytes_of, decode_photo, jpeg_bytes, png_bytes, read_tags};
+use crate::io::{PHOTO_QUALITY, bytes_of, decode_photo, extension_of, jpeg_bytes, png_bytes, read_tags};
 use crate::report::{Photo, RigPage, rig_html};
 
 /// Pictures that the worker shares with the server.
