@@ -84,8 +84,9 @@ pub(crate) fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
     }
     if let Some(shift) = report.channel_shift.filter(|s| s.used) {
         let [red, blue] = shift.sigma_px;
+        let [r, b] = shift.radial.map(|r| 1e4 * r);
         let sentence = format!(
-            "red is seen {:+.2} ± {red:.2} and blue {:+.2} ± {blue:.2} projector px beside green; that is removed",
+            "red is seen {:+.2} ± {red:.2} and blue {:+.2} ± {blue:.2} projector px beside green, and the lens magnifies them by              {r:+.1} and {b:+.1} parts in 10,000 more; that is removed",
             shift.red_px, shift.blue_px
         );
         remarks.push(("note", sentence));

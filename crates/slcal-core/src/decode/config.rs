@@ -118,6 +118,8 @@ pub struct ChannelShift {
     pub blue_px: f64,
     /// 1σ of red and blue.
     pub sigma_px: [f64; 2],
+    /// Magnification of red and blue by the camera's lens beyond that of green (lateral colour).
+    pub radial: [f64; 2],
     /// Whether it was removed: it came from a calibration, or is beyond 3σ.
     pub used: bool,
 }

@@ -68,7 +68,8 @@ impl Registration {
         let found = zigzag::measure(located, known.is_some(), &mut self.work);
         let significant = found.as_ref().is_some_and(|z| {
             let shifts = z.shift.panel_px.iter().zip(z.sigma_px);
-            shifts.into_iter().any(|(s, sigma)| f64::from(s.abs()) > SIGNIFICANT * sigma)
+            let radial = z.shift.radial.iter().zip(z.sigma_radial);
+            shifts.chain(radial).any(|(x, sigma)| f64::from(x.abs()) > SIGNIFICANT * sigma)
         });
         let used = known.is_some() || significant;
         if let Some(found) = found.as_ref().filter(|_| used) {
@@ -80,7 +81,17 @@ impl Registration {
             let part = |shift: &HueShift| f64::from(sign * shift.panel_px[k]);
             before.as_ref().map_or(0.0, part) + found.as_ref().map_or(0.0, |z| part(&z.shift))
         };
-        found.map(|z| ChannelShift { red_px: shift(0), blue_px: shift(1), sigma_px: z.sigma_px, used })
+        let radial = |k: usize| {
+            let part = |shift: &HueShift| f64::from(shift.radial[k]);
+            before.as_ref().map_or(0.0, part) + found.as_ref().map_or(0.0, |z| part(&z.shift))
+        };
+        found.map(|z| ChannelShift {
+            red_px: shift(0),
+            blue_px: shift(1),
+            sigma_px: z.sigma_px,
+            radial: [radial(0), radial(1)],
+            used,
+        })
     }
 
     /// Moves the edges of all labelled stripes back.

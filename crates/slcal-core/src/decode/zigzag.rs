@@ -47,6 +47,8 @@ pub(super) struct Zigzag {
     pub(super) shift: HueShift,
     /// 1σ of the shifts of red and blue, projector px.
     pub(super) sigma_px: [f64; 2],
+    /// 1σ of the magnifications of red and blue.
+    pub(super) sigma_radial: [f64; 2],
     /// Further offsets of the hues, projector px.
     pub(super) offsets_px: [f32; MAX_HUES],
 }
@@ -55,6 +57,8 @@ pub(super) struct Zigzag {
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     misfit: f32,
+    /// What a magnification by one would displace it by, projector px.
+    magnified: f32,
     factors: [f32; MAX_UNKNOWNS],
 }
 
@@ -127,6 +131,10 @@ pub(super) fn measure(at: Located<'_>, known: bool, work: &mut ZigzagWork) -> Op
         covariance = normal.cholesky()?.inverse();
         found = &covariance * right;
     }
+    let squares: f64 = work.samples.iter().map(|s| f64::from(s.magnified).powi(2)).sum();
+    // Over the stripes that were used, a magnification is known no better than a shift.
+    let floor_radial = FLOOR_PX / (squares / work.samples.len() as f64).sqrt().max(1.0);
+    let sigma = |k: usize, floor: f64| covariance[(k, k)].sqrt().max(floor);
     let value = |k: usize| found[k] as f32;
     let mut offsets_px = [0.0; MAX_HUES];
     for (hue, offset) in offsets_px.iter_mut().enumerate().take(hues) {
@@ -138,7 +146,8 @@ pub(super) fn measure(at: Located<'_>, known: bool, work: &mut ZigzagWork) -> Op
             panel_scale: [0.0; 2],
             radial: [value(2), value(3)],
         },
-        sigma_px: [0, 1].map(|k| covariance[(k, k)].sqrt().max(FLOOR_PX)),
+        sigma_px: [0, 1].map(|k| sigma(k, FLOOR_PX)),
+        sigma_radial: [2, 3].map(|k| sigma(k, floor_radial)),
         offsets_px,
     })
     .filter(|z| z.shift.panel_px.iter().chain(&z.shift.radial).all(|x| x.is_finite()))
@@ -190,6 +199,8 @@ fn sample(at: Located<'_>, i: usize, y: usize, least_light: f32) -> Option<Sampl
     let cubic = at.layout.misfit_weights(label);
     let misfit: f32 = cubic.iter().zip(u).map(|(w, u)| w * u).sum::<f32>() / scale;
     let mut factors = [0.0; MAX_UNKNOWNS];
+    let [along, beside] = at.centres.image;
+    let magnified_at = |place: f32, slope: f32| across([place - along, y as f32 - beside], slope) / scale;
     let slope = at.tracks.slope(i);
     // Each centre is made of the edges of its own stripe and of its neighbours'.
     let [before, own, after] = at.layout.weights_of_stripes(label);
@@ -203,8 +214,7 @@ fn sample(at: Located<'_>, i: usize, y: usize, least_light: f32) -> Option<Sampl
             else {
                 return None;
             };
-            let [along, beside] = at.centres.image;
-            let magnified = across([place - along, y as f32 - beside], slope) / scale;
+            let magnified = magnified_at(place, slope);
             for k in 0..2 {
                 factors[k] += weight * primaries[k];
                 factors[2 + k] += weight * channels[k] * magnified;
@@ -214,5 +224,6 @@ fn sample(at: Located<'_>, i: usize, y: usize, least_light: f32) -> Option<Sampl
             }
         }
     }
-    misfit.is_finite().then_some(Sample { misfit, factors })
+    let magnified = magnified_at(c.u, slope);
+    misfit.is_finite().then_some(Sample { misfit, magnified, factors })
 }

@@ -226,6 +226,8 @@ class ChannelShift(Report):
     blue_px: float
     #: 1σ of red and blue.
     sigma_px: tuple[float, ...]
+    #: Magnification of red and blue by the camera's lens beyond that of green.
+    radial: tuple[float, ...]
     #: Whether it was removed: it came from a calibration, or is beyond 3σ.
     used: bool
 

@@ -102,6 +102,16 @@ fn lateral_colour_is_removed_along_with_them() {
 }
 
 #[test]
+fn lateral_colour_alone_is_seen() {
+    let columns = pattern(Axis::Columns);
+    let lens = |radial| Displaced { shift_px: 0.0, radial };
+    let decoding = decode_image(displaced(&columns, lens(6e-4), lens(-5e-4)), &columns).unwrap();
+    assert!(decoding.report.channel_shift.unwrap().used);
+    let biases = biases(&decoding, &columns);
+    assert!(biases.iter().all(|b| b.abs() < 0.06), "{biases:?}");
+}
+
+#[test]
 fn rows_that_alternate_are_averaged() {
     let columns = pattern(Axis::Columns);
     let even = displaced(&columns, NONE, NONE);
