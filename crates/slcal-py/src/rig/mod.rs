@@ -117,6 +117,7 @@ impl Rig {
             method: method.unwrap_or_else(|| "external".to_owned()),
             quality: None,
             covariance: None,
+            channel_registration: None,
         };
         Ok(rig.into())
     }

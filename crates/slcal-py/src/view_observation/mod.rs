@@ -229,5 +229,6 @@ pub(crate) fn sizeless(sheet: SheetObservation) -> ViewObservation {
         sheet,
         pairs: Vec::new(),
         panel_points: Vec::new(),
+        channel_offsets: Vec::new(),
     })
 }

@@ -94,7 +94,7 @@ pub(crate) fn observe(model: &Model, sheet_px: f64, pair_px: f64, rng: &mut ChaC
                 }
             }
             let seen = SheetObservation::Corners { corners, sigma_px: Some(sheet_px) };
-            ViewObservation { photo: None, size: sheet.size, sheet: seen, pairs, panel_points: Vec::new() }
+            ViewObservation { photo: None, size: sheet.size, sheet: seen, pairs, panel_points: Vec::new(), channel_offsets: Vec::new() }
         })
         .collect();
     let projector = model.projector.map(|p| [p.width, p.height]);
