@@ -129,7 +129,9 @@ impl ChannelOffset {
         let RedBlue { red, blue } = self.offset_px;
         let numbers = [self.camera.coords, self.projector.coords, red, blue];
         numbers.iter().flat_map(|v| v.iter()).all(|x| x.abs() <= ViewObservation::MAX_COORDINATE_PX)
-            && [self.sigma_px.red, self.sigma_px.blue].iter().all(|s| ViewObservation::SIGMA_RANGE_PX.contains(s))
+            && [self.sigma_px.red, self.sigma_px.blue]
+                .iter()
+                .all(|s| ViewObservation::SIGMA_RANGE_PX.contains(s))
     }
 }
 

@@ -7,7 +7,9 @@ use super::hypotheses::told::{Told, told};
 use super::maximum_likelihood::solve_in_steps;
 use super::report::{Calibration, CalibrationReport};
 use super::variance_components::{measure_noise, warning};
-use super::{build_rig, channel_registration, diagnostics, hypotheses, repeated, sensitivity, two_vp, validate};
+use super::{
+    build_rig, channel_registration, diagnostics, hypotheses, repeated, sensitivity, two_vp, validate,
+};
 use crate::error::Result;
 use crate::estimate::{Kind, Solution};
 use crate::observations::Observations;

@@ -97,7 +97,8 @@ fn channel(rows: &[(Vector4<f64>, f64)]) -> Option<(Vector4<f64>, Vector4<f64>)>
     for _ in 0..ROUNDS {
         let (mut normal, mut side) = (prior, Vector4::zeros());
         for ((row, seen), residual) in rows.iter().zip(&residuals) {
-            let weight = (HUBER * scatter / residual.abs().max(f64::MIN_POSITIVE)).min(1.0) / (scatter * scatter);
+            let weight =
+                (HUBER * scatter / residual.abs().max(f64::MIN_POSITIVE)).min(1.0) / (scatter * scatter);
             normal += row * row.transpose() * weight;
             side += row * (seen * weight);
         }

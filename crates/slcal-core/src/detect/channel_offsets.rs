@@ -17,18 +17,22 @@ use nalgebra::{Point2, SMatrix, SVector, Vector2};
 
 use super::board::Board;
 use crate::channel_registration::RedBlue;
-use crate::observations::ChannelOffset;
+use crate::observations::{ChannelOffset, CornerPair};
 use crate::photo::PhotoView;
 
 /// The blur in squares: narrower, and what compression did to the colour is seen; wider, and neighbouring corners mix.
 const BLUR_SQUARES: f64 = 0.1;
+/// Small squares are blurred by this many pixels at least: demosaicing, sharpening and compression reach as far at any resolution.
+const MIN_BLUR_PX: f64 = 4.0;
+/// But by no more than this part of a square, which would leave nothing of it.
+const MAX_BLUR_SQUARES: f64 = 0.2;
 /// Half the window in squares: it ends in the middle of the four squares around its corner.
 const HALF_WINDOW_SQUARES: f64 = 0.5;
 /// Weights fall off as a Gaussian of this part of half the window.
 const WEIGHT_SIGMA: f64 = 0.6;
 /// The photograph is reduced to blocks of which at least this many make a square: the blur leaves no finer structure.
 const BLOCKS_PER_SQUARE: f64 = 16.0;
-/// Squares smaller than this many pixels have no low frequencies that survive compression, whose blocks of colour have 16.
+/// Squares smaller than this many pixels have no low frequencies that survive the compression of colour.
 const MIN_SQUARE_PX: f64 = 12.0;
 /// Kernels are cut off at this many σ.
 const KERNEL_SIGMAS: f64 = 3.0;
@@ -56,7 +60,7 @@ pub(super) fn channel_offsets(photo: &PhotoView<'_>, board: &Board, square_px: f
     let Some(channels) = Channels::around(photo, corners.iter().map(|(pair, _)| pair.camera), square) else {
         return Vec::new();
     };
-    let offset = |(pair, square): (&crate::observations::CornerPair, f64)| {
+    let offset = |(pair, square): (&CornerPair, f64)| {
         let (offset_px, sigma_px) = channels.offsets(pair.camera, square)?;
         let offset = ChannelOffset { camera: pair.camera, projector: pair.projector, offset_px, sigma_px };
         offset.is_valid().then_some(offset)
@@ -79,10 +83,14 @@ struct Channels {
 
 impl Channels {
     /// `None` where all channels are the same, as in a grey photograph that is stored in colour.
-    fn around(photo: &PhotoView<'_>, corners: impl Iterator<Item = Point2<f64>>, square: f64) -> Option<Self> {
+    fn around(
+        photo: &PhotoView<'_>,
+        corners: impl Iterator<Item = Point2<f64>>,
+        square: f64,
+    ) -> Option<Self> {
         let block = ((square / BLOCKS_PER_SQUARE) as usize).max(1);
         // All that the blur at the outermost corners' windows reaches, within the photograph.
-        let reach = square * (2.0 * HALF_WINDOW_SQUARES + KERNEL_SIGMAS * BLUR_SQUARES);
+        let reach = 2.0 * HALF_WINDOW_SQUARES * square + KERNEL_SIGMAS * blur_px(square);
         let (mut low, mut high) = (Point2::new(f64::MAX, f64::MAX), Point2::new(f64::MIN, f64::MIN));
         for c in corners {
             low = low.inf(&c);
@@ -122,7 +130,7 @@ impl Channels {
         }
         // The mean over a block has already blurred by the variance of its pixels.
         let side = block as f64;
-        let blur = ((BLUR_SQUARES * square / side).powi(2) - (1.0 - side.powi(-2)) / 12.0).max(0.0).sqrt();
+        let blur = ((blur_px(square) / side).powi(2) - (1.0 - side.powi(-2)) / 12.0).max(0.0).sqrt();
         let kernel = gaussian(blur);
         let mut scratch = vec![0.0; width * height];
         for plane in &mut planes {
@@ -150,7 +158,8 @@ impl Channels {
         let w = self.width;
         // Central differences of fourth order: those of second order lose some per cent of a slope this steep.
         let slope = |k: usize, step: usize| {
-            f64::from(8.0 * (green[k + step] - green[k - step]) - (green[k + 2 * step] - green[k - 2 * step])) / 12.0
+            f64::from(8.0 * (green[k + step] - green[k - step]) - (green[k + 2 * step] - green[k - 2 * step]))
+                / 12.0
         };
         let scale = 1.0 / half.max(1) as f64;
         let mut normal = SMatrix::<f64, N, N>::zeros();
@@ -163,8 +172,17 @@ impl Channels {
                 let weight = (-(x * x + y * y) / (2.0 * WEIGHT_SIGMA * WEIGHT_SIGMA)).exp();
                 let g = f64::from(green[k]);
                 let around = f64::from(green[k - 1] + green[k + 1] + green[k - w] + green[k + w]);
-                let terms =
-                    SVector::<f64, N>::from([1.0, x, y, g, g * x, g * y, around - 4.0 * g, slope(k, 1), slope(k, w)]);
+                let terms = SVector::<f64, N>::from([
+                    1.0,
+                    x,
+                    y,
+                    g,
+                    g * x,
+                    g * y,
+                    around - 4.0 * g,
+                    slope(k, 1),
+                    slope(k, w),
+                ]);
                 let seen = [f64::from(red[k]), f64::from(blue[k])];
                 for column in 0..N {
                     let t = weight * terms[column];
@@ -192,12 +210,17 @@ impl Channels {
             let misfit = (squares[channel] - q.dot(&sides.column(channel))).max(0.0) / weights;
             let sigma = side / gain * (misfit * correlated * variance).sqrt();
             // A longer displacement is beyond the first order.
-            let small = offset.norm() < BLUR_SQUARES * square;
+            let small = offset.norm() < self.blur * side;
             (gain > MIN_GAIN && small && sigma > 0.0).then_some((offset, sigma))
         };
         let ((red, of_red), (blue, of_blue)) = (of(0)?, of(1)?);
         Some((RedBlue { red, blue }, RedBlue { red: of_red, blue: of_blue }))
     }
+}
+
+/// σ of the blur for squares of this size, px.
+fn blur_px(square: f64) -> f64 {
+    (BLUR_SQUARES * square).max(MIN_BLUR_PX.min(MAX_BLUR_SQUARES * square))
 }
 
 /// Half of a Gaussian kernel, from its middle on; all of it has the sum 1.
@@ -230,5 +253,63 @@ fn blur_columns(from: &[f32], width: usize, kernel: &[f32], to: &mut [f32]) {
             let (above, below) = (row(y.saturating_sub(i)), row((y + i).min(height - 1)));
             out.iter_mut().zip(above.iter().zip(below)).for_each(|(o, (a, b))| *o += k * (a + b));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use image::{DynamicImage, RgbImage};
+
+    use super::*;
+    use crate::detect::tests::{Drawn, pattern};
+    use crate::detect::{DetectConfig, observe};
+    use crate::geometry::{Homography, RectangleSize};
+
+    /// A drawn sheet whose red light is shifted on the panel by `red`, blue by `blue`.
+    fn offsets(width: u32, red: Vector2<f64>, blue: Vector2<f64>) -> (Drawn, Vec<ChannelOffset>) {
+        let drawn = Drawn::tilted(width);
+        let channel = |by: Vector2<f64>| {
+            let moved = drawn.camera_from_projector.map(|h| h.compose(&shift(by)));
+            Drawn { camera_from_projector: moved, ..Drawn::tilted(width) }.draw().into_luma8()
+        };
+        let channels = [channel(red), channel(Vector2::zeros()), channel(blue)];
+        let [w, h] = drawn.size;
+        let image =
+            RgbImage::from_fn(w, h, |x, y| image::Rgb([0, 1, 2].map(|c| channels[c].get_pixel(x, y).0[0])));
+        let image = DynamicImage::ImageRgb8(image);
+        let size = RectangleSize::new(594.0, 420.0).unwrap();
+        let view = PhotoView::try_from(&image).unwrap();
+        let found = observe(view, None, size, Some(&pattern()), &DetectConfig::default()).unwrap();
+        (drawn, found.observation.channel_offsets)
+    }
+
+    fn shift(by: Vector2<f64>) -> Homography {
+        Homography(nalgebra::Matrix3::new_translation(&by))
+    }
+
+    #[test]
+    fn known_displacements_are_found_at_any_size() {
+        let (red, blue) = (Vector2::new(0.6, -0.3), Vector2::new(-0.4, 0.5));
+        for width in [640, 1280, 2600] {
+            let (drawn, found) = offsets(width, red, blue);
+            assert!(found.len() >= 60, "{}", found.len());
+            let h = drawn.camera_from_projector.unwrap();
+            let at = |q: Point2<f64>| h.map(q).unwrap();
+            let (mut mean, mut rms) = ([Vector2::zeros(); 2], [0.0; 2]);
+            for o in &found {
+                let expected = [red, blue].map(|by| at(o.projector + by) - at(o.projector));
+                let errors = [o.offset_px.red - expected[0], o.offset_px.blue - expected[1]];
+                mean.iter_mut().zip(errors).for_each(|(m, e)| *m += e / found.len() as f64);
+                rms.iter_mut().zip(errors).for_each(|(r, e)| *r += e.norm_squared() / found.len() as f64);
+            }
+            // The code values of edges without any blur depend on where the pixels lie.
+            assert!(mean.iter().all(|m| m.norm() < 0.02), "{width}: {mean:?}");
+            assert!(rms.iter().all(|r| r.sqrt() < 0.1), "{width}: {rms:?}");
+        }
+    }
+
+    #[test]
+    fn a_grey_photograph_stored_in_colour_has_none() {
+        assert!(offsets(640, Vector2::zeros(), Vector2::zeros()).1.is_empty());
     }
 }

@@ -120,8 +120,14 @@ pub fn observe(
         let photo = plain.unwrap_or(photo);
         let SheetDetection { observation: sheet, notes, mut warnings } = find_sheet(photo, config)?;
         let clipped = clipped(&sheet, &[photo], &mut warnings);
-        let observation =
-            ViewObservation { photo: None, size, sheet, pairs: Vec::new(), panel_points: Vec::new(), channel_offsets: Vec::new() };
+        let observation = ViewObservation {
+            photo: None,
+            size,
+            sheet,
+            pairs: Vec::new(),
+            panel_points: Vec::new(),
+            channel_offsets: Vec::new(),
+        };
         return Ok(Detection { observation, pattern_corners: 0, notes, clipped, warnings });
     };
     let photographs: Vec<PhotoView<'_>> = [photo].into_iter().chain(plain).collect();

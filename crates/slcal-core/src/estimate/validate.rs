@@ -72,7 +72,11 @@ fn check_view(view: &ViewObservation, i: usize, observations: &Observations) -> 
         return Err(Error::invalid(what("points of the panel"), expected, format!("{wrong:?}")));
     }
     if let Some(wrong) = view.channel_offsets.iter().find(|o| !o.is_valid()) {
-        return Err(Error::invalid(what("offsets of the channels"), "finite coordinates and positive σ", format!("{wrong:?}")));
+        return Err(Error::invalid(
+            what("offsets of the channels"),
+            "finite coordinates and positive σ",
+            format!("{wrong:?}"),
+        ));
     }
     if let SheetObservation::Edges(sides) = &view.sheet
         && let Some(fewest) = sides.iter().map(Vec::len).min()

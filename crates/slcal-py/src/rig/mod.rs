@@ -165,6 +165,14 @@ impl Rig {
         self.rig.covariance.clone().map(Covariance)
     }
 
+    /// How red and blue are displaced against green in projector and camera; None where it is not known, as in rigs that
+    /// were calibrated from grey photographs.
+    #[getter]
+    fn channel_registration<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let known = self.rig.channel_registration.as_ref();
+        known.map(|r| record(py, "ChannelRegistration", &display::registration(r))).transpose()
+    }
+
     /// Iterations and inliers of the calibration; None for a rig that was not calibrated in this program.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {

@@ -266,7 +266,8 @@ fn panel_points(value: &Value, place: &str) -> Result<Vec<PanelPoint>> {
 
 /// Rows of camera x and y, panel x and y, red x and y, blue x and y, σ of red and of blue.
 fn channel_offsets(value: &Value, place: &str) -> Result<Vec<ChannelOffset>> {
-    let expected = "[camera_x, camera_y, projector_x, projector_y, red_x, red_y, blue_x, blue_y, σ_red, σ_blue]";
+    let expected =
+        "[camera_x, camera_y, projector_x, projector_y, red_x, red_y, blue_x, blue_y, σ_red, σ_blue]";
     let list = value.as_array().ok_or_else(|| wrong(place, &format!("a list of {expected}"), value))?;
     let offset = |(i, value): (usize, &Value)| {
         let place = format!("{place}[{i}]");
@@ -281,7 +282,9 @@ fn channel_offsets(value: &Value, place: &str) -> Result<Vec<ChannelOffset>> {
             sigma_px: RedBlue { red, blue },
         };
         let valid = offset.is_valid().then_some(offset);
-        valid.ok_or_else(|| malformed(format!("{place}: expected positive σ in pixels, found {red} and {blue}")))
+        valid.ok_or_else(|| {
+            malformed(format!("{place}: expected positive σ in pixels, found {red} and {blue}"))
+        })
     };
     list.iter().enumerate().map(offset).collect()
 }

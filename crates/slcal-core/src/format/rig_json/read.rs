@@ -5,7 +5,8 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::schema::{
-    CovarianceDto, DeviceDto, QualityDto, REFERENCE, RegistrationDto, RigDto, Rows3, StereoDto, VanishingDto, ViewDto, malformed,
+    CovarianceDto, DeviceDto, QualityDto, REFERENCE, RegistrationDto, RigDto, Rows3, StereoDto, VanishingDto,
+    ViewDto, malformed,
 };
 use crate::channel_registration::{ChannelDisplacements, ChannelRegistration};
 use crate::error::Result;
@@ -199,10 +200,14 @@ fn registration_from_dto(
 ) -> Result<ChannelRegistration> {
     expect(&dto.reference, REFERENCE, "channel_registration.reference")?;
     let Some(projector) = projector else {
-        return Err(malformed("channel_registration: expected a projector, found a rig that holds the camera alone"));
+        return Err(malformed(
+            "channel_registration: expected a projector, found a rig that holds the camera alone",
+        ));
     };
     if let Some(wrong) = dto.sigma.numbers().into_iter().find(|s| *s < 0.0) {
-        return Err(malformed(format!("channel_registration.sigma: expected σ that are not negative, found {wrong}")));
+        return Err(malformed(format!(
+            "channel_registration.sigma: expected σ that are not negative, found {wrong}"
+        )));
     }
     let [width, height] = projector.device.model.size();
     Ok(ChannelRegistration {
