@@ -282,13 +282,11 @@ fn bends(layout: &mut TextLayout, rig: &Rig) {
 /// How red and blue are displaced against green.
 fn channels(layout: &mut TextLayout, registration: &ChannelRegistration) {
     layout.gap();
-    layout.line("channels", "where red and blue lie against green; decoding takes it into account");
-    let mut table = Table::new([
-        "",
-        ">right, px of the panel",
-        ">down, px of the panel",
-        ">camera's magnification, 1e-4",
-    ]);
+    layout.line(
+        "channels",
+        "red and blue against green: px to the right and down on the panel, and the camera's magnification",
+    );
+    let mut table = Table::new(["", ">right, px", ">down, px", ">magnification, 1e-4"]);
     let (d, sigma) = (&registration.displacements, &registration.sigma);
     for (name, shift, of_shift, lateral, of_lateral) in [
         ("red", d.projector.red, sigma.projector.red, d.camera.red, sigma.camera.red),

@@ -54,7 +54,7 @@ pub(super) fn channel_offsets(photo: &PhotoView<'_>, board: &Board, square_px: f
     let mut squares: Vec<f64> = corners.iter().map(|(_, square)| *square).collect();
     squares.sort_by(f64::total_cmp);
     let square = squares.get(squares.len() / 2).copied().unwrap_or(0.0);
-    if !photo.layout().has_color() || !(square >= MIN_SQUARE_PX) {
+    if !photo.layout().has_color() || square.is_nan() || square < MIN_SQUARE_PX {
         return Vec::new();
     }
     let Some(channels) = Channels::around(photo, corners.iter().map(|(pair, _)| pair.camera), square) else {

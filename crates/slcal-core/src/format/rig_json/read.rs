@@ -67,7 +67,7 @@ pub(super) fn rig_from_dto(dto: RigDto) -> Result<Rig> {
         views.extend(view_from_dto(view, &place, &camera.model, projector.as_ref())?);
     }
     let channel_registration = parse_optional(dto.channel_registration, "channel_registration")?
-        .map(|r| registration_from_dto(r, &camera.model, projector.as_ref()))
+        .map(|r| registration_from_dto(&r, &camera.model, projector.as_ref()))
         .transpose()?;
     Ok(Rig {
         camera,
@@ -194,7 +194,7 @@ fn covariance_from_dto(dto: CovarianceDto) -> Result<Covariance> {
 }
 
 fn registration_from_dto(
-    dto: RegistrationDto,
+    dto: &RegistrationDto,
     camera: &Camera,
     projector: Option<&Projector>,
 ) -> Result<ChannelRegistration> {
