@@ -67,6 +67,7 @@ fn observations(views: usize) -> Observations {
             sheet: SheetObservation::Edges(sides),
             pairs,
             panel_points: Vec::new(),
+            channel_offsets: Vec::new(),
         }
     });
     let views = views.collect();

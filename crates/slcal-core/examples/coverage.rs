@@ -194,6 +194,7 @@ fn photograph(t: &Truth, o: &Options, rng: &mut ChaCha8Rng) -> Option<Observatio
             sheet: SheetObservation::Edges(sides),
             pairs,
             panel_points: Vec::new(),
+            channel_offsets: Vec::new(),
         });
     }
     let projector = (!o.camera_alone).then_some([1024, 768]);

@@ -40,6 +40,16 @@ pub struct ChannelDisplacements {
     pub camera: RedBlue<LateralColor>,
 }
 
+impl ChannelDisplacements {
+    /// All of them: of red and of blue the shift, the projector's scale and the camera's radial.
+    pub(crate) fn numbers(&self) -> [f64; 8] {
+        let of = |p: PanelDisplacement, c: LateralColor| [p.shift_px[0], p.shift_px[1], p.scale, c.radial];
+        let [a, b, c, d] = of(self.projector.red, self.camera.red);
+        let [e, f, g, h] = of(self.projector.blue, self.camera.blue);
+        [a, b, c, d, e, f, g, h]
+    }
+}
+
 /// What a registration was measured from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -137,7 +137,9 @@ pub use cloud::{CloudPoint, Frame, PointCloud};
 pub use error::{Cause, Error, ErrorClass, ErrorSubject, Result};
 pub use geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize, SheetBend, SheetSize};
 pub use matches::{Match, Matches};
-pub use observations::{CornerPair, EdgePoint, Observations, PanelPoint, SheetObservation, ViewObservation};
+pub use observations::{
+    ChannelOffset, CornerPair, EdgePoint, Observations, PanelPoint, SheetObservation, ViewObservation,
+};
 pub use parameter::{LensParameter, Parameter, PoseParameter};
 pub use pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
 pub use photo::{Encoding, PhotoView};

@@ -1,7 +1,8 @@
 //! What `detect` measures in photographs, and `calibrate` estimates from.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 
+use crate::channel_registration::RedBlue;
 use crate::geometry::{Line, RectangleSize};
 
 /// Stands for a σ that is not known where only the ratios of weights matter.
@@ -108,6 +109,32 @@ impl PanelPoint {
     }
 }
 
+/// How far the red and the blue light of a corner of the projected checkerboard lie from its green light in the photograph.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChannelOffset {
+    /// The corner in the camera image, px.
+    pub camera: Point2<f64>,
+    /// The corner on the panel, px.
+    pub projector: Point2<f64>,
+    /// From green, px of the camera image.
+    pub offset_px: RedBlue<Vector2<f64>>,
+    /// 1σ of each of its coordinates, px.
+    pub sigma_px: RedBlue<f64>,
+}
+
+impl ChannelOffset {
+    /// Whether it can be used: coordinates that are finite, and σ in [`ViewObservation::SIGMA_RANGE_PX`].
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        let RedBlue { red, blue } = self.offset_px;
+        let numbers = [self.camera.coords, self.projector.coords, red, blue];
+        numbers.iter().flat_map(|v| v.iter()).all(|x| x.abs() <= ViewObservation::MAX_COORDINATE_PX)
+            && [self.sigma_px.red, self.sigma_px.blue]
+                .iter()
+                .all(|s| ViewObservation::SIGMA_RANGE_PX.contains(s))
+    }
+}
+
 /// One pose of the sheet. Its sheet and its pairs each state their σ for all points or for none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewObservation {
@@ -121,6 +148,8 @@ pub struct ViewObservation {
     pub pairs: Vec<CornerPair>,
     /// What is seen on it of the border of the projector's light and of marks; usually nothing.
     pub panel_points: Vec<PanelPoint>,
+    /// How red and blue are displaced against green at the projected points; empty where the photograph has no colour.
+    pub channel_offsets: Vec<ChannelOffset>,
 }
 
 impl ViewObservation {

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, Point2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::assumption::{Assumption, AssumptionStatus};
+use crate::channel_registration::ChannelRegistration;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{Camera, Pose, RectangleSize, SheetBend};
 use crate::named::named;
@@ -294,6 +295,9 @@ pub struct Rig {
     pub quality: Option<Quality>,
     /// Covariance of the estimate.
     pub covariance: Option<Covariance>,
+    /// How red and blue are displaced against green in projector and camera; `None` where the photographs have no colour, or show too
+    /// few corners.
+    pub channel_registration: Option<ChannelRegistration>,
 }
 
 impl Rig {
@@ -441,6 +445,7 @@ mod tests {
             method: "ml".into(),
             quality: None,
             covariance: None,
+            channel_registration: None,
         };
         assert_eq!(rig.baseline_mm(), Some(5.0));
         assert_eq!(rig.baseline_sigma_mm(), None);
@@ -496,6 +501,7 @@ mod tests {
             method: "ml".into(),
             quality: None,
             covariance: None,
+            channel_registration: None,
         }
     }
 
@@ -573,6 +579,7 @@ mod tests {
                 parameters: PoseParameter::ALL.map(Parameter::ProjectorFromCamera).to_vec(),
                 matrix: &change * change.transpose(),
             }),
+            channel_registration: None,
         };
         let moved = changed.centre() - pose.centre();
         for (sigma, moved) in rig.projector_centre_sigma_mm().unwrap().into_iter().zip(moved.iter()) {

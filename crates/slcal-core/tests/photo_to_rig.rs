@@ -19,7 +19,8 @@ use slcal_core::{
 fn seen(folder: &Path) -> Observations {
     let file = std::fs::File::open(folder.join("patterns/checker.json")).unwrap();
     let Pattern::Checker(pattern) = read_pattern(file).unwrap() else { panic!("not a checkerboard") };
-    let image = image::open(folder.join("checker.png")).unwrap();
+    let image = ["checker.png", "checker.jpg"].map(|name| folder.join(name));
+    let image = image::open(image.iter().find(|path| path.exists()).unwrap()).unwrap();
     let view = PhotoView::try_from(&image).unwrap();
     let size = RectangleSize::new(594.0, 420.0).unwrap();
     let found = observe(view, None, size, Some(&pattern), &DetectConfig::default()).unwrap();
@@ -113,4 +114,32 @@ fn two_views_with_the_tilt_reversed_are_taken_together() {
     let d = c.rig.camera.model.distortion;
     assert!(found[0].abs() < 0.1 && found[1].abs() < 0.2, "{found:?}");
     assert!((d.k1 + 0.12).abs() < 0.01, "{d:?}");
+}
+
+#[test]
+fn the_channels_of_realistic_photographs_are_registered() {
+    // Displacements of the channels: those of the primaries, mixed by the crosstalk that the scenes were rendered with.
+    let mild = [[0.267, -0.168], [-0.209, 0.253]];
+    let strong = [[0.445, -0.280], [-0.348, 0.422]];
+    for (name, truth) in [
+        ("real_mild_a", mild),
+        ("real_mild_b", mild),
+        ("real_tang_a", strong),
+        ("real_tang_b", strong),
+        ("real_grid", strong),
+    ] {
+        let Some(folder) = rendered_scenes(name) else { return };
+        let rig = calibrate_observations(&seen(&folder), &CalibrateConfig::default()).unwrap().rig;
+        let r = rig.channel_registration.unwrap();
+        let (found, sigma) = (r.displacements.projector, r.sigma.projector);
+        for (found, sigma, truth) in [(found.red, sigma.red, truth[0]), (found.blue, sigma.blue, truth[1])] {
+            for k in 0..2 {
+                let error = found.shift_px[k] - truth[k];
+                assert!(
+                    error.abs() < 0.04 && error.abs() < 2.5 * sigma.shift_px[k],
+                    "{name}: {found:?} for {truth:?}"
+                );
+            }
+        }
+    }
 }

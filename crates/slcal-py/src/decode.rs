@@ -3,15 +3,16 @@
 use pyo3::prelude::*;
 use slcal_core::decode::{DecodeConfig, DecodeInput};
 use slcal_core::photo::Encoding;
-use slcal_core::{Error, Result};
+use slcal_core::{Error, ErrorSubject, Result};
 
 use crate::convert::image::Photo;
-use crate::convert::object::object;
+use crate::convert::object::{object, optional};
 use crate::convert::option;
 use crate::convert::report::LazyReport;
 use crate::errors::{Stage, raised};
 use crate::matches::Matches;
 use crate::pattern::StripePattern;
+use crate::rig::Rig;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(decode, module)?)
@@ -104,6 +105,9 @@ pub(crate) fn config(gamma: Option<&Bound<'_, PyAny>>, min_confidence: f64) -> P
 ///     The transfer curve of the image.
 /// min_confidence : float, default 0.4
 ///     Matches with a lower confidence are rejected and counted, 0 to 1.
+/// rig : Rig, optional
+///     The calibrated rig: its registration of the colour channels is used. Without it the registration is estimated from the
+///     stripes where they show it.
 ///
 /// Returns
 /// -------
@@ -131,8 +135,8 @@ pub(crate) fn config(gamma: Option<&Bound<'_, PyAny>>, min_confidence: f64) -> P
 /// 64
 #[pyfunction]
 #[pyo3(
-    signature = (image, pattern, *, black=None, white=None, gamma=None, min_confidence=0.4),
-    text_signature = "(image, pattern, *, black=None, white=None, gamma='srgb', min_confidence=0.4)"
+    signature = (image, pattern, *, black=None, white=None, gamma=None, min_confidence=0.4, rig=None),
+    text_signature = "(image, pattern, *, black=None, white=None, gamma='srgb', min_confidence=0.4, rig=None)"
 )]
 fn decode(
     image: &Bound<'_, PyAny>,
@@ -141,11 +145,18 @@ fn decode(
     white: Option<&Bound<'_, PyAny>>,
     gamma: Option<&Bound<'_, PyAny>>,
     min_confidence: f64,
+    rig: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Matches> {
     let py = image.py();
     let pattern = &object::<StripePattern>(pattern, "pattern")?.get().0;
     let frames = Frames::of(image, black, white)?;
-    let config = config(gamma, min_confidence)?;
+    let rig = optional::<Rig>(rig, "rig")?.map(|rig| &rig.get().rig);
+    if let Some(rig) = rig {
+        rig.projector_for(ErrorSubject::StripePattern, pattern.projector)
+            .map_err(|e| raised(py, &e, Stage::Decode))?;
+    }
+    let registration = rig.and_then(|rig| rig.channel_registration);
+    let config = DecodeConfig { registration, ..config(gamma, min_confidence)? };
     let decoding = frames.read(py, |input| slcal_core::decode::decode(*input, pattern, &config))?;
     let report = LazyReport::of("DecodeReport", &decoding.report);
     Ok(Matches { matches: decoding.matches, report })

@@ -13,6 +13,11 @@ pub(crate) struct DecodeArgs {
     pub(crate) image: PathBuf,
     #[command(flatten)]
     pub(crate) input: DecodeInput,
+    /// Calibrated rig: its registration of the colour channels is used.
+    ///
+    /// Without it the registration is estimated from the stripes where they show it.
+    #[arg(long, value_name = "RIG.json", help_heading = INPUT)]
+    pub(crate) rig: Option<PathBuf>,
     /// File for the matches; `-` for stdout.
     #[arg(short, long, value_name = "MATCHES.csv", help_heading = OUTPUT)]
     pub(crate) output: PathBuf,

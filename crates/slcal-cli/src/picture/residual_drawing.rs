@@ -221,6 +221,7 @@ mod tests {
             sheet: SheetObservation::Corners { corners: CORNERS.map(Point2::from), sigma_px: Some(0.1) },
             pairs: vec![pair(400.0), pair(450.0)],
             panel_points: Vec::new(),
+            channel_offsets: Vec::new(),
         }
     }
 

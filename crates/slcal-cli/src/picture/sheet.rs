@@ -58,7 +58,7 @@ pub(crate) enum Partly {
     /// The corners that were given by hand.
     Given([Point2<f64>; 4]),
     /// The sheet that was found without the pattern.
-    Sheet(ViewObservation),
+    Sheet(Box<ViewObservation>),
 }
 
 /// A photograph called `name` in which not everything was found, and why, with a legend.
@@ -74,7 +74,7 @@ pub(crate) fn not_found(size: [u32; 2], name: &str, why: &str, partly: &Partly) 
         Partly::Given(_) => {
             Legend::new(title).entry(Swatch::Line(sheet_pen()), "the sheet by the corners that were given")
         }
-        Partly::Sheet(view) => legend(title, [view]),
+        Partly::Sheet(view) => legend(title, [view.as_ref()]),
     };
     drawing.legend = Some(legend.note(why));
     drawing

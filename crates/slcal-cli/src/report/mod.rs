@@ -5,6 +5,7 @@
 //! `uncertainty_map`. `plot` draws flat plots, `view_3d` what the page's script shows in space. `maud` escapes every text. The same page gives the same file.
 
 mod assumptions;
+mod channels;
 mod cloud_report;
 mod command_line;
 mod decoding;
@@ -42,6 +43,7 @@ pub(crate) fn rig_html(page: &RigPage) -> Vec<u8> {
         Some(parameters::section(page)),
         photographs::section(page),
         sheet_bend::section(page),
+        channels::section(page),
         residuals::section(page),
         Some(view_3d::section(page.rig, page.cloud.as_ref(), view_3d::Begin::All)),
         uncertainty_map::section(page, working),

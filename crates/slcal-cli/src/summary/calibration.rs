@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use nalgebra::Point2;
-use slcal_core::{Assumption, CalibrationReport, Device, Quality, Rig, Verdict, View};
+use slcal_core::{Assumption, CalibrationReport, ChannelRegistration, Device, Quality, Rig, Verdict, View};
 
 use super::number::{rounded, unsigned};
 use super::verdict::verdict;
@@ -31,6 +31,9 @@ pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
         views(&mut layout, rig, first);
         exposure(&mut layout, rig);
         bends(&mut layout, rig);
+    }
+    if let Some(registration) = &rig.channel_registration {
+        channels(&mut layout, registration);
     }
     if let Some(quality) = &rig.quality {
         rests_on(&mut layout, quality);
@@ -274,6 +277,26 @@ fn bends(layout: &mut TextLayout, rig: &Rig) {
         layout.line("flatness", "how far the sheet bends, from its valley to its peak");
         layout.table(&table);
     }
+}
+
+/// How red and blue are displaced against green.
+fn channels(layout: &mut TextLayout, registration: &ChannelRegistration) {
+    layout.gap();
+    layout.line(
+        "channels",
+        "red and blue against green: px to the right and down on the panel, and the camera's magnification",
+    );
+    let mut table = Table::new(["", ">right, px", ">down, px", ">magnification, 1e-4"]);
+    let (d, sigma) = (&registration.displacements, &registration.sigma);
+    for (name, shift, of_shift, lateral, of_lateral) in [
+        ("red", d.projector.red, sigma.projector.red, d.camera.red, sigma.camera.red),
+        ("blue", d.projector.blue, sigma.projector.blue, d.camera.blue, sigma.camera.blue),
+    ] {
+        let px = |k: usize| value_and_sigma(shift.shift_px[k], of_shift.shift_px[k]);
+        let radial = value_and_sigma(1e4 * lateral.radial, 1e4 * of_lateral.radial);
+        table.row([name.to_owned(), px(0), px(1), radial]);
+    }
+    layout.table(&table);
 }
 
 /// What must not change after the calibration.

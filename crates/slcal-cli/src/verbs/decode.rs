@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
+use slcal_core::Rig;
 use slcal_core::decode::{DecodeConfig, DecodeInput, Decoding, decode};
 use slcal_core::format::write_matches;
 use slcal_core::photo::PhotoView;
@@ -10,8 +11,8 @@ use slcal_core::photo::PhotoView;
 use crate::args::{self, DecodeArgs};
 use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, bytes_of, check_distinct, check_json, check_spares, input_name, is_dash, load_photo,
-    load_stripes, png_bytes, write_all,
+    Destination, bytes_of, check_distinct, check_json, check_panel, check_spares, input_name, is_dash,
+    load_photo, load_rig, load_stripes, png_bytes, write_all,
 };
 use crate::output::{Printer, print_json};
 use crate::picture::{for_display, stripes};
@@ -21,14 +22,23 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     let output = Destination::prepare(&args.output, args.force)?;
     let overlay = Destination::prepare_overlay(args.overlay.as_ref(), args.force)?;
     check_distinct([&output].into_iter().chain(&overlay))?;
-    check_spares([&output].into_iter().chain(&overlay), args.input.files().chain([args.image.as_path()]))?;
+    let read = args.input.files().chain([args.image.as_path()]).chain(args.rig.as_deref());
+    check_spares([&output].into_iter().chain(&overlay), read)?;
     check_json(args.json, &output)?;
     let pattern = load_stripes(&args.input.pattern)?;
+    let rig = args.rig.as_ref().map(|path| Ok::<_, Failure>((path, load_rig(path)?))).transpose()?;
+    if let Some((path, rig)) = &rig {
+        check_panel(&args.input.pattern, pattern.projector, path, rig)?;
+    }
     let busy = printer.busy(format!("decoding {}", input_name(&args.image)));
     let frames = References::load(&args.input, printer)?;
     let photo = load_photo(&args.image, args.input.gamma.samples(), printer)?;
-    let decoding =
-        decode(frames.input(&args.image, &photo)?, &pattern, &frames.config).in_file(&args.image)?;
+    if let Some((path, rig)) = &rig {
+        check_size(&args.image, &photo, path, rig)?;
+    }
+    let registration = rig.and_then(|(_, rig)| rig.channel_registration);
+    let config = DecodeConfig { registration, ..frames.config };
+    let decoding = decode(frames.input(&args.image, &photo)?, &pattern, &config).in_file(&args.image)?;
 
     let bytes = bytes_of(|out| write_matches(&decoding.matches, out))?;
     let mut files = vec![(output.clone(), bytes)];
@@ -45,6 +55,17 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
         return print_json(&decoding.report.to_json());
     }
     printer.summary(&summary::decoding(&decoding.report), output == Destination::Stdout)
+}
+
+/// A registration holds for the pixels of the rig's camera.
+fn check_size(image: &Path, photo: &DynamicImage, path: &Path, rig: &Rig) -> Outcome {
+    let [w, h] = rig.camera.model.size();
+    let (found_w, found_h) = (photo.width(), photo.height());
+    if (found_w, found_h) == (w, h) {
+        return Ok(());
+    }
+    let expected = format!("expected a photograph by the camera of {}, {w}x{h} px", input_name(path));
+    Err(Failure::input(image, format!("{expected}, found {found_w}x{found_h} px")))
 }
 
 /// The photographs with the projector dark and white, and the configuration of the decoder.

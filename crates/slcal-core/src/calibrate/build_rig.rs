@@ -102,5 +102,6 @@ pub(crate) fn rig(solution: &Solution, assessment: &Assessment, assumptions: Vec
             assumptions,
         }),
         covariance: Some(covariance::to_rig(&solution.covariance, unknowns, model)),
+        channel_registration: None,
     }
 }

@@ -7,7 +7,9 @@ use super::hypotheses::told::{Told, told};
 use super::maximum_likelihood::solve_in_steps;
 use super::report::{Calibration, CalibrationReport};
 use super::variance_components::{measure_noise, warning};
-use super::{build_rig, diagnostics, hypotheses, repeated, sensitivity, two_vp, validate};
+use super::{
+    build_rig, channel_registration, diagnostics, hypotheses, repeated, sensitivity, two_vp, validate,
+};
 use crate::error::Result;
 use crate::estimate::{Kind, Solution};
 use crate::observations::Observations;
@@ -49,7 +51,7 @@ use crate::rig::{Rig, Verdict};
 /// # };
 /// # let corners = size.corners().map(|c| camera.project(&pose.transform(&Point3::new(c.x, c.y, 0.0))).unwrap());
 /// let sheet = SheetObservation::Corners { corners, sigma_px: Some(0.1) };
-/// let view = ViewObservation { photo: None, size, sheet, pairs: Vec::new(), panel_points: Vec::new() };
+/// let view = ViewObservation { photo: None, size, sheet, pairs: Vec::new(), panel_points: Vec::new(), channel_offsets: Vec::new() };
 /// let observations = Observations { camera: [1280, 960], projector: None, views: vec![view] };
 /// let calibration = calibrate_observations(&observations, &CalibrateConfig::default())?;
 /// assert!((calibration.rig.camera.model.intrinsics.fx - 1500.0).abs() < 1.0);
@@ -69,6 +71,7 @@ pub fn calibrate_observations(observations: &Observations, config: &CalibrateCon
     for (view, seen) in rig.views.iter_mut().zip(&observations.views) {
         view.photo.clone_from(&seen.photo);
     }
+    rig.channel_registration = channel_registration::fit(&rig, &observations);
     Ok(Calibration { rig, report, observations, noise })
 }
 

@@ -8,6 +8,7 @@
 
 mod build_rig;
 mod calibration;
+mod channel_registration;
 mod config;
 mod diagnostics;
 mod hypotheses;

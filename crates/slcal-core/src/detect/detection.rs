@@ -11,6 +11,7 @@ use crate::photo::{Encoding, LinearPhoto, PhotoView};
 use crate::rig::Warning;
 
 use super::board::Board;
+use super::channel_offsets::channel_offsets;
 use super::clipping::{clipped_share, clipped_warning};
 use super::downsampled::Downsampled;
 use super::panel_points::PanelBorder;
@@ -119,11 +120,18 @@ pub fn observe(
         let photo = plain.unwrap_or(photo);
         let SheetDetection { observation: sheet, notes, mut warnings } = find_sheet(photo, config)?;
         let clipped = clipped(&sheet, &[photo], &mut warnings);
-        let observation =
-            ViewObservation { photo: None, size, sheet, pairs: Vec::new(), panel_points: Vec::new() };
+        let observation = ViewObservation {
+            photo: None,
+            size,
+            sheet,
+            pairs: Vec::new(),
+            panel_points: Vec::new(),
+            channel_offsets: Vec::new(),
+        };
         return Ok(Detection { observation, pattern_corners: 0, notes, clipped, warnings });
     };
     let photographs: Vec<PhotoView<'_>> = [photo].into_iter().chain(plain).collect();
+    let colors = photo;
     let photo = LinearPhoto::new(photo, config.encoding);
     let downsampled = Downsampled::new(&photo);
     let board = Board::find(&photo, &downsampled, pattern)?;
@@ -156,9 +164,15 @@ pub fn observe(
     }
     let SheetDetection { observation: sheet, mut notes, mut warnings } = found?;
     let pattern_corners = board.expected;
-    let pairs = on_panel(on_sheet(board, &sheet, &mut notes)?.pairs, config);
+    let board = on_sheet(board, &sheet, &mut notes)?;
+    let mut channel_offsets = channel_offsets(&colors, &board, pattern.square_px);
+    if let Some(warp) = &config.panel_from_pattern {
+        channel_offsets.retain_mut(|o| warp.map(o.projector).map(|q| o.projector = q).is_some());
+    }
+    let pairs = on_panel(board.pairs, config);
     let clipped = clipped(&sheet, &photographs, &mut warnings);
-    let observation = ViewObservation { photo: None, size, sheet, pairs, panel_points: border.points };
+    let panel_points = border.points;
+    let observation = ViewObservation { photo: None, size, sheet, pairs, panel_points, channel_offsets };
     Ok(Detection { observation, pattern_corners, notes, clipped, warnings })
 }
 

@@ -1,13 +1,15 @@
 //! Photograph → observations: the checkerboard's corners and the sheet's edges, to sub-pixel.
 //!
 //! `observe` first finds the projected checkerboard. `checkerboard` labels its corners, `board_registration` finds their
-//! place in the pattern, `corner` refines their positions. The border of the projector footprint on the sheet follows
+//! place in the pattern, `corner` refines their positions, and
+//! `channel_offsets` finds how red and blue lie beside green there. The border of the projector footprint on the sheet follows
 //! (`projector_footprint`), and is looked for where it is seen, with the marks beside it (`panel_points`). The sheet is the quadrilateral of straight edges (`edge_map`, `lines`, `quad`) that holds the
 //! board. Its sides are measured on linear light at full resolution (`edge`). `find_corners` and `find_sheet` do one of
 //! the two. These functions are public with the feature `stages`.
 
 mod board;
 mod board_registration;
+mod channel_offsets;
 mod checkerboard;
 mod clipping;
 mod corner;

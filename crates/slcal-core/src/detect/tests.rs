@@ -79,7 +79,7 @@ impl Drawn {
         0.15 + 0.6 * lit
     }
 
-    fn draw(&self) -> DynamicImage {
+    pub(super) fn draw(&self) -> DynamicImage {
         const SUB: i32 = 6;
         let inverse = self.camera_from_projector.map(|h| h.inverse().unwrap());
         let image = GrayImage::from_fn(self.size[0], self.size[1], |x, y| {

@@ -71,6 +71,13 @@ fn check_view(view: &ViewObservation, i: usize, observations: &Observations) -> 
         let expected = "finite camera coordinates, one place on the panel at least, and a positive σ";
         return Err(Error::invalid(what("points of the panel"), expected, format!("{wrong:?}")));
     }
+    if let Some(wrong) = view.channel_offsets.iter().find(|o| !o.is_valid()) {
+        return Err(Error::invalid(
+            what("offsets of the channels"),
+            "finite coordinates and positive σ",
+            format!("{wrong:?}"),
+        ));
+    }
     if let SheetObservation::Edges(sides) = &view.sheet
         && let Some(fewest) = sides.iter().map(Vec::len).min()
         && fewest < 2

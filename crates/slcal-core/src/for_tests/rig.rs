@@ -29,5 +29,6 @@ pub(crate) fn test_rig() -> Rig {
         method: "test".into(),
         quality: None,
         covariance: None,
+        channel_registration: None,
     }
 }

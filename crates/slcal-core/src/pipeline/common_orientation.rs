@@ -4,9 +4,12 @@
 //! The tag follows gravity. A camera that looks down often writes the wrong one, and photographs that are upright do not show
 //! the sensor in the same way, which a calibration takes for granted.
 
+use nalgebra::Vector2;
+
 use super::photo_tags::{Orientation, Turn};
 use super::taken::Taken;
 use crate::calibrate::{CalibrateConfig, misfit_per_residual};
+use crate::channel_registration::RedBlue;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::observations::{Observations, SheetObservation, ViewObservation};
 use crate::rig::Warning;
@@ -170,6 +173,12 @@ fn turn_view(view: &mut ViewObservation, size: [u32; 2], turn: Turn, with_sheet:
     }
     view.pairs.iter_mut().for_each(|p| p.camera = turn.point(p.camera, size));
     view.panel_points.iter_mut().for_each(|p| p.camera = turn.point(p.camera, size));
+    view.channel_offsets.iter_mut().for_each(|o| {
+        // A displacement turns as the line to the point that it leads to.
+        let turned = |v: Vector2<f64>| turn.point(o.camera + v, size) - turn.point(o.camera, size);
+        o.offset_px = RedBlue { red: turned(o.offset_px.red), blue: turned(o.offset_px.blue) };
+        o.camera = turn.point(o.camera, size);
+    });
     // Sides and corners are named anew, from the corner on from which the side to the next runs most nearly along x.
     let Some(corners) = view.sheet.corners() else { return };
     let along_x = |i: &usize| (corners[(i + 1) % 4] - corners[*i]).normalize().x;

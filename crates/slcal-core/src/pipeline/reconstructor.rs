@@ -124,7 +124,8 @@ pub struct Reconstructor {
 }
 
 impl Reconstructor {
-    /// Checks that rig, pattern and configuration fit together.
+    /// Checks that rig, pattern and configuration fit together. The rig's registration of the colour channels is decoded with, unless
+    /// [`DecodeConfig::registration`](crate::decode::DecodeConfig::registration) has another.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a rig without a projector, a pattern for another panel, the sheet's frame with a rig that
@@ -132,7 +133,8 @@ impl Reconstructor {
     pub fn new(rig: &Rig, pattern: &StripePattern, config: ReconstructConfig) -> Result<Self> {
         rig.projector_for(ErrorSubject::StripePattern, pattern.projector)?;
         let stages = Stages::new(rig, &config)?;
-        let decoder = Decoder::new(pattern, config.decode)?;
+        let registration = config.decode.registration.or(rig.channel_registration);
+        let decoder = Decoder::new(pattern, DecodeConfig { registration, ..config.decode })?;
         let camera = rig.camera.model.size();
         Ok(Self { camera, decoder, stages, result: Reconstruction::default() })
     }

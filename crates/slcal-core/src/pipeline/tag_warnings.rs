@@ -75,6 +75,7 @@ mod tests {
             method: "ml".into(),
             quality: None,
             covariance: None,
+            channel_registration: None,
         }
     }
 

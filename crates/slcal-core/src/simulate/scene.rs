@@ -253,6 +253,7 @@ impl Scene {
                 sheet,
                 pairs,
                 panel_points: Vec::new(),
+                channel_offsets: Vec::new(),
             });
         }
         Ok(Observations {
@@ -314,6 +315,7 @@ impl Scene {
             method: "truth".into(),
             quality: None,
             covariance: None,
+            channel_registration: None,
         }
     }
 }

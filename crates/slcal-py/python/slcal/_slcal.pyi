@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from .reports import (
     Advice,
     CalibrationReport,
+    ChannelRegistration,
     CloudReport,
     DecodeReport,
     DeviceSigma,
@@ -690,6 +691,9 @@ class ViewObservation:
     panel_points : array_like, optional
         (N, 5), px: camera x, camera y, panel x, panel y and 1σ of points whose place on the panel is known, as the property
         `panel_points` has them.
+    channel_offsets : array_like, optional
+        (N, 10), px: how red and blue are displaced against green at corners of the pattern, as the property `channel_offsets` has
+        them.
     photo : str, optional
         Name of the photograph.
 
@@ -721,6 +725,7 @@ class ViewObservation:
         sheet_sigma_px: float | Mapping[str, ArrayLike] | None = None,
         pair_sigma_px: ArrayLike | None = None,
         panel_points: ArrayLike | None = None,
+        channel_offsets: ArrayLike | None = None,
         photo: str | None = None,
     ) -> ViewObservation: ...
     @property
@@ -745,6 +750,11 @@ class ViewObservation:
     def panel_points(self) -> NDArray[np.float64]:
         """Camera x, camera y, panel x, panel y and 1σ of points on the border of the projector's light and of marks: (N, 5)
         float64, px. NaN stands for the coordinate along a border, and for a σ that was not given. They test whether the picture was shown pixel for pixel.
+        """
+    @property
+    def channel_offsets(self) -> NDArray[np.float64]:
+        """How red and blue are displaced against green at corners of the pattern: (N, 10) float64, px. Camera x and y, projector x and
+        y, red x and y, blue x and y, 1σ of red and of blue. None are found in grey photographs.
         """
     @property
     def photo(self) -> str | None:
@@ -1346,6 +1356,11 @@ class Rig:
     @property
     def covariance(self) -> Covariance | _MaybeNone:
         """Covariance of all estimated parameters; None for rigs from other programs."""
+    @property
+    def channel_registration(self) -> ChannelRegistration | _MaybeNone:
+        """How red and blue are displaced against green in projector and camera; None where it is not known, as in rigs that
+        were calibrated from grey photographs.
+        """
     @property
     def report(self) -> CalibrationReport | _MaybeNone:
         """Iterations and inliers of the calibration; None for a rig that was not calibrated in this program."""
@@ -1953,6 +1968,7 @@ def decode(
     white: _ImageLike | None = None,
     gamma: _Gamma = "srgb",
     min_confidence: float = 0.4,
+    rig: Rig | None = None,
 ) -> Matches:
     """Finds the stripes in a photograph and identifies their slits.
 
@@ -1969,6 +1985,9 @@ def decode(
         The transfer curve of the image.
     min_confidence : float, default 0.4
         Matches with a lower confidence are rejected and counted, 0 to 1.
+    rig : Rig, optional
+        The calibrated rig: its registration of the colour channels is used. Without it the registration is estimated from the
+        stripes where they show it.
 
     Returns
     -------

@@ -137,6 +137,62 @@ class Assumption(Report):
 
 
 @dataclass(frozen=True)
+class PanelDisplacement(Report):
+    """A colour of the projector against green."""
+
+    #: Shift to the right and down, px of the panel.
+    shift_px: tuple[float, float]
+    #: Magnification about the middle of the panel, beyond that of green.
+    scale: float
+
+
+@dataclass(frozen=True)
+class LateralColor(Report):
+    """A channel of the camera against green."""
+
+    #: Magnification about the principal point, beyond that of green.
+    radial: float
+
+
+@dataclass(frozen=True)
+class ProjectorChannels(Report):
+    """Red and blue of the projector."""
+
+    red: PanelDisplacement
+    blue: PanelDisplacement
+
+
+@dataclass(frozen=True)
+class CameraChannels(Report):
+    """Red and blue of the camera."""
+
+    red: LateralColor
+    blue: LateralColor
+
+
+@dataclass(frozen=True)
+class ChannelDisplacements(Report):
+    """Displacements of projector and camera."""
+
+    projector: ProjectorChannels
+    camera: CameraChannels
+
+
+@dataclass(frozen=True)
+class ChannelRegistration(Report):
+    """How red and blue are displaced against green. One sheet hardly tells the projector's magnification from the camera's."""
+
+    #: The colour that the others are displaced against.
+    reference: Literal["green"]
+    projector: ProjectorChannels
+    camera: CameraChannels
+    #: 1σ of all of them.
+    sigma: ChannelDisplacements
+    #: What it was measured from.
+    source: Literal["checker", "stripes"]
+
+
+@dataclass(frozen=True)
 class Quality(Report):
     """The quality of a calibration."""
 

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use slcal_core::{Device, Quality, Rig};
+use slcal_core::{ChannelRegistration, Device, Quality, Rig};
 
 /// The record `Quality`.
 pub(super) fn quality(q: &Quality) -> Value {
@@ -19,6 +19,17 @@ pub(super) fn quality(q: &Quality) -> Value {
         "advice": q.advice,
         "warnings": q.warnings,
         "assumptions": q.assumptions,
+    })
+}
+
+/// The record `ChannelRegistration`.
+pub(super) fn registration(r: &ChannelRegistration) -> Value {
+    json!({
+        "reference": "green",
+        "projector": r.displacements.projector,
+        "camera": r.displacements.camera,
+        "sigma": r.sigma,
+        "source": r.from,
     })
 }
 

@@ -117,6 +117,7 @@ impl Rig {
             method: method.unwrap_or_else(|| "external".to_owned()),
             quality: None,
             covariance: None,
+            channel_registration: None,
         };
         Ok(rig.into())
     }
@@ -162,6 +163,14 @@ impl Rig {
     #[getter]
     fn covariance(&self) -> Option<Covariance> {
         self.rig.covariance.clone().map(Covariance)
+    }
+
+    /// How red and blue are displaced against green in projector and camera; None where it is not known, as in rigs that
+    /// were calibrated from grey photographs.
+    #[getter]
+    fn channel_registration<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let known = self.rig.channel_registration.as_ref();
+        known.map(|r| record(py, "ChannelRegistration", &display::registration(r))).transpose()
     }
 
     /// Iterations and inliers of the calibration; None for a rig that was not calibrated in this program.

@@ -81,7 +81,15 @@ fn from_opencv(
         None
     };
     let method = "opencv".to_owned();
-    Ok(CoreRig { camera, projector, views: Vec::new(), method, quality: None, covariance: None })
+    Ok(CoreRig {
+        camera,
+        projector,
+        views: Vec::new(),
+        method,
+        quality: None,
+        covariance: None,
+        channel_registration: None,
+    })
 }
 
 #[pymethods]

@@ -1,9 +1,9 @@
 //! Sheets and pairs from and to arrays.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
-use slcal_core::{CornerPair, EdgePoint, PanelPoint, SheetObservation};
+use slcal_core::{ChannelOffset, CornerPair, EdgePoint, PanelPoint, RedBlue, SheetObservation};
 
 use crate::convert::array::{Numbers, any_rows_of, column, rows, rows_of};
 use crate::convert::columns::column_of;
@@ -210,6 +210,25 @@ pub(super) fn panel_points_of(values: &Bound<'_, PyAny>) -> PyResult<Vec<PanelPo
         None => Ok(points),
         Some(i) => {
             let expected = "finite camera px, panel x or y or both, and a positive σ or NaN";
+            Err(errors::invalid(values.py(), NAME, expected, &format!("others in row {i}")))
+        }
+    }
+}
+
+/// Offsets of the channels, as rows of ten numbers.
+pub(super) fn channel_offsets_of(values: &Bound<'_, PyAny>) -> PyResult<Vec<ChannelOffset>> {
+    const NAME: &str = "channel_offsets";
+    let offset = |[cx, cy, px, py, rx, ry, bx, by, red, blue]: [f64; 10]| ChannelOffset {
+        camera: Point2::new(cx, cy),
+        projector: Point2::new(px, py),
+        offset_px: RedBlue { red: Vector2::new(rx, ry), blue: Vector2::new(bx, by) },
+        sigma_px: RedBlue { red, blue },
+    };
+    let offsets: Vec<ChannelOffset> = any_rows_of::<10>(values, NAME)?.into_iter().map(offset).collect();
+    match offsets.iter().position(|o| !o.is_valid()) {
+        None => Ok(offsets),
+        Some(i) => {
+            let expected = "finite px and positive σ";
             Err(errors::invalid(values.py(), NAME, expected, &format!("others in row {i}")))
         }
     }

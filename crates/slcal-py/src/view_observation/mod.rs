@@ -6,9 +6,9 @@ use std::path::Path;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use slcal_core::SheetObservation;
 use slcal_core::format::{read_observations, write_observations};
 use slcal_core::geometry::RectangleSize;
+use slcal_core::{RedBlue, SheetObservation};
 
 pub(crate) use arrays::{edge_sigma, edges, four_corners, pair_sigma};
 
@@ -46,6 +46,9 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// panel_points : array_like, optional
 ///     (N, 5), px: camera x, camera y, panel x, panel y and 1σ of points whose place on the panel is known, as the property
 ///     `panel_points` has them.
+/// channel_offsets : array_like, optional
+///     (N, 10), px: how red and blue are displaced against green at corners of the pattern, as the property `channel_offsets` has
+///     them.
 /// photo : str, optional
 ///     Name of the photograph.
 ///
@@ -83,7 +86,7 @@ impl Argument for ViewObservation {
 #[pymethods]
 impl ViewObservation {
     #[new]
-    #[pyo3(signature = (size_mm, *, sheet_corners=None, sheet_edges=None, pairs=None, sheet_sigma_px=None, pair_sigma_px=None, panel_points=None, photo=None))]
+    #[pyo3(signature = (size_mm, *, sheet_corners=None, sheet_edges=None, pairs=None, sheet_sigma_px=None, pair_sigma_px=None, panel_points=None, channel_offsets=None, photo=None))]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments are what a Python user expects")]
     fn new(
         size_mm: &Bound<'_, PyAny>,
@@ -93,6 +96,7 @@ impl ViewObservation {
         sheet_sigma_px: Option<&Bound<'_, PyAny>>,
         pair_sigma_px: Option<&Bound<'_, PyAny>>,
         panel_points: Option<&Bound<'_, PyAny>>,
+        channel_offsets: Option<&Bound<'_, PyAny>>,
         photo: Option<String>,
     ) -> PyResult<Self> {
         let py = size_mm.py();
@@ -107,7 +111,8 @@ impl ViewObservation {
         };
         let pairs = pairs.map_or(Ok(Vec::new()), |p| arrays::pairs_of(p, pair_sigma_px))?;
         let panel_points = panel_points.map_or(Ok(Vec::new()), arrays::panel_points_of)?;
-        Ok(Self(slcal_core::ViewObservation { photo, size, sheet, pairs, panel_points }))
+        let channel_offsets = channel_offsets.map_or(Ok(Vec::new()), arrays::channel_offsets_of)?;
+        Ok(Self(slcal_core::ViewObservation { photo, size, sheet, pairs, panel_points, channel_offsets }))
     }
 
     /// Width and height of the sheet, mm.
@@ -171,6 +176,20 @@ impl ViewObservation {
         )
     }
 
+    /// How red and blue are displaced against green at corners of the pattern: (N, 10) float64, px. Camera x and y, projector x and
+    /// y, red x and y, blue x and y, 1σ of red and of blue. None are found in grey photographs.
+    #[getter]
+    fn channel_offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        rows(
+            py,
+            self.0.channel_offsets.iter().map(|o| {
+                let (c, p, sigma) = (o.camera, o.projector, o.sigma_px);
+                let RedBlue { red, blue } = o.offset_px;
+                [c.x, c.y, p.x, p.y, red.x, red.y, blue.x, blue.y, sigma.red, sigma.blue]
+            }),
+        )
+    }
+
     /// Name of the photograph, where it has one.
     #[getter]
     fn photo(&self) -> Option<&str> {
@@ -229,5 +248,6 @@ pub(crate) fn sizeless(sheet: SheetObservation) -> ViewObservation {
         sheet,
         pairs: Vec::new(),
         panel_points: Vec::new(),
+        channel_offsets: Vec::new(),
     })
 }

@@ -210,7 +210,7 @@ fn sheet_of(
         _ => {
             let found = shots.iter().filter_map(|s| match &s.seen {
                 Seen::All(found) => Some(&found.observation),
-                Seen::Not { partly: Partly::Sheet(view), .. } => Some(view),
+                Seen::Not { partly: Partly::Sheet(view), .. } => Some(view.as_ref()),
                 Seen::Not { .. } => None,
             });
             sheet::legend(format!("{} of {expected} photographs were processed", shots.len()), found)

@@ -124,5 +124,5 @@ fn partly(i: usize, photo: &DynamicImage, args: &CalibrateArgs) -> Partly {
         let detect = DetectConfig { encoding: args.gamma.encoding(), ..DetectConfig::default() };
         observe(PhotoView::try_from(photo).ok()?, None, args.size?.upright(), None, &detect).ok()
     };
-    alone().map_or(Partly::Nothing, |found| Partly::Sheet(found.observation))
+    alone().map_or(Partly::Nothing, |found| Partly::Sheet(Box::new(found.observation)))
 }

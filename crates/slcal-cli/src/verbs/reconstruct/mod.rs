@@ -58,7 +58,7 @@ pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer)
     };
     let config = ReconstructConfig { decode: job.scene.config(), ..config };
     if let (Some(folder), Some(raw)) = (OutputFolder::of(args), args.raw) {
-        return job.run(config, folder.frames(raw), None, printer);
+        return job.run(&config, folder.frames(raw), None, printer);
     }
     let of_file = |(image, place): (&PathBuf, Place)| Frame {
         image: image.clone(),
@@ -67,7 +67,7 @@ pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer)
         place: Ok(place),
     };
     let count = places.len();
-    job.run(config, args.images.iter().zip(places).map(of_file), Some(count), printer)
+    job.run(&config, args.images.iter().zip(places).map(of_file), Some(count), printer)
 }
 
 /// Checks of the command line beyond those of clap.
@@ -146,7 +146,7 @@ impl Job<'_> {
     /// Reconstructs all frames, several at a time, and reports them in order.
     fn run(
         &self,
-        config: ReconstructConfig,
+        config: &ReconstructConfig,
         frames: impl Iterator<Item = Frame> + Send,
         count: Option<usize>,
         printer: Printer,
@@ -156,7 +156,7 @@ impl Job<'_> {
         let mut workers = Vec::new();
         for _ in 0..jobs {
             let mut scanner =
-                Reconstructor::new(self.rig, self.pattern, config).in_file(&self.args.input.pattern)?;
+                Reconstructor::new(self.rig, self.pattern, *config).in_file(&self.args.input.pattern)?;
             workers.push(move |frame: Frame| self.work(frame, &mut scanner));
         }
         let mut reporter = Reporter::new(self.args, printer, count);

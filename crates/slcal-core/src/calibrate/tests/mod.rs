@@ -1,6 +1,7 @@
 //! The calibration against known truth: closed forms, Monte Carlo, hostile input.
 
 mod bad_input;
+mod channels;
 mod coverage;
 mod efficiency;
 mod extremes;

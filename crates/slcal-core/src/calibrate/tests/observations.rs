@@ -36,6 +36,7 @@ fn rendered(scene: &str) -> Option<(Observations, Rig)> {
             sheet,
             pairs,
             panel_points: Vec::new(),
+            channel_offsets: Vec::new(),
         }],
     };
     Some((observations, truth))

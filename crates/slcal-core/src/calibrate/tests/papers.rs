@@ -70,6 +70,7 @@ fn photograph(
         sheet: SheetObservation::Edges(sides),
         pairs: Vec::new(),
         panel_points: Vec::new(),
+        channel_offsets: Vec::new(),
     })
 }
 

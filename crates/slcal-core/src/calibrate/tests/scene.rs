@@ -69,7 +69,7 @@ pub(crate) fn rig(cy: f64, views: Vec<Pose>) -> Model {
 }
 
 /// Noise of standard deviation `sigma` per coordinate.
-fn jitter(rng: &mut ChaCha8Rng, sigma: f64) -> Vector2<f64> {
+pub(crate) fn jitter(rng: &mut ChaCha8Rng, sigma: f64) -> Vector2<f64> {
     let n = Normal::new(0.0, sigma).unwrap();
     Vector2::new(n.sample(rng), n.sample(rng))
 }
@@ -94,7 +94,14 @@ pub(crate) fn observe(model: &Model, sheet_px: f64, pair_px: f64, rng: &mut ChaC
                 }
             }
             let seen = SheetObservation::Corners { corners, sigma_px: Some(sheet_px) };
-            ViewObservation { photo: None, size: sheet.size, sheet: seen, pairs, panel_points: Vec::new() }
+            ViewObservation {
+                photo: None,
+                size: sheet.size,
+                sheet: seen,
+                pairs,
+                panel_points: Vec::new(),
+                channel_offsets: Vec::new(),
+            }
         })
         .collect();
     let projector = model.projector.map(|p| [p.width, p.height]);

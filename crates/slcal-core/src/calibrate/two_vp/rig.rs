@@ -257,5 +257,6 @@ fn assemble(
         method: "two-vp".into(),
         quality: Some(quality),
         covariance: None,
+        channel_registration: None,
     }
 }

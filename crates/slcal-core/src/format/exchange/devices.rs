@@ -54,5 +54,6 @@ pub(super) fn plain_rig(camera: Device, projector: Option<&(Device, Pose)>, form
         method: format.name().to_owned(),
         quality: None,
         covariance: None,
+        channel_registration: None,
     }
 }

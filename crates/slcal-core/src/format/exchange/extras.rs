@@ -9,7 +9,7 @@ use crate::format::tree::{Expecting, Node};
 use crate::rig::Rig;
 
 /// Values that are words, even where they look like numbers.
-const WORDS: [&str; 11] = [
+const WORDS: [&str; 13] = [
     "photo",
     "method",
     "verdict",
@@ -21,10 +21,12 @@ const WORDS: [&str; 11] = [
     "text",
     "unit",
     "status",
+    "reference",
+    "from",
 ];
 
 /// Where each of them stands in rig.json, and its name in other files.
-const PLACES: [(&str, &str); 8] = [
+const PLACES: [(&str, &str); 9] = [
     ("/method", "method"),
     ("/camera/sigma", "camera_sigma"),
     ("/projector/sigma", "projector_sigma"),
@@ -33,6 +35,7 @@ const PLACES: [(&str, &str); 8] = [
     ("/views", "views"),
     ("/quality", "quality"),
     ("/covariance", "covariance"),
+    ("/channel_registration", "channel_registration"),
 ];
 
 /// All values that the rig has.

@@ -44,6 +44,7 @@ impl Losses {
             (of_pose || rig.devices().any(|(_, d)| d.sigma.is_some()), "σ"),
             (rig.covariance.is_some(), "covariance"),
             (rig.quality.is_some(), "verdict and warnings"),
+            (rig.channel_registration.is_some(), "registration of the channels"),
             (!rig.views.is_empty(), views),
         ]
         .into_iter()

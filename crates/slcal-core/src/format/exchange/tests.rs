@@ -88,6 +88,7 @@ fn rig(distortion: [f64; 5], skew: f64) -> Rig {
             parameters: vec!["camera.focal_px".into(), "camera.cx_px".into()],
             matrix: DMatrix::from_row_slice(2, 2, &[1.0, 1.0 / 3.0, 1.0 / 3.0, 2.0]),
         }),
+        channel_registration: None,
     }
 }
 

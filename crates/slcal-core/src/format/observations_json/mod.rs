@@ -4,7 +4,9 @@
 //! `sheet_corners_px` or `sheet_edges_px`; with a projector also `pairs`. σ may be stated for a view (`sheet_sigma_px`,
 //! `pair_sigma_px`), or for a point as an additional number after its coordinates. Otherwise it is unknown.
 //! `panel_points` of a view (optional) are points on the border of the projector's light and marks: `[camera_x, camera_y, panel_x,
-//! panel_y]`, with null for the coordinate that a border does not have, and σ behind them where it is known. Unknown
+//! panel_y]`, with null for the coordinate that a border does not have, and σ behind them where it is known. `channel_offsets`
+//! (optional) has how red and blue are displaced against green at corners: `[camera_x, camera_y, projector_x, projector_y, red_x, red_y,
+//! blue_x, blue_y, σ_red, σ_blue]`. Unknown
 //! fields are skipped. Numbers are written with the fewest digits that read back to the same
 //! `f64`.
 

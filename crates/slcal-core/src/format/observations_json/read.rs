@@ -1,13 +1,14 @@
 //! Conversion of the file's fields to observations, with checks.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 use serde_json::{Map, Value};
 
 use super::schema::{SCHEMA, SIDES, malformed};
+use crate::channel_registration::RedBlue;
 use crate::error::Result;
 use crate::geometry::RectangleSize;
 use crate::observations::{
-    CornerPair, EdgePoint, Observations, PanelPoint, SheetObservation, ViewObservation,
+    ChannelOffset, CornerPair, EdgePoint, Observations, PanelPoint, SheetObservation, ViewObservation,
 };
 
 const MAX_COORDINATE_PX: f64 = ViewObservation::MAX_COORDINATE_PX;
@@ -120,7 +121,10 @@ fn view(fields: &Map<String, Value>, place: &str, with_pairs: bool) -> Result<Vi
     let panel_points = fields
         .get("panel_points")
         .map_or(Ok(Vec::new()), |value| panel_points(value, &format!("{place}.panel_points")))?;
-    Ok(ViewObservation { photo, size, sheet, pairs, panel_points })
+    let channel_offsets = fields
+        .get("channel_offsets")
+        .map_or(Ok(Vec::new()), |value| channel_offsets(value, &format!("{place}.channel_offsets")))?;
+    Ok(ViewObservation { photo, size, sheet, pairs, panel_points, channel_offsets })
 }
 
 fn sigma_of(fields: &Map<String, Value>, name: &str, place: &str) -> Result<Option<f64>> {
@@ -258,4 +262,29 @@ fn panel_points(value: &Value, place: &str) -> Result<Vec<PanelPoint>> {
         Ok(point)
     };
     list.iter().enumerate().map(point).collect()
+}
+
+/// Rows of camera x and y, panel x and y, red x and y, blue x and y, σ of red and of blue.
+fn channel_offsets(value: &Value, place: &str) -> Result<Vec<ChannelOffset>> {
+    let expected =
+        "[camera_x, camera_y, projector_x, projector_y, red_x, red_y, blue_x, blue_y, σ_red, σ_blue]";
+    let list = value.as_array().ok_or_else(|| wrong(place, &format!("a list of {expected}"), value))?;
+    let offset = |(i, value): (usize, &Value)| {
+        let place = format!("{place}[{i}]");
+        let numbers = numbers(value, &place, expected)?;
+        let &[cx, cy, px, py, rx, ry, bx, by, red, blue] = numbers.as_slice() else {
+            return Err(wrong(&place, expected, value));
+        };
+        let offset = ChannelOffset {
+            camera: Point2::new(cx, cy),
+            projector: Point2::new(px, py),
+            offset_px: RedBlue { red: Vector2::new(rx, ry), blue: Vector2::new(bx, by) },
+            sigma_px: RedBlue { red, blue },
+        };
+        let valid = offset.is_valid().then_some(offset);
+        valid.ok_or_else(|| {
+            malformed(format!("{place}: expected positive σ in pixels, found {red} and {blue}"))
+        })
+    };
+    list.iter().enumerate().map(offset).collect()
 }

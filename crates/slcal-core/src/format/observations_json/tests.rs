@@ -199,3 +199,20 @@ fn panel_points_are_read_and_written_to_the_same_bits() {
     refused(&with_points(json!([[1, "a", 3, 4]])), &["views[0].panel_points[0][1]", "finite number"]);
     refused(&with_points(json!([[1, 2, 3]])), &["views[0].panel_points[0]", "panel_x or null"]);
 }
+
+#[test]
+fn channel_offsets_are_read_and_written_to_the_same_bits() {
+    let with_offsets = |rows: Value| with(|v| v["views"][0]["channel_offsets"] = rows);
+    let row = json!([400.1, 300.2, 271.5, 233.5, 0.25, -0.125, -0.3, 0.4, 0.05, 0.06]);
+    let o = read(&with_offsets(json!([row]))).unwrap();
+    let offset = &o.views[0].channel_offsets[0];
+    assert_eq!((offset.offset_px.red.x, offset.offset_px.blue.y, offset.sigma_px.blue), (0.25, 0.4, 0.06));
+    let mut text = Vec::new();
+    write_observations(&o, &mut text).unwrap();
+    assert_eq!(read_observations(text.as_slice()).unwrap(), o);
+    refused(&with_offsets(json!([[1, 2, 3]])), &["views[0].channel_offsets[0]", "σ_blue"]);
+    refused(
+        &with_offsets(json!([[1, 2, 3, 4, 0, 0, 0, 0, 0.05, 0]])),
+        &["views[0].channel_offsets[0]", "positive σ", "found 0.05 and 0"],
+    );
+}

@@ -5,8 +5,9 @@ use std::fmt::Write as _;
 use serde_json::Value;
 
 use super::schema::{SCHEMA, SIDES};
+use crate::channel_registration::RedBlue;
 use crate::error::{Error, Result};
-use crate::observations::{Observations, PanelPoint, SheetObservation, ViewObservation};
+use crate::observations::{ChannelOffset, Observations, PanelPoint, SheetObservation, ViewObservation};
 
 /// A list of numbers.
 fn row(numbers: &[f64], sigma: Option<f64>) -> Result<String> {
@@ -76,8 +77,19 @@ fn view(view: &ViewObservation) -> Result<String> {
         let rows = view.panel_points.iter().map(panel_point);
         let _ = write!(text, ",\n    \"panel_points\": {}", list(rows, 4)?);
     }
+    if !view.channel_offsets.is_empty() {
+        let rows = view.channel_offsets.iter().map(|o| row(&channel_offset(o), None));
+        let _ = write!(text, ",\n    \"channel_offsets\": {}", list(rows, 4)?);
+    }
     text.push_str("\n  }");
     Ok(text)
+}
+
+/// Camera x and y, panel x and y, red x and y, blue x and y, σ of red, σ of blue.
+fn channel_offset(o: &ChannelOffset) -> [f64; 10] {
+    let RedBlue { red, blue } = o.offset_px;
+    let (c, p, s) = (o.camera, o.projector, o.sigma_px);
+    [c.x, c.y, p.x, p.y, red.x, red.y, blue.x, blue.y, s.red, s.blue]
 }
 
 /// Camera x and y, panel x and y or null, and σ where it is known.

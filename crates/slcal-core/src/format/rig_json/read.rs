@@ -5,8 +5,10 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::schema::{
-    CovarianceDto, DeviceDto, QualityDto, RigDto, Rows3, StereoDto, VanishingDto, ViewDto, malformed,
+    CovarianceDto, DeviceDto, QualityDto, REFERENCE, RegistrationDto, RigDto, Rows3, StereoDto, VanishingDto,
+    ViewDto, malformed,
 };
+use crate::channel_registration::{ChannelDisplacements, ChannelRegistration};
 use crate::error::Result;
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize, SheetBend};
 use crate::rig::{
@@ -64,6 +66,9 @@ pub(super) fn rig_from_dto(dto: RigDto) -> Result<Rig> {
         let view: ViewDto = parse(value, &place)?;
         views.extend(view_from_dto(view, &place, &camera.model, projector.as_ref())?);
     }
+    let channel_registration = parse_optional(dto.channel_registration, "channel_registration")?
+        .map(|r| registration_from_dto(&r, &camera.model, projector.as_ref()))
+        .transpose()?;
     Ok(Rig {
         camera,
         projector,
@@ -71,6 +76,7 @@ pub(super) fn rig_from_dto(dto: RigDto) -> Result<Rig> {
         method: dto.method.unwrap_or_else(|| "unknown".into()),
         quality: parse_optional(dto.quality, "quality")?.and_then(quality_from_dto),
         covariance: parse_optional(dto.covariance, "covariance")?.map(covariance_from_dto).transpose()?,
+        channel_registration,
     })
 }
 
@@ -185,4 +191,30 @@ fn covariance_from_dto(dto: CovarianceDto) -> Result<Covariance> {
     }
     let parameters = dto.parameters.into_iter().map(|name| name.as_str().into()).collect();
     Ok(Covariance { matrix: DMatrix::from_fn(n, n, |i, j| dto.matrix[i][j]), parameters })
+}
+
+fn registration_from_dto(
+    dto: &RegistrationDto,
+    camera: &Camera,
+    projector: Option<&Projector>,
+) -> Result<ChannelRegistration> {
+    expect(&dto.reference, REFERENCE, "channel_registration.reference")?;
+    let Some(projector) = projector else {
+        return Err(malformed(
+            "channel_registration: expected a projector, found a rig that holds the camera alone",
+        ));
+    };
+    if let Some(wrong) = dto.sigma.numbers().into_iter().find(|s| *s < 0.0) {
+        return Err(malformed(format!(
+            "channel_registration.sigma: expected σ that are not negative, found {wrong}"
+        )));
+    }
+    let [width, height] = projector.device.model.size();
+    Ok(ChannelRegistration {
+        displacements: ChannelDisplacements { projector: dto.projector, camera: dto.camera },
+        sigma: dto.sigma,
+        from: dto.from,
+        camera_centre: camera.intrinsics.principal_point(),
+        panel_centre: Camera::image_centre(width, height),
+    })
 }

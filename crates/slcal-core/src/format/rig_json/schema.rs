@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::assumption::Assumption;
+use crate::channel_registration::{
+    ChannelDisplacements, LateralColor, PanelDisplacement, RedBlue, RegistrationSource,
+};
 use crate::error::{Error, ErrorSubject};
 use crate::rig::{Verdict, Warning};
 
@@ -29,6 +32,8 @@ pub(super) struct RigDto {
     pub(super) quality: Value,
     #[serde(default)]
     pub(super) covariance: Value,
+    #[serde(default)]
+    pub(super) channel_registration: Value,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -141,4 +146,16 @@ pub(super) struct CovarianceDto {
 
 pub(super) fn malformed(detail: impl Into<String>) -> Error {
     Error::malformed(ErrorSubject::RigFile, detail)
+}
+
+/// What the others are displaced against.
+pub(super) const REFERENCE: &str = "green";
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct RegistrationDto {
+    pub(super) reference: String,
+    pub(super) projector: RedBlue<PanelDisplacement>,
+    pub(super) camera: RedBlue<LateralColor>,
+    pub(super) sigma: ChannelDisplacements,
+    pub(super) from: RegistrationSource,
 }

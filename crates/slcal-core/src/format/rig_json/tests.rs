@@ -73,6 +73,7 @@ fn rig() -> Rig {
             parameters: vec!["camera.focal_px".into(), "camera.cx_px".into()],
             matrix: DMatrix::from_row_slice(2, 2, &[1.0, 1.0 / 3.0, 1.0 / 3.0, 2.0]),
         }),
+        channel_registration: None,
     }
 }
 
@@ -211,4 +212,52 @@ fn the_rendered_truth_reads() {
         compared += 1;
     }
     assert!(compared >= 6, "{compared}");
+}
+
+/// A registration as the file has it.
+fn registration() -> Value {
+    let projector = serde_json::json!({"red": {"shift_px": [0.25, -0.125], "scale": 1e-4}, "blue": {"shift_px": [-0.3, 0.4]}});
+    let camera = serde_json::json!({"red": {"radial": 3e-4}, "blue": {"radial": -2e-4}});
+    let sigma = serde_json::json!({"projector": projector_sigma(), "camera": {"red": {"radial": 1e-4}, "blue": {"radial": 1e-4}}});
+    serde_json::json!({"reference": "green", "projector": projector, "camera": camera, "sigma": sigma, "from": "checker"})
+}
+
+fn projector_sigma() -> Value {
+    let one = serde_json::json!({"shift_px": [0.02, 0.02], "scale": 1e-4});
+    serde_json::json!({"red": one, "blue": one})
+}
+
+#[test]
+fn the_registration_of_the_channels_is_kept_with_the_centres_of_the_devices() {
+    let mut value: Value = serde_json::from_str(&text(&rig())).unwrap();
+    assert!(value.get("channel_registration").is_none());
+    let with = |value: &Value| read_rig(value.to_string().as_bytes());
+    value["channel_registration"] = registration();
+    let read = with(&value).unwrap();
+    let r = read.channel_registration.unwrap();
+    assert_eq!(r.displacements.projector.blue.shift_px, [-0.3, 0.4]);
+    assert_eq!(r.displacements.projector.blue.scale, 0.0);
+    assert_eq!(r.camera_centre, read.camera.model.intrinsics.principal_point());
+    let [w, h] = read.projector.unwrap().device.model.size();
+    assert_eq!(r.panel_centre, Camera::image_centre(w, h));
+    assert_eq!(read_rig(text(&read).as_bytes()).unwrap().channel_registration, Some(r));
+
+    let refused = |change: &dyn Fn(&mut Value), words: &str| {
+        let mut wrong = value.clone();
+        change(&mut wrong);
+        let message = with(&wrong).unwrap_err().to_string();
+        assert!(message.contains("channel_registration") && message.contains(words), "{message}");
+    };
+    refused(&|v| v["channel_registration"]["reference"] = "red".into(), "green");
+    refused(&|v| v["channel_registration"]["camera"]["red"]["radial"] = "x".into(), "invalid type");
+    refused(
+        &|v| v["channel_registration"]["sigma"]["camera"]["red"]["radial"] = (-1.0).into(),
+        "not negative",
+    );
+    refused(&|v| v["channel_registration"]["from"] = "guess".into(), "checker");
+    let alone = |v: &mut Value| {
+        v["projector"] = Value::Null;
+        v["projector_from_camera"] = Value::Null;
+    };
+    refused(&alone, "camera alone");
 }

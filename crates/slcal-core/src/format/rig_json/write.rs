@@ -4,10 +4,11 @@ use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
 use super::schema::{
-    BendDto, CovarianceDto, DeviceDto, FocalSigmaDto, PIXEL_CENTRE, PoseDto, QualityDto, RmsDto, Rows3,
-    SCHEMA, SigmaDto, StereoDto, UNITS, VanishingDto, ViewDto,
+    BendDto, CovarianceDto, DeviceDto, FocalSigmaDto, PIXEL_CENTRE, PoseDto, QualityDto, REFERENCE,
+    RegistrationDto, RmsDto, Rows3, SCHEMA, SigmaDto, StereoDto, UNITS, VanishingDto, ViewDto,
 };
 use crate::assumption::Assumption;
+use crate::channel_registration::ChannelRegistration;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Pose;
 use crate::rig::{Covariance, Device, Quality, Rig, StereoPose, View};
@@ -38,6 +39,8 @@ pub(super) fn rig_to_dto(rig: &Rig) -> Result<impl Serialize> {
         method: String,
         quality: Option<QualityDto>,
         covariance: Option<CovarianceDto>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        channel_registration: Option<RegistrationDto>,
     }
     let out = RigOut {
         schema: SCHEMA,
@@ -50,6 +53,7 @@ pub(super) fn rig_to_dto(rig: &Rig) -> Result<impl Serialize> {
         method: rig.method.clone(),
         quality: rig.quality.as_ref().map(quality_to_dto).transpose()?,
         covariance: rig.covariance.as_ref().map(covariance_to_dto).transpose()?,
+        channel_registration: rig.channel_registration.as_ref().map(registration_to_dto).transpose()?,
     };
     Ok(out)
 }
@@ -150,4 +154,16 @@ fn covariance_to_dto(c: &Covariance) -> Result<CovarianceDto> {
     finite(c.matrix.iter(), "covariance")?;
     let matrix = c.matrix.row_iter().map(|r| r.iter().copied().collect()).collect();
     Ok(CovarianceDto { parameters: c.parameters.iter().map(ToString::to_string).collect(), matrix })
+}
+
+/// The centres are those of the devices, and are not written.
+fn registration_to_dto(r: &ChannelRegistration) -> Result<RegistrationDto> {
+    finite(&[r.displacements.numbers(), r.sigma.numbers()].concat(), "channel_registration")?;
+    Ok(RegistrationDto {
+        reference: REFERENCE.into(),
+        projector: r.displacements.projector,
+        camera: r.displacements.camera,
+        sigma: r.sigma,
+        from: r.from,
+    })
 }
