@@ -141,10 +141,11 @@ mod tests {
                 all
             })
         };
-        assert_eq!(after_writing(b"first", 1), [path.clone()]);
+        let once = std::slice::from_ref(&path);
+        assert_eq!(after_writing(b"first", 1), once);
         assert!(after_writing(b"first", 2).is_empty(), "touched");
-        assert_eq!(after_writing(b"other", 3), [path.clone()], "of the same size");
-        assert_eq!(after_writing(b"and longer", 3), [path]);
+        assert_eq!(after_writing(b"other", 3), once, "of the same size");
+        assert_eq!(after_writing(b"and longer", 3), once);
     }
 
     #[cfg(unix)]

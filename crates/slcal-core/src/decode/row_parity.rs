@@ -36,7 +36,7 @@ pub(super) fn remove(
             let Some(&hue) = slits.get(usize::from(votes[w[1] as usize].label)) else { continue };
             let Some(sums) = sums.get_mut(usize::from(hue)) else { continue };
             let line = first + at;
-            let sign = if line % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if line.is_multiple_of(2) { 1.0 } else { -1.0 };
             let miss = sign * f64::from(b - 0.5 * (a + c));
             sums.n += 1.0;
             sums.sum += miss;
@@ -57,7 +57,7 @@ pub(super) fn remove(
 fn smooth(tracks: &mut Tracks, scratch: &mut Vec<f32>) {
     scratch.clear();
     scratch.extend(tracks.crossings.iter().flat_map(|c| [c.left, c.right]));
-    let (all, crossings) = tracks.iter_mut();
+    let (all, crossings) = tracks.with_crossings();
     for track in all {
         for w in track.windows(3) {
             let [a, b, c] = [w[0], w[1], w[2]].map(|i| 2 * i as usize);

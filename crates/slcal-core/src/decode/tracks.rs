@@ -65,7 +65,7 @@ impl Tracks {
     }
 
     /// Indices of crossings, track by track, and the crossings to change.
-    pub(super) fn iter_mut(&mut self) -> (impl Iterator<Item = &[u32]>, &mut [StripeEdges]) {
+    pub(super) fn with_crossings(&mut self) -> (impl Iterator<Item = &[u32]>, &mut [StripeEdges]) {
         let Self { crossings, order, starts, .. } = self;
         (starts.windows(2).map(|w| &order[w[0] as usize..w[1] as usize]), crossings)
     }
