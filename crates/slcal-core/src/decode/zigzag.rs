@@ -5,7 +5,7 @@
 //! which depend on the hues alone. Robust least squares over many crossings give the displacements of red and blue light
 //! and their magnification. An offset of each hue, which is small, takes what else depends on the hue.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{SMatrix, SVector};
 
 use super::hue_shift::{Centres, HueShares, HueShift, across};
 use super::labeling::VotedLabel;
@@ -40,6 +40,8 @@ const DISPLACEMENTS: usize = 4;
 /// Hues that have an offset.
 const MAX_HUES: usize = 8;
 const MAX_UNKNOWNS: usize = DISPLACEMENTS + MAX_HUES;
+type Unknowns = SVector<f64, MAX_UNKNOWNS>;
+type Matrix = SMatrix<f64, MAX_UNKNOWNS, MAX_UNKNOWNS>;
 
 /// What the stripes of a photograph show.
 #[derive(Debug, Clone, Copy, Default)]
@@ -87,7 +89,6 @@ pub(super) struct Located<'a> {
 pub(super) fn measure(at: Located<'_>, known: bool, work: &mut ZigzagWork) -> Option<Zigzag> {
     gather(at, work);
     let hues = at.shares.primaries.len().min(MAX_HUES);
-    let n = DISPLACEMENTS + hues;
     if work.samples.len() < MIN_SAMPLES {
         return None;
     }
@@ -102,8 +103,9 @@ pub(super) fn measure(at: Located<'_>, known: bool, work: &mut ZigzagWork) -> Op
             USUAL_OFFSET_PX
         }
     };
-    let mut found = DVector::zeros(n);
-    let mut covariance = DMatrix::identity(n, n);
+    // Offsets of hues that the pattern does not have stay zero.
+    let mut found = Unknowns::zeros();
+    let mut covariance = Matrix::identity();
     for _ in 0..ROUNDS {
         let residual = |s: &Sample| {
             let model: f64 = s.factors.iter().zip(found.iter()).map(|(f, x)| f64::from(*f) * x).sum();
@@ -112,24 +114,24 @@ pub(super) fn measure(at: Located<'_>, known: bool, work: &mut ZigzagWork) -> Op
         work.scratch.clear();
         work.scratch.extend(work.samples.iter().map(|s| residual(s).abs() as f32));
         let sigma = f64::from(median_f32(&mut work.scratch)?.max(1e-4)) / 0.6745;
-        let mut normal = DMatrix::from_fn(n, n, |i, j| if i == j { priors(i).powi(-2) } else { 0.0 });
-        let mut right = DVector::zeros(n);
+        let mut normal = Matrix::from_fn(|i, j| if i == j { priors(i).powi(-2) } else { 0.0 });
+        let mut right = Unknowns::zeros();
         for s in &work.samples {
             let t = residual(s) / (TUKEY * sigma);
             if t.abs() >= 1.0 {
                 continue;
             }
             let weight = (1.0 - t * t).powi(2) / (CORRELATED * sigma * sigma);
-            for i in 0..n {
+            for i in 0..MAX_UNKNOWNS {
                 let f = weight * f64::from(s.factors[i]);
                 right[i] += f * f64::from(s.misfit);
-                for j in 0..n {
+                for j in 0..MAX_UNKNOWNS {
                     normal[(i, j)] += f * f64::from(s.factors[j]);
                 }
             }
         }
         covariance = normal.cholesky()?.inverse();
-        found = &covariance * right;
+        found = covariance * right;
     }
     let squares: f64 = work.samples.iter().map(|s| f64::from(s.magnified).powi(2)).sum();
     // Over the stripes that were used, a magnification is known no better than a shift.
