@@ -75,3 +75,16 @@ pub struct ChannelRegistration {
     /// The middle of the panel, px, about which its primaries are magnified.
     pub panel_centre: Point2<f64>,
 }
+
+impl ChannelRegistration {
+    /// Whether something is displaced by more than this many of its σ.
+    #[must_use]
+    pub fn exceeds(&self, sigmas: f64) -> bool {
+        let values = |d: &ChannelDisplacements| {
+            let panel = |p: &PanelDisplacement| [p.shift_px[0], p.shift_px[1], p.scale];
+            let [red, blue] = [panel(&d.projector.red), panel(&d.projector.blue)];
+            [red[0], red[1], red[2], blue[0], blue[1], blue[2], d.camera.red.radial, d.camera.blue.radial]
+        };
+        values(&self.displacements).iter().zip(values(&self.sigma)).any(|(x, s)| x.abs() > sigmas * s)
+    }
+}

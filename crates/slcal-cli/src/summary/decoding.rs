@@ -1,6 +1,6 @@
 //! What decoding found in a photograph of stripes.
 
-use slcal_core::decode::{DecodeReport, ScanDirection};
+use slcal_core::decode::{ChannelShift, DecodeReport, ScanDirection};
 
 use crate::output::{BOLD, FAIR, TextLayout, unbroken};
 
@@ -10,6 +10,9 @@ const SATURATED_SHARE: f64 = 0.05;
 /// leaves 2 % in a clean photograph and 18 % in a compressed one of a head. A pattern that shares parts of the code leaves 28 % to 80 %
 /// on most surfaces that are too broken for decoding to refuse it.
 const AMBIGUOUS_SHARE: f64 = 0.25;
+/// A note from this displacement of red and blue on, in σ, and this magnification.
+const SHIFT_SIGMAS: f64 = 3.0;
+const MAGNIFIED: f64 = 3e-4;
 /// A note from this crosstalk between channels on: it brings hues closer together.
 const CROSSTALK_SHARE: f64 = 0.1;
 /// A note above this noise, 8-bit grey levels: it scatters the stripes' centres.
@@ -82,7 +85,7 @@ pub(crate) fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
         );
         remarks.push(("note", sentence));
     }
-    if let Some(shift) = report.channel_shift.filter(|s| s.used) {
+    if let Some(shift) = report.channel_shift.filter(is_worth_telling) {
         let [red, blue] = shift.sigma_px;
         let [r, b] = shift.radial.map(|r| 1e4 * r);
         let sentence = format!(
@@ -108,6 +111,13 @@ pub(crate) fn remarks(report: &DecodeReport) -> Vec<(&'static str, String)> {
         remarks.push(("note", sentence));
     }
     remarks
+}
+
+/// Displacements of a calibration are removed however small they are.
+fn is_worth_telling(shift: &ChannelShift) -> bool {
+    let shifts = [shift.red_px, shift.blue_px].into_iter().zip(shift.sigma_px);
+    let shifted = shifts.into_iter().any(|(px, sigma)| px.abs() > SHIFT_SIGMAS * sigma);
+    shift.used && (shifted || shift.radial.iter().any(|r| r.abs() > MAGNIFIED))
 }
 
 /// The largest crosstalk: the camera's channel, the projector's primary that it responds to, and the share.

@@ -12,7 +12,7 @@ use crate::channel_registration::ChannelRegistration;
 use crate::pattern::StripePattern;
 use nalgebra::Matrix3;
 
-/// Displacements that a photograph shows by itself are removed beyond this many σ.
+/// Displacements that a photograph shows by itself, or a calibration, are removed beyond this many σ.
 const SIGNIFICANT: f64 = 3.0;
 
 /// Keeps its buffers.
@@ -47,6 +47,8 @@ impl Registration {
         centers: &mut Vec<StripeCenter>,
     ) -> Option<ChannelShift> {
         let Labelled { tracks, votes, layout, slits, reversed, pattern } = of;
+        // What a calibration could not tell from nothing would only add its error.
+        let known = known.filter(|r| r.exceeds(SIGNIFICANT));
         self.shares.set(directions, mixing);
         let size = match reader.scan {
             ScanDirection::Rows => [reader.length(), reader.count()],
