@@ -100,7 +100,7 @@ def photographs_of_another_size_say_so(bench: Bench) -> None:
         problem = state["photographs"][1]["problem"]
         assert problem and "1000" in problem["message"] and "1280" in problem["message"], problem
         # The calibration is what it was.
-        assert state["calibration"]["photographs"] == 1 and state["problem"] is None, state["problem"]
+        assert state["calibration"]["photographs"] == 1 and state["problem"]["code"] == "photograph-refused", state["problem"]
         blank = io.BytesIO()
         Image.new("RGB", (1280, 960), (60, 60, 60)).save(blank, "PNG")
         studio.upload(blank.getvalue())
