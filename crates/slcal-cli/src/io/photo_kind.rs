@@ -31,6 +31,7 @@ pub(crate) fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
 }
 
 /// The usual extension of a photograph's file by its content; `None` for what is not read.
+#[cfg(feature = "studio")]
 pub(crate) fn extension_of(bytes: &[u8]) -> Option<&'static str> {
     Some(match format_of(bytes)? {
         ImageFormat::Jpeg => "jpg",
@@ -149,6 +150,7 @@ mod tests {
         }
     }
 
+    #[cfg(feature = "studio")]
     #[test]
     fn only_pictures_that_are_read_have_an_extension() {
         assert_eq!(extension_of(b"\xFF\xD8\xFF\xE0\0\x10JFIF"), Some("jpg"));
