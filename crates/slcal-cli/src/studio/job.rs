@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use image::RgbImage;
 use slcal_core::{Rig, SheetSize};
 
 use super::auto_shot::Quad;
@@ -32,8 +33,8 @@ pub(super) enum LookFor {
 #[derive(Debug, Clone)]
 pub(super) struct LiveFrame {
     pub(super) seq: u32,
-    /// The encoded frame; `None`: the simulated camera takes one.
-    pub(super) bytes: Option<Arc<[u8]>>,
+    /// The frame; `None`: the simulated camera takes one.
+    pub(super) picture: Option<Arc<RgbImage>>,
     pub(super) look_for: LookFor,
     /// Where the sheet is wanted, and the size of the picture in which that is.
     pub(super) wanted: Option<([u32; 2], Quad)>,

@@ -60,7 +60,7 @@ mod tests {
     fn of_live_frames_only_the_newest_is_looked_at() {
         let queue = Queue::default();
         let frame =
-            |seq| LiveFrame { seq, bytes: None, look_for: LookFor::Nothing, wanted: None, scene: None };
+            |seq| LiveFrame { seq, picture: None, look_for: LookFor::Nothing, wanted: None, scene: None };
         (1..4).for_each(|seq| queue.show(frame(seq)));
         queue.push(Job::KeepLive);
         queue.push(Job::Calibrate(vec![1]));

@@ -126,17 +126,16 @@ impl Worker {
 
     /// Looks at a live frame.
     pub(super) fn look(&mut self, frame: &LiveFrame) -> Option<Done> {
-        let picture = match (&frame.bytes, frame.scene) {
-            (Some(bytes), _) => decode_photo(bytes, "live frame").ok()?.photo.into_rgb8(),
+        let picture = match (&frame.picture, frame.scene) {
+            (Some(picture), _) => picture.clone(),
             (None, Some(scene)) => {
                 let painted = self.pictures.painted();
                 // A cloud needs the size that was calibrated.
                 let small = frame.look_for != LookFor::Cloud;
-                self.prepared.as_mut()?.simulated.frame(scene, painted.as_deref(), small).ok()?
+                Arc::new(self.prepared.as_mut()?.simulated.frame(scene, painted.as_deref(), small).ok()?)
             }
             (None, None) => return None,
         };
-        let picture = Arc::new(picture);
         self.pictures.show(picture.clone());
         match (frame.look_for, &self.prepared) {
             (LookFor::Sheet, Some(prepared)) => {

@@ -32,7 +32,7 @@ fn after_a_sheet_that_was_seen_face_on_the_pose_that_is_advised_is_seen_whole() 
     let [Done::Calibrated(Ok(Calibrated { guide: Some(guide), .. }))] = &done[..] else { panic!("{done:?}") };
     let frame = LiveFrame {
         seq: 1,
-        bytes: None,
+        picture: None,
         look_for: LookFor::Sheet,
         wanted: Some((guide.size, guide.quad)),
         scene: Some(scene(guide.turn.unwrap())),

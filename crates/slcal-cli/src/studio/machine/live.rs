@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use image::RgbImage;
+
 use super::state_machine::{Effect, Machine};
 use crate::studio::auto_shot::{Seen, is_tilted};
 use crate::studio::job::{LiveFrame, LookFor};
@@ -15,14 +17,14 @@ const DEMO_LOST_MS: u64 = 5000;
 
 impl Machine {
     /// A live frame of the operator's camera.
-    pub(in crate::studio) fn frame(&mut self, seq: u32, bytes: Arc<[u8]>) -> Vec<Effect> {
+    pub(in crate::studio) fn frame(&mut self, seq: u32, picture: Arc<RgbImage>) -> Vec<Effect> {
         if self.state.camera.kind != Some(CameraKind::Webcam) {
             return Vec::new();
         }
-        vec![Effect::Live(self.live_frame(seq, Some(bytes)))]
+        vec![Effect::Live(self.live_frame(seq, Some(picture)))]
     }
 
-    pub(super) fn live_frame(&self, seq: u32, bytes: Option<Arc<[u8]>>) -> LiveFrame {
+    pub(super) fn live_frame(&self, seq: u32, picture: Option<Arc<RgbImage>>) -> LiveFrame {
         let look_for = match self.state.step {
             Step::Calibrate if self.state.display.wanted.kind == Picture::Checker => LookFor::Sheet,
             Step::Scan if self.state.scan.continuous => LookFor::Cloud,
@@ -30,7 +32,7 @@ impl Machine {
         };
         LiveFrame {
             seq,
-            bytes,
+            picture,
             look_for,
             wanted: self.state.guide.as_ref().map(|g| (g.size, g.quad)),
             scene: self.state.demo_scene,

@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
+use image::RgbImage;
 use serde_json::{Value, json};
 use tokio::sync::{Semaphore, broadcast, watch};
 
@@ -217,10 +218,10 @@ impl Hub {
     }
 
     /// A live frame of the page that operates.
-    pub(super) fn frame(&self, id: u64, seq: u32, bytes: Arc<[u8]>) {
+    pub(super) fn frame(&self, id: u64, seq: u32, picture: Arc<RgbImage>) {
         self.change(
             |inner| {
-                if inner.operating == Some(id) { inner.machine.frame(seq, bytes) } else { vec![] }
+                if inner.operating == Some(id) { inner.machine.frame(seq, picture) } else { vec![] }
             },
         );
     }

@@ -7,6 +7,7 @@ use axum::body::{Body, Bytes};
 use axum::extract::ws::{Message as Frame, WebSocket, WebSocketUpgrade};
 use axum::extract::{Query, State};
 use axum::http::{HeaderMap, Response};
+use image::RgbImage;
 use serde_json::json;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::time::{Instant, interval, timeout};
@@ -14,6 +15,7 @@ use tokio::time::{Instant, interval, timeout};
 use super::access::Role;
 use super::hub::{Hub, Message};
 use super::session::{Answer, Asked, role};
+use crate::io::decode_photo;
 use crate::studio::event::{DisplayEvent, OperatorEvent};
 
 /// Largest message, bytes: a live frame.
@@ -111,8 +113,10 @@ async fn take(hub: &Hub, socket: &mut WebSocket, frame: Frame, role: Role, id: u
             Err(error) => Some(malformed(&error)),
         },
         (Frame::Binary(bytes), Role::Operator) => {
-            if let Some((seq, jpeg)) = bytes.first_chunk::<4>().zip(bytes.get(FRAME_HEAD..)) {
-                hub.frame(id, u32::from_le_bytes(*seq), jpeg.into());
+            if hub.operates(id)
+                && let Some((seq, picture)) = decoded(bytes).await
+            {
+                hub.frame(id, seq, picture);
             }
             None
         }
@@ -126,6 +130,17 @@ async fn take(hub: &Hub, socket: &mut WebSocket, frame: Frame, role: Role, id: u
         }
         None => true,
     }
+}
+
+/// Number and picture of a live frame. It is decoded here, while the worker is at the frame before.
+async fn decoded(frame: Bytes) -> Option<(u32, Arc<RgbImage>)> {
+    let decode = move || {
+        let seq = u32::from_le_bytes(*frame.first_chunk::<4>()?);
+        let photo = decode_photo(frame.get(FRAME_HEAD..)?, "live frame").ok()?.photo;
+        Some((seq, Arc::new(photo.into_rgb8())))
+    };
+    // What cannot be decoded is no frame.
+    tokio::task::spawn_blocking(decode).await.ok().flatten()
 }
 
 fn malformed(error: &serde_json::Error) -> serde_json::Value {
