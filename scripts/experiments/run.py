@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 import classic
+import colours
 import doors
 import figures
 from measure import Rig, against_truth, pixels, reprojection
@@ -52,6 +53,10 @@ NOISE_PX = 0.1
 # A printed board of so many corners on the sheet, for the classic way only.
 BOARD = (10, 7)
 WAYS = ["two-vp, one", "ml, one", "ml, all", "ml, all, told", "classic, sheet", "classic, board"]
+
+
+# Tables that can be made alone, by their names on the page.
+ALONE = {"doors": doors, "colours": colours}
 
 
 class Slcal:
@@ -251,7 +256,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--slcal", default=ROOT / "target/release/slcal", type=Path)
     parser.add_argument("--quick", action="store_true", help="few draws")
-    parser.add_argument("--only", choices=["doors"], help="this table alone")
+    parser.add_argument("--only", choices=ALONE, help="this table alone")
     parser.add_argument("--check", action="store_true", help="print the tables, change nothing")
     args = parser.parse_args()
     if not args.slcal.exists():
@@ -260,15 +265,16 @@ def main():
     draws, repeats = (10, 2) if args.quick else (200, 20)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        if args.only == "doors":
-            tables = {"doors": doors.experiment(slcal, folder)}
-            print(tables["doors"])
+        if args.only:
+            tables = {args.only: ALONE[args.only].experiment(slcal, folder)}
+            print(tables[args.only])
             if not args.check:
                 put_tables(ROOT / "docs/experiments.md", tables)
             return
         tables = {"noise": noise_experiment(slcal, folder, 10 if args.quick else 50)}
         tables["geometry"] = geometry_experiment(slcal, draws)
-        tables["doors"] = doors.experiment(slcal, folder)
+        for title, table in ALONE.items():
+            tables[title] = table.experiment(slcal, folder)
         for rig in RIGS:
             planes, truth, errors = planes_experiment(slcal, folder, rig, repeats)
             tables[f"planes {rig}"], tables[f"truth {rig}"] = planes, truth
