@@ -14,15 +14,16 @@ use super::stripe_centers::StripeCenter;
 use super::tracks::Tracks;
 use crate::solve::median_f32;
 
-/// Every so many scanlines are used: an odd number, for both parities.
-const STEP: usize = 3;
+/// Every so many scanlines are used, and more where there are more of these than enough: an odd number, for both parities.
+const LEAST_STEP: usize = 7;
+const LINES: usize = 160;
 /// The darkest of five stripes has this share of the light of the brightest tenth: dim ones are more noise than displacement.
 const MIN_LIGHT: f32 = 0.25;
 /// Distances of neighbours change by at most this share from one to the next, displacements included, and over five slits.
 const EVEN: f32 = 0.16;
 const MIN_SAMPLES: usize = 200;
 /// The misfits of one stripe are alike over this many of the scanlines that are used.
-const CORRELATED: f64 = 8.0;
+const CORRELATED: f64 = 4.0;
 /// Tukey's constant, in σ.
 const TUKEY: f64 = 4.685;
 const ROUNDS: usize = 5;
@@ -122,10 +123,11 @@ pub(super) fn measure(at: Located<'_>, known: bool, work: &mut ZigzagWork) -> Op
                 continue;
             }
             let weight = (1.0 - t * t).powi(2) / (CORRELATED * sigma * sigma);
-            for i in 0..MAX_UNKNOWNS {
+            for i in 0..DISPLACEMENTS + hues {
                 let f = weight * f64::from(s.factors[i]);
                 right[i] += f * f64::from(s.misfit);
-                for j in 0..MAX_UNKNOWNS {
+                // The factorisation reads the lower triangle only.
+                for j in 0..=i {
                     normal[(i, j)] += f * f64::from(s.factors[j]);
                 }
             }
@@ -159,7 +161,8 @@ fn gather(at: Located<'_>, work: &mut ZigzagWork) {
     let ZigzagWork { samples, scratch } = work;
     samples.clear();
     scratch.clear();
-    let lines = || (0..at.tracks.line_count()).step_by(STEP);
+    let step = (at.tracks.line_count() / LINES).max(LEAST_STEP) | 1;
+    let lines = || (0..at.tracks.line_count()).step_by(step);
     for y in lines() {
         let labelled = at.tracks.of(y).filter(|&i| usize::from(at.votes[i].label) < at.slits.len());
         scratch.extend(labelled.map(|i| at.tracks.crossings[i].height));
