@@ -71,12 +71,13 @@ impl UnlitNoise {
             let [here, there] = &self.smoothed;
             for from in (APART..here.len() - piece - APART).step_by(piece) {
                 let around = &there[from - APART..from + piece + APART];
-                let Some((light, sigma, correlation)) = compare(&here[from..from + piece], around) else {
+                let Some(Piece { light, sigma, continues }) = compare(&here[from..from + piece], around)
+                else {
                     continue;
                 };
                 let class = class_of(light);
                 self.all[class] += 1;
-                if correlation < CONTINUES {
+                if !continues {
                     self.pieces[class].push(sigma);
                 }
             }
@@ -90,15 +91,26 @@ impl UnlitNoise {
     }
 }
 
-/// Mean and scatter of a piece, and its correlation with the part of `around` that is most like it.
-fn compare(piece: &[f32], around: &[f32]) -> Option<(f32, f32, f32)> {
+/// A part of a scanline.
+#[derive(Debug)]
+struct Piece {
+    /// Mean and scatter.
+    light: f32,
+    sigma: f32,
+    /// Whether a part of the other scanline is like it.
+    continues: bool,
+}
+
+/// Compares a piece with what is `around` its place on another scanline. `None` for level light.
+fn compare(piece: &[f32], around: &[f32]) -> Option<Piece> {
     let n = piece.len() as f32;
     let mean = piece.iter().sum::<f32>() / n;
     let energy: f32 = piece.iter().map(|v| (v - mean) * (v - mean)).sum();
     if energy <= 0.0 {
         return None;
     }
-    let correlation = around.windows(piece.len()).map(|other| {
+    let correlation = |at: usize| {
+        let other = &around[at..at + piece.len()];
         let (mut sum, mut squares, mut products) = (0.0_f32, 0.0_f32, 0.0_f32);
         for (a, b) in piece.iter().zip(other) {
             sum += b;
@@ -106,8 +118,12 @@ fn compare(piece: &[f32], around: &[f32]) -> Option<(f32, f32, f32)> {
             products += (a - mean) * b;
         }
         products / (energy * (squares - sum * sum / n).max(f32::MIN_POSITIVE)).sqrt()
-    });
-    Some((mean, (energy / n).sqrt(), correlation.fold(-1.0, f32::max)))
+    };
+    // From the middle outwards: most stripes are seen nearly upright, and the search ends there.
+    let (places, middle) = (around.len() - piece.len() + 1, (around.len() - piece.len()) / 2);
+    let outwards = (0..places).map(|k| if k % 2 == 0 { middle + k / 2 } else { middle - k.div_ceil(2) });
+    let continues = outwards.into_iter().any(|at| correlation(at) >= CONTINUES);
+    Some(Piece { light: mean, sigma: (energy / n).sqrt(), continues })
 }
 
 #[cfg(test)]
@@ -119,15 +135,16 @@ mod tests {
         let stripes = |shift: f32| -> Vec<f32> {
             (0..100).map(|x| 0.1 + 0.02 * ((x as f32 + shift) * 0.4).sin()).collect()
         };
-        let (light, sigma, correlation) = compare(&stripes(0.0)[30..62], &stripes(9.0)[13..79]).unwrap();
-        assert!((light - 0.1).abs() < 0.005 && (sigma - 0.0141).abs() < 0.001 && correlation > 0.99);
+        let found = compare(&stripes(0.0)[30..62], &stripes(9.0)[13..79]).unwrap();
+        assert!((found.light - 0.1).abs() < 0.005 && (found.sigma - 0.0141).abs() < 0.001, "{found:?}");
+        assert!(found.continues);
         let mut state = 1_u32;
         let mut noise = || {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             state as f32 / u32::MAX as f32
         };
         let all: Vec<f32> = (0..200).map(|_| noise()).collect();
-        assert!(compare(&all[..40], &all[100..174]).unwrap().2 < CONTINUES);
+        assert!(!compare(&all[..40], &all[100..174]).unwrap().continues);
         assert!(compare(&[0.5; 40], &all[..74]).is_none());
     }
 

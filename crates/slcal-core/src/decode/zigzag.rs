@@ -16,7 +16,7 @@ use crate::solve::median_f32;
 
 /// Every so many scanlines are used, and more where there are more of these than enough: an odd number, for both parities.
 const LEAST_STEP: usize = 7;
-const LINES: usize = 160;
+const LINES: usize = 120;
 /// The darkest of five stripes has this share of the light of the brightest tenth: dim ones are more noise than displacement.
 const MIN_LIGHT: f32 = 0.25;
 /// Distances of neighbours change by at most this share from one to the next, displacements included, and over five slits.
@@ -26,7 +26,7 @@ const MIN_SAMPLES: usize = 200;
 const CORRELATED: f64 = 4.0;
 /// Tukey's constant, in σ.
 const TUKEY: f64 = 4.685;
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 4;
 /// What is known before, 1σ: nothing of shifts, projector px; usual magnifications; usual offsets of hues.
 const UNKNOWN_SHIFT_PX: f64 = 2.0;
 const USUAL_RADIAL: f64 = 3e-4;
