@@ -15,15 +15,15 @@ use super::tracks::Tracks;
 use crate::solve::median_f32;
 
 /// Every so many scanlines are used, and more where there are more of these than enough: an odd number, for both parities.
-const LEAST_STEP: usize = 7;
-const LINES: usize = 120;
+const LEAST_STEP: usize = 5;
+const LINES: usize = 200;
 /// The darkest of five stripes has this share of the light of the brightest tenth: dim ones are more noise than displacement.
 const MIN_LIGHT: f32 = 0.25;
 /// Distances of neighbours change by at most this share from one to the next, displacements included, and over five slits.
 const EVEN: f32 = 0.16;
 const MIN_SAMPLES: usize = 200;
 /// The misfits of one stripe are alike over this many of the scanlines that are used.
-const CORRELATED: f64 = 4.0;
+const CORRELATED: f64 = 5.0;
 /// Tukey's constant, in σ.
 const TUKEY: f64 = 4.685;
 const ROUNDS: usize = 4;
