@@ -334,16 +334,22 @@ def zoomed_displays_are_exact_or_refused(bench: Bench) -> None:
                 bench.figure(f"a browser zoom of 125 % is refused: {studio.state()['display']['problem']['code']}")
 
 
+def sees_the_sheet(bench: Bench, b: Browser, studio: Studio, camera: FakeCamera) -> Operator:
+    """A page with the webcam, in the step Calibrate; photographs are taken by hand."""
+    page = b.window(studio.link("operator"))
+    page.press("camera", kind="webcam")
+    studio.wait("the webcam", lambda s: s["camera"]["connected"])
+    in_full_screen(b, studio, page)
+    page.press("go-on", step="calibrate")
+    takes_by_hand(studio, page)
+    camera.sees(bench.sheets()[0])
+    sees_corners(page)
+    return page
+
+
 def a_camera_that_is_taken_away_is_missed(bench: Bench) -> None:
     with with_camera(bench, "away") as (b, camera), bench.real("away") as studio, quiet(b, studio):
-        page = b.window(studio.link("operator"))
-        page.press("camera", kind="webcam")
-        studio.wait("the webcam", lambda s: s["camera"]["connected"])
-        in_full_screen(b, studio, page)
-        page.press("go-on", step="calibrate")
-        takes_by_hand(studio, page)
-        camera.sees(bench.sheets()[0])
-        sees_corners(page)
+        page = sees_the_sheet(bench, b, studio, camera)
         camera.is_taken_away()
         state = studio.wait("the studio knows", lambda s: s["camera"]["problem"])
         assert state["camera"]["problem"]["code"] == "camera-lost" and not state["camera"]["connected"], state["camera"]
@@ -364,14 +370,7 @@ def a_camera_that_is_taken_away_is_missed(bench: Bench) -> None:
 def a_camera_comes_back_with_its_operator(bench: Bench) -> None:
     """Somebody else takes over and leaves again: the camera of the first page runs again by itself, as the browser need not ask."""
     with with_camera(bench, "back") as (b, camera), bench.real("back") as studio, quiet(b, studio):
-        page = b.window(studio.link("operator"))
-        page.press("camera", kind="webcam")
-        studio.wait("the webcam", lambda s: s["camera"]["connected"])
-        in_full_screen(b, studio, page)
-        page.press("go-on", step="calibrate")
-        takes_by_hand(studio, page)
-        camera.sees(bench.sheets()[0])
-        sees_corners(page)
+        page = sees_the_sheet(bench, b, studio, camera)
         with studio.socket("operator") as other:
             other.send("take-over")
             wait_until("the first page waits", lambda: page.value("role") == "waiting")

@@ -80,11 +80,7 @@ impl ChannelRegistration {
     /// Whether something is displaced by more than this many of its σ.
     #[must_use]
     pub fn exceeds(&self, sigmas: f64) -> bool {
-        let values = |d: &ChannelDisplacements| {
-            let panel = |p: &PanelDisplacement| [p.shift_px[0], p.shift_px[1], p.scale];
-            let [red, blue] = [panel(&d.projector.red), panel(&d.projector.blue)];
-            [red[0], red[1], red[2], blue[0], blue[1], blue[2], d.camera.red.radial, d.camera.blue.radial]
-        };
-        values(&self.displacements).iter().zip(values(&self.sigma)).any(|(x, s)| x.abs() > sigmas * s)
+        let each = self.displacements.numbers().into_iter().zip(self.sigma.numbers());
+        each.into_iter().any(|(x, s)| x.abs() > sigmas * s)
     }
 }

@@ -5,6 +5,7 @@ mod color_profile;
 pub(crate) mod exchange;
 mod exif;
 mod folder;
+mod jpeg_segments;
 mod named_inks;
 mod photo;
 mod photo_kind;

@@ -4,6 +4,7 @@
 //! inks, and set the marker afterwards, transform the light, where Adobe transforms the inks: read as Adobe's, such a file
 //! is a negative.
 
+use super::jpeg_segments::{Segment, segments};
 use image::{DynamicImage, RgbImage};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -12,10 +13,8 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 /// Whether this is such a file.
 pub(super) fn are_inks_named(jpeg: &[u8]) -> bool {
-    let (mut is_ycck, mut at) = (false, 2);
-    while let Some(&[0xFF, marker, high, low]) = jpeg.get(at..at + 4) {
-        let length = usize::from(u16::from_be_bytes([high, low]));
-        let content = jpeg.get(at + 4..at + 2 + length).unwrap_or_default();
+    let mut is_ycck = false;
+    for Segment { marker, content, .. } in segments(jpeg) {
         match marker {
             // Behind the name stand the version and two words of flags.
             0xEE if content.starts_with(b"Adobe") => is_ycck = content.get(11) == Some(&2),
@@ -24,10 +23,8 @@ pub(super) fn are_inks_named(jpeg: &[u8]) -> bool {
                 let names = [6, 9, 12, 15].map(|i| content.get(i).copied().unwrap_or_default());
                 return is_ycck && names == *b"CMYK";
             }
-            0xDA => return false,
             _ => {}
         }
-        at += if marker == 0xFF { 1 } else { 2 + length };
     }
     false
 }

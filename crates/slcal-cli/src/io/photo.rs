@@ -9,6 +9,7 @@ use slcal_core::PhotoTags;
 use slcal_core::format::recognise;
 
 use super::exif::read_tags;
+use super::jpeg_segments::{START_OF_SCAN, segments};
 use super::named_inks::{are_inks_named, decode_named_inks};
 use super::photo_kind::{FORMATS, Foreign, format_of, what_it_is};
 use super::read::read_bytes;
@@ -236,19 +237,9 @@ fn refused(name: &str, found: &str, advice: &str) -> Failure {
 
 /// Whether the end-of-image marker follows the first scan (the marker of an embedded thumbnail comes before it).
 fn jpeg_is_complete(bytes: &[u8]) -> bool {
-    const START_OF_SCAN: u8 = 0xDA;
     const END_OF_IMAGE: [u8; 2] = [0xFF, 0xD9];
-    let mut at = 2;
-    while let Some(&[0xFF, marker, high, low]) = bytes.get(at..at + 4) {
-        if marker == START_OF_SCAN {
-            return bytes[at..].windows(2).any(|w| w == END_OF_IMAGE);
-        }
-        at += match marker {
-            0xFF => 1,
-            _ => 2 + usize::from(u16::from_be_bytes([high, low])),
-        };
-    }
-    false
+    let scan = segments(bytes).find(|s| s.marker == START_OF_SCAN);
+    scan.is_some_and(|scan| scan.rest.windows(2).any(|w| w == END_OF_IMAGE))
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ use crate::channel_registration::{
 use crate::geometry::{Camera, Pose};
 use crate::observations::{ChannelOffset, Observations};
 use crate::rig::{Projector, Rig};
+use crate::solve::median;
 
 /// Fewer corners leave the four unknowns of a channel to chance.
 const MIN_CORNERS: usize = 12;
@@ -91,8 +92,8 @@ fn displacements(red: Vector4<f64>, blue: Vector4<f64>) -> ChannelDisplacements 
 /// Shift, magnification and radial of one channel with their σ, from equations in units of the corners' σ.
 fn channel(rows: &[(Vector4<f64>, f64)]) -> Option<(Vector4<f64>, Vector4<f64>)> {
     let prior = Matrix4::from_diagonal(&Vector4::new(0.0, 0.0, SCALE_PRIOR.powi(-2), RADIAL_PRIOR.powi(-2)));
-    let mut residuals: Vec<f64> = rows.iter().map(|_| 0.0).collect();
-    let mut scatter = 1.0;
+    let mut residuals = vec![0.0_f64; rows.len()];
+    let (mut scatter, mut sizes) = (1.0, Vec::with_capacity(rows.len()));
     let (mut solved, mut information) = (Vector4::zeros(), Matrix4::zeros());
     for _ in 0..ROUNDS {
         let (mut normal, mut side) = (prior, Vector4::zeros());
@@ -107,20 +108,15 @@ fn channel(rows: &[(Vector4<f64>, f64)]) -> Option<(Vector4<f64>, Vector4<f64>)>
         for ((row, seen), residual) in rows.iter().zip(&mut residuals) {
             *residual = seen - row.dot(&solved);
         }
-        scatter = (SIGMA_OF_MEDIAN * median_of(&residuals)).max(f64::MIN_POSITIVE.sqrt());
+        sizes.clear();
+        sizes.extend(residuals.iter().map(|r| r.abs()));
+        scatter = (SIGMA_OF_MEDIAN * median(&mut sizes)?).max(f64::MIN_POSITIVE.sqrt());
     }
     let variance = information.cholesky()?.inverse().diagonal();
     let floor = Vector4::new(SHIFT_FLOOR_PX, SHIFT_FLOOR_PX, RADIAL_FLOOR, RADIAL_FLOOR);
     let sigma = (variance + floor.component_mul(&floor)).map(f64::sqrt);
     let known = solved.iter().chain(&sigma).all(|x| x.is_finite());
     known.then_some((solved, sigma))
-}
-
-/// The median of absolute values.
-fn median_of(residuals: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
-    let middle = sizes.len() / 2;
-    *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// ∂(camera pixel)/∂(panel pixel) on the sheet's mean plane. A bend tilts it by a degree or two, which changes this by some per cent at most.

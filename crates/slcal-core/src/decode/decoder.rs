@@ -157,28 +157,30 @@ impl Decoder {
         // The direction that looks most like stripes comes first, the other one when the first does not show this
         // pattern.
         let tables = std::mem::take(&mut self.tables);
-        let mut result = self.decode_either_way(input, &tables);
-        if let Err(Error::NotFound { what: ErrorSubject::PatternCode | ErrorSubject::PatternHues, .. }) =
-            result
-            && let Some(exchanged) = exchanged(input)
-            && self.decode_either_way(&exchanged, &tables).is_ok()
-        {
-            result = Err(Error::NotFound {
-                what: ErrorSubject::PatternHues,
-                seen: "stripes whose code fits with red and blue exchanged".into(),
-                advice: "give the photograph as RGB: programs that use OpenCV write BGR; or project the pattern with its colours in their order".into(),
-            });
-        }
-        if let Err(Error::NotFound { .. }) = result {
-            let either = [ScanDirection::Rows, ScanDirection::Columns];
-            let touch = either
-                .iter()
-                .any(|scan| stripes_touch(&ScanlineReader::new(input, &tables, *scan), &self.noise));
-            result = if touch { Err(touching()) } else { result };
-        }
+        let result =
+            self.decode_either_way(input, &tables).map_err(|error| self.named(error, input, &tables));
         self.tables = tables;
         result?;
         Ok(&self.out)
+    }
+
+    /// A refusal with its reason where that can be told: channels that are exchanged, another family of patterns.
+    fn named(&mut self, error: Error, input: &DecodeInput<'_>, tables: &Tables) -> Error {
+        let Error::NotFound { what, .. } = &error else { return error };
+        if matches!(what, ErrorSubject::PatternCode | ErrorSubject::PatternHues)
+            && let Some(exchanged) = exchanged(input)
+            && self.decode_either_way(&exchanged, tables).is_ok()
+        {
+            return Error::NotFound {
+                what: ErrorSubject::PatternHues,
+                seen: "stripes whose code fits with red and blue exchanged".into(),
+                advice: "give the photograph as RGB: programs that use OpenCV write BGR; or project the pattern with its colours in their order".into(),
+            };
+        }
+        let either = [ScanDirection::Rows, ScanDirection::Columns];
+        let touch =
+            either.iter().any(|scan| stripes_touch(&ScanlineReader::new(input, tables, *scan), &self.noise));
+        if touch { touching() } else { error }
     }
 
     fn decode_either_way(&mut self, input: &DecodeInput<'_>, tables: &Tables) -> Result<()> {

@@ -34,19 +34,30 @@ pub(super) struct Labelled<'a> {
     pub(super) pattern: &'a StripePattern,
 }
 
+impl Labelled<'_> {
+    /// Where the slit of a label is on the panel, projector px.
+    fn panel(&self, label: usize) -> f32 {
+        let slit = if self.reversed { self.slits.len() - 1 - label } else { label };
+        self.pattern.centres_px[slit] as f32
+    }
+
+    fn locate(&self, scratch: &mut Vec<f32>, centers: &mut Vec<StripeCenter>) {
+        stripe_centers::locate(self.tracks, self.votes, self.layout, scratch, centers);
+    }
+}
+
 impl Registration {
     /// Locates the centres of the stripes as green light would show them, into `centers`. `known` comes from a calibration;
     /// `directions` and `mixing` are the measured colours of the hues. Returns what was found.
     pub(super) fn locate(
         &mut self,
-        of: Labelled<'_>,
+        mut of: Labelled<'_>,
         reader: &ScanlineReader<'_>,
         known: Option<&ChannelRegistration>,
         (directions, mixing): (&[[f32; 3]], Option<&Matrix3<f64>>),
         scratch: &mut Vec<f32>,
         centers: &mut Vec<StripeCenter>,
     ) -> Option<ChannelShift> {
-        let Labelled { tracks, votes, layout, slits, reversed, pattern } = of;
         // What a calibration could not tell from nothing would only add its error.
         let known = known.filter(|r| r.exceeds(SIGNIFICANT));
         self.shares.set(directions, mixing);
@@ -54,19 +65,21 @@ impl Registration {
             ScanDirection::Rows => [reader.length(), reader.count()],
             ScanDirection::Columns => [reader.count(), reader.length()],
         };
-        let centres = Centres::new(known, size, pattern, reader.scan);
-        let before = known.map(|r| HueShift::of(r, pattern.axis, reversed, mixing));
-        let at = |label: usize| {
-            let slit = if reversed { slits.len() - 1 - label } else { label };
-            pattern.centres_px[slit] as f32 - centres.panel
-        };
+        let centres = Centres::new(known, size, of.pattern, reader.scan);
+        let before = known.map(|r| HueShift::of(r, of.pattern.axis, of.reversed, mixing));
         if let Some(shift) = before {
-            let found = Zigzag { shift, ..Zigzag::default() };
-            self.remove(tracks, votes, layout, slits, &centres, at, &found);
+            self.remove(&mut of, &centres, &Zigzag { shift, ..Zigzag::default() });
         }
-        stripe_centers::locate(tracks, votes, layout, scratch, centers);
-        let located =
-            Located { tracks, votes, centers, layout, slits, shares: &self.shares, centres: &centres };
+        of.locate(scratch, centers);
+        let located = Located {
+            tracks: of.tracks,
+            votes: of.votes,
+            centers,
+            layout: of.layout,
+            slits: of.slits,
+            shares: &self.shares,
+            centres: &centres,
+        };
         let found = zigzag::measure(located, known.is_some(), &mut self.work);
         let significant = found.as_ref().is_some_and(|z| {
             let shifts = z.shift.panel_px.iter().zip(z.sigma_px);
@@ -75,39 +88,23 @@ impl Registration {
         });
         let used = known.is_some() || significant;
         if let Some(found) = found.as_ref().filter(|_| used) {
-            self.remove(tracks, votes, layout, slits, &centres, at, found);
-            stripe_centers::locate(tracks, votes, layout, scratch, centers);
+            self.remove(&mut of, &centres, found);
+            of.locate(scratch, centers);
         }
-        let sign = if reversed { -1.0 } else { 1.0 };
-        let shift = |k: usize| {
-            let part = |shift: &HueShift| f64::from(sign * shift.panel_px[k]);
-            before.as_ref().map_or(0.0, part) + found.as_ref().map_or(0.0, |z| part(&z.shift))
+        let found = found?;
+        let all = |part: &dyn Fn(&HueShift) -> f32| {
+            f64::from(before.as_ref().map_or(0.0, part) + part(&found.shift))
         };
-        let radial = |k: usize| {
-            let part = |shift: &HueShift| f64::from(shift.radial[k]);
-            before.as_ref().map_or(0.0, part) + found.as_ref().map_or(0.0, |z| part(&z.shift))
-        };
-        found.map(|z| ChannelShift {
-            red_px: shift(0),
-            blue_px: shift(1),
-            sigma_px: z.sigma_px,
-            radial: [radial(0), radial(1)],
-            used,
-        })
+        let sign = if of.reversed { -1.0 } else { 1.0 };
+        let [red_px, blue_px] = [0, 1].map(|k| all(&|shift| sign * shift.panel_px[k]));
+        let radial = [0, 1].map(|k| all(&|shift| shift.radial[k]));
+        Some(ChannelShift { red_px, blue_px, sigma_px: found.sigma_px, radial, used })
     }
 
     /// Moves the edges of all labelled stripes back.
-    #[expect(clippy::too_many_arguments, reason = "one private call")]
-    fn remove(
-        &mut self,
-        tracks: &mut Tracks,
-        votes: &[VotedLabel],
-        layout: &SlitLayout,
-        slits: &[u8],
-        centres: &Centres,
-        panel: impl Fn(usize) -> f32,
-        found: &Zigzag,
-    ) {
+    fn remove(&mut self, of: &mut Labelled<'_>, centres: &Centres, found: &Zigzag) {
+        let Labelled { votes, layout, slits, .. } = *of;
+        let tracks = &*of.tracks;
         let Self { shares, displacements, .. } = self;
         displacements.clear();
         displacements.resize(tracks.crossings.len(), 0.0);
@@ -134,10 +131,16 @@ impl Registration {
                 let slope = tracks.slope(i);
                 let offset = found.offsets_px.get(hue).copied().unwrap_or(0.0);
                 displacements[i] = scale * offset
-                    + found.shift.displacement([primaries, channels], place, slope, panel(label), scale);
+                    + found.shift.displacement(
+                        [primaries, channels],
+                        place,
+                        slope,
+                        of.panel(label) - centres.panel,
+                        scale,
+                    );
             }
         }
-        for (crossing, px) in tracks.crossings.iter_mut().zip(displacements) {
+        for (crossing, px) in of.tracks.crossings.iter_mut().zip(displacements) {
             crossing.left -= *px;
             crossing.right -= *px;
         }

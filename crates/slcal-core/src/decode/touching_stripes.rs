@@ -4,6 +4,7 @@
 use super::noise::Noise;
 use super::scanlines::{Scanline, ScanlineReader};
 use super::stripe_edges::{Scratch, peaks_of};
+use super::tracks::same_hue;
 use crate::error::{Error, ErrorSubject};
 
 /// Scanlines that are sampled, and valleys on them that are enough.
@@ -14,7 +15,7 @@ const MIN_LIGHT: f32 = 0.2;
 /// and has a colour: the weakest channel has at most this share of the strongest. Room light, which fills dark bands too,
 /// has little.
 const MAX_GREY: f32 = 0.5;
-/// Share of the valleys that are so.
+/// Share of the valleys that are so, between bands of different hues: a coloured surface has many that are alike.
 const MOST: f32 = 0.6;
 
 /// Whether the valleys between bright bands are bright and coloured themselves.
@@ -32,7 +33,8 @@ pub(super) fn stripes_touch(reader: &ScanlineReader<'_>, noise: &Noise) -> bool 
                 valley.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &c| (l.min(c), h.max(c)));
             valleys += 1;
             let bright = line.total[pair[1].before as usize] > MIN_LIGHT * lower;
-            lit += usize::from(bright && weakest < MAX_GREY * strongest);
+            let hues_differ = !same_hue(line.rgb[pair[0].top as usize], line.rgb[pair[1].top as usize]);
+            lit += usize::from(bright && weakest < MAX_GREY * strongest && hues_differ);
         }
     }
     valleys >= MIN_VALLEYS && lit as f32 > MOST * valleys as f32

@@ -177,7 +177,8 @@ impl Tracks {
     }
 }
 
-fn same_hue(a: Rgb, b: Rgb) -> bool {
+/// Whether two colours are about the same, however bright.
+pub(super) fn same_hue(a: Rgb, b: Rgb) -> bool {
     let along = dot(a, b);
     along > 0.0 && along * along >= MIN_SQUARED_COSINE * dot(a, a) * dot(b, b)
 }

@@ -97,20 +97,23 @@ mod tests {
     fn told_to(role: Role) -> Value {
         let at: SocketAddr = "127.0.0.1:8642".parse().unwrap();
         let links = Links::new(&super::super::access::Access::new(at, &[]).unwrap(), "127.0.0.1:8642", None);
-        let options = Options { watch: Some("/home/ann/shots".into()), ..Options::default() };
+        let options = Options { watch: Some("/srv/camera/shots".into()), ..Options::default() };
         let (mut machine, _) = Machine::new(&Settings::default(), options);
-        machine.state.problem =
-            Some(Problem::new("x", "/home/ann/work/rig.json: cannot be written", "/home/ann/shots is full"));
+        machine.state.problem = Some(Problem::new(
+            "x",
+            "/srv/rigs/work/rig.json: cannot be written",
+            "/srv/camera/shots is full",
+        ));
         let to = Listener { role, id: Some(3), operating: false, displays: 0, watchers: 0, operators: 0 };
-        told(&machine, &to, &links, Path::new("/home/ann/work"))
+        told(&machine, &to, &links, Path::new("/srv/rigs/work"))
     }
 
     #[test]
     fn paths_of_this_machine_are_for_its_own_pages() {
-        assert!(told_to(Role::Operator).to_string().contains("/home/ann/work/rig.json"));
+        assert!(told_to(Role::Operator).to_string().contains("/srv/rigs/work/rig.json"));
         for role in [Role::Watcher, Role::Camera] {
             let told = told_to(role).to_string();
-            assert!(told.contains("rig.json: cannot be written") && !told.contains("/home"), "{told}");
+            assert!(told.contains("rig.json: cannot be written") && !told.contains("/srv"), "{told}");
         }
     }
 

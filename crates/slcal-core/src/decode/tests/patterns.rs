@@ -198,3 +198,14 @@ fn stripes_that_touch_are_named() {
     let error = decode_image(photo, &pattern(Axis::Columns)).unwrap_err().to_string();
     assert!(error.contains("touch") && error.contains("black between"), "{error}");
 }
+
+#[test]
+fn a_coloured_surface_is_not_taken_for_touching_stripes() {
+    // Wood: bright bands of one hue.
+    let wood = RgbImage::from_fn(1060, 160, |x, _| {
+        let light = 150.0 + 80.0 * (f64::from(x) * 0.5).sin();
+        image::Rgb([light as u8, (0.55 * light) as u8, (0.2 * light) as u8])
+    });
+    let error = decode_image(wood, &pattern(Axis::Columns)).unwrap_err().to_string();
+    assert!(!error.contains("touch"), "{error}");
+}
