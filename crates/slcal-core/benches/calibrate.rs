@@ -71,7 +71,7 @@ fn observations(views: usize) -> Observations {
         }
     });
     let views = views.collect();
-    Observations { camera: [1280, 960], projector: Some([1024, 768]), views }
+    Observations { camera: [1280, 960], projector: Some([1024, 768]), mirrored: false, views }
 }
 
 fn calibrate(c: &mut Criterion) {

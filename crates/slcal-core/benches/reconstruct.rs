@@ -26,7 +26,7 @@ fn rig(camera: Distortion, projector: Distortion) -> Rig {
 
 /// 625 lines across 64 stripes on a surface a metre away, slanted and bent; every slit at its own column.
 fn matches(rig: &Rig) -> Matches {
-    let Projector { device, from_camera } = rig.projector.expect("a projector");
+    let Projector { device, from_camera, .. } = rig.projector.expect("a projector");
     let column = |pixel: Point2<f64>| {
         let bearing = rig.camera.model.bearing(pixel).expect("within the lens");
         let depth = 1000.0 + 60.0 * (pixel.x / 200.0).sin() + 0.05 * pixel.y;

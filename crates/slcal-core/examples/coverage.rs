@@ -198,7 +198,7 @@ fn photograph(t: &Truth, o: &Options, rng: &mut ChaCha8Rng) -> Option<Observatio
         });
     }
     let projector = (!o.camera_alone).then_some([1024, 768]);
-    Some(Observations { camera: [1280, 960], projector, views })
+    Some(Observations { camera: [1280, 960], projector, mirrored: false, views })
 }
 
 const NAMES: [&str; 9] =

@@ -204,6 +204,9 @@ pub struct Observations {
     pub camera: [u32; 2],
     /// Width and height of the projector panel, px; `None` to calibrate the camera alone.
     pub projector: Option<[u32; 2]>,
+    /// Whether pictures appear with left and right exchanged. Projector px are those of the panel, where column c of a picture counts
+    /// as width − 1 − c.
+    pub mirrored: bool,
     /// One entry per pose.
     pub views: Vec<ViewObservation>,
 }

@@ -67,6 +67,9 @@ pub struct Projector {
     pub device: Device,
     /// Where it is: X_projector = R · X_camera + t.
     pub from_camera: StereoPose,
+    /// Whether its pictures appear with left and right exchanged, as in rear projection or by way of a mirror: column c of a picture
+    /// counts as column width − 1 − c of the panel.
+    pub mirrored: bool,
 }
 
 /// Root mean square residuals of one view.
@@ -307,6 +310,12 @@ impl Rig {
         [("camera", &self.camera)].into_iter().chain(projector)
     }
 
+    /// Whether pictures appear with left and right exchanged: [`Projector::mirrored`].
+    #[must_use]
+    pub fn is_mirrored(&self) -> bool {
+        self.projector.is_some_and(|p| p.mirrored)
+    }
+
     /// Distance between the optical centres, mm; `None` without a projector.
     #[must_use]
     pub fn baseline_mm(&self) -> Option<f64> {
@@ -440,7 +449,7 @@ mod tests {
         let pose = Pose { translation: Vector3::new(3.0, 4.0, 0.0), ..Pose::identity() };
         let mut rig = Rig {
             camera: model.into(),
-            projector: Some(Projector { device: model.into(), from_camera: pose.into() }),
+            projector: Some(Projector { device: model.into(), from_camera: pose.into(), mirrored: false }),
             views: Vec::new(),
             method: "ml".into(),
             quality: None,
@@ -571,7 +580,7 @@ mod tests {
         let change = nalgebra::DVector::from_iterator(6, r.iter().chain(&d).copied());
         let rig = Rig {
             camera: model.into(),
-            projector: Some(Projector { device: model.into(), from_camera: pose.into() }),
+            projector: Some(Projector { device: model.into(), from_camera: pose.into(), mirrored: false }),
             views: Vec::new(),
             method: "ml".into(),
             quality: None,

@@ -27,6 +27,7 @@ fn seen(folder: &Path) -> Observations {
     Observations {
         camera: [image.width(), image.height()],
         projector: Some(pattern.projector),
+        mirrored: false,
         views: vec![found.observation],
     }
 }

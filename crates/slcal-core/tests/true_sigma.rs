@@ -122,8 +122,12 @@ fn errors_are_as_large_as_their_sigma() {
             ..CalibrateConfig::default()
         };
         let [w, h] = scene.camera.map(|n| n as u32);
-        let observations =
-            Observations { camera: [w, h], projector: Some(pattern.projector), views: vec![view] };
+        let observations = Observations {
+            camera: [w, h],
+            projector: Some(pattern.projector),
+            mirrored: false,
+            views: vec![view],
+        };
         let c = calibrate_observations(&observations, &config).unwrap();
         let projector = c.rig.projector.as_ref().unwrap();
         let t = projector.from_camera.pose.translation;

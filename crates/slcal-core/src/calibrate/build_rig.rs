@@ -77,7 +77,7 @@ pub(crate) fn rig(solution: &Solution, assessment: &Assessment, assumptions: Vec
         let sigma = |i: usize| std::array::from_fn(|k| solution.covariance[(at + i + k, at + i + k)].sqrt());
         let pose = model.projector_from_camera;
         let from_camera = StereoPose { pose, sigma_t_mm: Some(sigma(3)), sigma_r_rad: Some(sigma(0)) };
-        Projector { device: device(p, Lens::Projector, solution), from_camera }
+        Projector { device: device(p, Lens::Projector, solution), from_camera, mirrored: false }
     });
     let views = model.views.iter().enumerate().map(|(i, sheet)| {
         view(&model.camera, projector.as_ref(), sheet, bend(solution, i).as_ref(), view_rms(solution, i))

@@ -52,7 +52,7 @@ use crate::rig::{Rig, Verdict};
 /// # let corners = size.corners().map(|c| camera.project(&pose.transform(&Point3::new(c.x, c.y, 0.0))).unwrap());
 /// let sheet = SheetObservation::Corners { corners, sigma_px: Some(0.1) };
 /// let view = ViewObservation { photo: None, size, sheet, pairs: Vec::new(), panel_points: Vec::new(), channel_offsets: Vec::new() };
-/// let observations = Observations { camera: [1280, 960], projector: None, views: vec![view] };
+/// let observations = Observations { camera: [1280, 960], projector: None, mirrored: false, views: vec![view] };
 /// let calibration = calibrate_observations(&observations, &CalibrateConfig::default())?;
 /// assert!((calibration.rig.camera.model.intrinsics.fx - 1500.0).abs() < 1.0);
 /// # Ok::<(), slcal_core::Error>(())
@@ -70,6 +70,9 @@ pub fn calibrate_observations(observations: &Observations, config: &CalibrateCon
     }
     for (view, seen) in rig.views.iter_mut().zip(&observations.views) {
         view.photo.clone_from(&seen.photo);
+    }
+    if let Some(projector) = &mut rig.projector {
+        projector.mirrored = observations.mirrored;
     }
     rig.channel_registration = channel_registration::fit(&rig, &observations);
     Ok(Calibration { rig, report, observations, noise })

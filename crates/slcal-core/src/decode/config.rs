@@ -18,6 +18,9 @@ pub struct DecodeConfig {
     /// Scanlines are searched on the threads of the caller's rayon pool (the cargo feature `rayon`; without it on one
     /// thread). The result is the same, bit for bit.
     pub parallel: bool,
+    /// Whether the picture appears with left and right exchanged, as in rear projection: column c of the pattern counts as
+    /// width − 1 − c. Slits keep the numbers that the pattern gives them.
+    pub mirrored: bool,
     /// How red and blue are displaced against green, from a calibration; `None`: it is estimated from the stripes where they show
     /// it.
     #[serde(skip)]
@@ -26,7 +29,13 @@ pub struct DecodeConfig {
 
 impl Default for DecodeConfig {
     fn default() -> Self {
-        Self { encoding: Encoding::Srgb, min_confidence: 0.4, parallel: false, registration: None }
+        Self {
+            encoding: Encoding::Srgb,
+            min_confidence: 0.4,
+            parallel: false,
+            mirrored: false,
+            registration: None,
+        }
     }
 }
 

@@ -69,6 +69,7 @@ pub fn decode<'a>(
 /// Decodes one photograph after another with the same pattern. After the first few its buffers do not grow.
 #[derive(Debug, Clone)]
 pub struct Decoder {
+    /// As it lies on the panel.
     pattern: StripePattern,
     config: DecodeConfig,
     candidates: CodeCandidates,
@@ -113,6 +114,8 @@ impl Decoder {
     pub fn new(pattern: &StripePattern, config: DecodeConfig) -> Result<Self> {
         config.validate()?;
         pattern.validate()?;
+        let mirrored = config.mirrored.then(|| pattern.mirrored());
+        let pattern = mirrored.as_ref().unwrap_or(pattern);
         let light = |c: u8| Encoding::Srgb.to_linear(f64::from(c) / 255.0) as f32;
         Ok(Self {
             pattern: pattern.clone(),
@@ -381,6 +384,7 @@ impl Decoder {
                 let at = ((across + 0.5).max(0.0) as usize).min(reader.length() - 1);
                 let columns = self.pattern.axis == Axis::Columns;
                 let px = self.pattern.centres_px[slit];
+                let from_end = columns && self.config.mirrored;
                 matches.push(Match {
                     camera: match reader.scan {
                         ScanDirection::Rows => Point2::new(across, along),
@@ -388,7 +392,7 @@ impl Decoder {
                     },
                     projector_column: columns.then_some(px),
                     projector_row: (!columns).then_some(px),
-                    slit: Some(slit as u16),
+                    slit: Some(if from_end { n - 1 - slit } else { slit } as u16),
                     confidence,
                     sigma_px: f64::from(center.sigma).max(1e-3),
                     color: reader.color(y, at, self.config.encoding),

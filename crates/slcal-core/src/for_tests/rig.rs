@@ -24,6 +24,7 @@ pub(crate) fn test_rig() -> Rig {
                 rotation: Rotation3::from_euler_angles(0.08, -0.2, 0.0),
                 translation: Vector3::new(200.0, 80.0, 20.0),
             }),
+            mirrored: false,
         }),
         views: Vec::new(),
         method: "test".into(),

@@ -18,6 +18,12 @@ pub enum SquareColor {
     White,
 }
 
+impl SquareColor {
+    fn other(self) -> Self {
+        if self == Self::Black { Self::White } else { Self::Black }
+    }
+}
+
 named!(SquareColor, "colour", { Black => "black", White => "white" });
 
 /// A checkerboard on a projector's panel.
@@ -156,6 +162,31 @@ impl CheckerPattern {
             background: config.background,
             marks: marks.transpose()?,
         })
+    }
+
+    /// The same picture with left and right exchanged, as a board of its own: where each of its squares and marks lies on the panel
+    /// of a projector that shows pictures mirrored.
+    ///
+    /// # Examples
+    /// ```
+    /// use slcal_core::{CheckerConfig, CheckerPattern};
+    ///
+    /// let checker = CheckerPattern::new([1024, 768], &CheckerConfig { marks: true, ..CheckerConfig::default() })?;
+    /// let flipped = image::imageops::flip_horizontal(&checker.image()?);
+    /// assert_eq!(checker.mirrored().image()?, flipped);
+    /// # Ok::<(), slcal_core::Error>(())
+    /// ```
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let right = f64::from(self.projector[0]) - 1.0;
+        let [top_left, top_right, ..] = self.outline();
+        let last_differs = self.squares[0].is_multiple_of(2);
+        Self {
+            origin_px: Point2::new(right - top_right.x, top_left.y),
+            first_square: if last_differs { self.first_square.other() } else { self.first_square },
+            marks: self.marks.as_ref().map(|marks| marks.mirrored(right)),
+            ..self.clone()
+        }
     }
 
     /// The inner corner in column `i` and row `j` (0-based), projector px.

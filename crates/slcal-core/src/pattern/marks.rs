@@ -75,6 +75,12 @@ impl PanelMarks {
         Ok(Self { side_px: f64::from(side), centres_px: centres.map(|(x, y)| Point2::new(x, y)).to_vec() })
     }
 
+    /// With left and right exchanged on a panel whose last column is `right`.
+    pub(super) fn mirrored(&self, right: f64) -> Self {
+        let centres_px = self.centres_px.iter().map(|c| Point2::new(right - c.x, c.y)).collect();
+        Self { centres_px, ..self.clone() }
+    }
+
     /// Checks that every mark has a size and lies on the panel.
     ///
     /// # Errors

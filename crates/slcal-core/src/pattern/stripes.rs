@@ -147,6 +147,29 @@ impl StripePattern {
         })
     }
 
+    /// The same picture with left and right exchanged, as a pattern of its own: where each slit lies on the panel of a projector that
+    /// shows pictures mirrored. Vertical slits are then counted from the other end.
+    ///
+    /// # Examples
+    /// ```
+    /// use slcal_core::{StripeConfig, StripePattern};
+    ///
+    /// let stripes = StripePattern::new([1024, 768], &StripeConfig::default())?;
+    /// let flipped = image::imageops::flip_horizontal(&stripes.image()?);
+    /// assert_eq!(stripes.mirrored().image()?, flipped);
+    /// # Ok::<(), slcal_core::Error>(())
+    /// ```
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let mut mirrored = self.clone();
+        if self.axis == Axis::Columns {
+            let right = self.length_px() - 1.0;
+            mirrored.sequence.reverse();
+            mirrored.centres_px = self.centres_px.iter().rev().map(|c| right - c).collect();
+        }
+        mirrored
+    }
+
     /// Length of the panel across the slits, px.
     #[must_use]
     pub fn length_px(&self) -> f64 {

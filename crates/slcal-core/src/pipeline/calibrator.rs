@@ -43,7 +43,9 @@ use crate::rig::{Rig, Warning};
 pub struct Calibrator {
     sheet: SheetSize,
     sides: SheetSides,
+    /// As it lies on the panel.
     pattern: Option<CheckerPattern>,
+    mirrored: bool,
     encoding: Encoding,
     config: CalibrateConfig,
     /// The focal length that is a prior, and the first photograph that states it.
@@ -64,6 +66,7 @@ impl Calibrator {
             sheet,
             sides: SheetSides::default(),
             pattern: None,
+            mirrored: false,
             encoding: Encoding::default(),
             config: CalibrateConfig::default(),
             focal: None,
@@ -77,6 +80,16 @@ impl Calibrator {
     #[must_use]
     pub fn with_pattern(mut self, pattern: &CheckerPattern) -> Self {
         self.pattern = Some(pattern.clone());
+        self.mirrored = false;
+        self
+    }
+
+    /// The same where the projector's pictures appear with left and right exchanged, as in rear projection: column c of the pattern
+    /// counts as width − 1 − c, and the rig says so ([`Projector::mirrored`](crate::Projector::mirrored)).
+    #[must_use]
+    pub fn with_mirrored_pattern(mut self, pattern: &CheckerPattern) -> Self {
+        self.pattern = Some(pattern.mirrored());
+        self.mirrored = true;
         self
     }
 
@@ -204,6 +217,7 @@ impl Calibrator {
         Ok(Observations {
             camera: first.turned_size(),
             projector: self.pattern.as_ref().map(|p| p.projector),
+            mirrored: self.mirrored,
             views: self.detections.iter().map(|d| d.observation.clone()).collect(),
         })
     }

@@ -5,6 +5,8 @@ mod calibrator;
 mod cloud_report;
 mod common_orientation;
 #[cfg(test)]
+mod mirrored_tests;
+#[cfg(test)]
 mod panel_border_tests;
 mod photo_tags;
 mod photo_verifier;

@@ -105,6 +105,24 @@ fn light_that_reaches_beyond_the_sheet_shows_nothing() {
 }
 
 #[test]
+fn a_mirrored_picture_that_is_said_to_be_one_calibrates() {
+    let pattern = drawn(true);
+    let mirrored = image::imageops::flip_horizontal(&pattern.image().unwrap());
+    let photo = photograph(&mirrored, [25.0, 28.0], WIDE_SHEET);
+    let calibrate = |photo: &DynamicImage| {
+        let mut calibrator = Calibrator::new("594x420mm".parse().unwrap()).with_mirrored_pattern(&pattern);
+        calibrator.add(SheetPhoto::new(PhotoView::try_from(photo).unwrap())).unwrap();
+        calibrator.calibrate().unwrap().rig
+    };
+    let rig = calibrate(&photo);
+    assert!(rig.is_mirrored());
+    assert_eq!(told(rig.quality.as_ref().unwrap()), None);
+    let upright = photograph(&pattern.image().unwrap(), [25.0, 28.0], WIDE_SHEET);
+    let rig = calibrate(&upright);
+    assert!(told(rig.quality.as_ref().unwrap()).unwrap().contains("other way round than was said"));
+}
+
+#[test]
 fn a_mirrored_picture_is_named_by_its_marks() {
     let pattern = drawn(true);
     let mirrored = image::imageops::flip_horizontal(&pattern.image().unwrap());

@@ -1,5 +1,7 @@
 //! Photograph + rig → remaining keystone, and whether something has moved.
 
+use std::borrow::Cow;
+
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +24,8 @@ pub struct VerifyPhotoConfig {
     pub size: Option<SheetSize>,
     /// The pattern is projected as it was drawn, anywhere on the sheet, and not rectified for the rig's first view.
     pub as_drawn: bool,
+    /// The picture appears with left and right exchanged; it counts as such where the rig says so, too.
+    pub mirrored: bool,
     /// The transfer curve of the photograph; default sRGB.
     pub encoding: Encoding,
     /// The sheet's corners TL, TR, BR, BL by hand, px, when it is not found.
@@ -35,6 +39,7 @@ impl Default for VerifyPhotoConfig {
         Self {
             size: None,
             as_drawn: false,
+            mirrored: false,
             encoding: Encoding::default(),
             corners: None,
             significance: VerifyConfig::default().significance,
@@ -93,7 +98,8 @@ pub struct VerifiedPhoto {
 #[derive(Debug, Clone)]
 pub struct PhotoVerifier<'a> {
     rig: &'a Rig,
-    pattern: &'a CheckerPattern,
+    /// As it lies on the panel.
+    pattern: Cow<'a, CheckerPattern>,
     size: SheetSize,
     detect: DetectConfig,
     test: VerifyConfig,
@@ -120,7 +126,10 @@ impl<'a> PhotoVerifier<'a> {
         })?;
         let drawn =
             if config.as_drawn { None } else { Some(rectify_checker(rig, 0, pattern)?.panel_from_source) };
-        let (outline_px, aspect) = outline(pattern, drawn.as_ref()).ok_or_else(|| {
+        // A rectified picture is mirrored once more when it is drawn, and lies upright on the panel.
+        let mirrored = config.as_drawn && (config.mirrored || rig.is_mirrored());
+        let pattern = if mirrored { Cow::Owned(pattern.mirrored()) } else { Cow::Borrowed(pattern) };
+        let (outline_px, aspect) = outline(&pattern, drawn.as_ref()).ok_or_else(|| {
             Error::invalid(ErrorSubject::Pattern, "one that can be drawn on the panel", "a point at infinity")
         })?;
         let (detect, test) = (config.detect(drawn), config.test());
@@ -145,7 +154,7 @@ impl<'a> PhotoVerifier<'a> {
             ));
         }
         let known = CalibrateConfig { known_camera: Some(camera), ..CalibrateConfig::default() };
-        let detection = observe_sheet(photo, None, self.size, Some(self.pattern), &self.detect, &known)?;
+        let detection = observe_sheet(photo, None, self.size, Some(&self.pattern), &self.detect, &known)?;
         let verification =
             verify(self.rig, &detection.observation, &self.outline_px, self.aspect, self.test)?;
         Ok(VerifiedPhoto { detection, verification })

@@ -6,7 +6,7 @@ use crate::cloud::{Frame, PointCloud};
 use crate::decode::{DecodeConfig, DecodeInput, DecodeReport, Decoder};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Pose;
-use crate::matches::Matches;
+use crate::matches::{Match, Matches};
 use crate::pattern::StripePattern;
 use crate::reconstruct::{
     CullReport, CullRule, Culler, RigCheckReport, RigChecker, TriangulateConfig, TriangulateReport,
@@ -119,24 +119,29 @@ pub struct Reconstructor {
     /// Width and height of its photographs, px.
     camera: [u32; 2],
     decoder: Decoder,
+    /// Width of the panel, px.
+    panel_width: u32,
     stages: Stages,
     result: Reconstruction,
 }
 
 impl Reconstructor {
     /// Checks that rig, pattern and configuration fit together. The rig's registration of the colour channels is decoded with, unless
-    /// [`DecodeConfig::registration`](crate::decode::DecodeConfig::registration) has another.
+    /// [`DecodeConfig::registration`](crate::decode::DecodeConfig::registration) has another. The picture counts as mirrored where
+    /// the rig or the configuration says so.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a rig without a projector, a pattern for another panel, the sheet's frame with a rig that
     /// has no views, or a configuration out of range.
     pub fn new(rig: &Rig, pattern: &StripePattern, config: ReconstructConfig) -> Result<Self> {
         rig.projector_for(ErrorSubject::StripePattern, pattern.projector)?;
+        let panel_width = pattern.projector[0];
         let stages = Stages::new(rig, &config)?;
         let registration = config.decode.registration.or(rig.channel_registration);
-        let decoder = Decoder::new(pattern, DecodeConfig { registration, ..config.decode })?;
+        let mirrored = config.decode.mirrored || rig.is_mirrored();
+        let decoder = Decoder::new(pattern, DecodeConfig { registration, mirrored, ..config.decode })?;
         let camera = rig.camera.model.size();
-        Ok(Self { camera, decoder, stages, result: Reconstruction::default() })
+        Ok(Self { camera, decoder, panel_width, stages, result: Reconstruction::default() })
     }
 
     /// The cloud of one scene: from the striped photograph alone, or with photographs under a dark and a white projector. It
@@ -157,8 +162,12 @@ impl Reconstructor {
             ));
         }
         let decoding = self.decoder.decode(input)?;
-        self.stages.run(&decoding.matches, &mut self.result)?;
-        check_possible(&self.result.triangulate, decoding.matches.items.len())?;
+        let matches = &decoding.matches;
+        let run = self.stages.run(matches, &mut self.result);
+        if let Err(error) = run.and_then(|()| check_possible(&self.result.triangulate, matches.items.len())) {
+            let otherwise = mirrored(matches, self.panel_width);
+            return Err(if self.stages.explain(&otherwise) { mirrored_unsaid() } else { error });
+        }
         self.decoder.swap_report(self.result.decode.get_or_insert_default());
         Ok(&self.result)
     }
@@ -238,6 +247,13 @@ impl Stages {
         })
     }
 
+    /// Whether these matches are a surface that the rig explains.
+    fn explain(&mut self, matches: &Matches) -> bool {
+        let mut result = Reconstruction::default();
+        let run = self.run(matches, &mut result);
+        run.is_ok() && check_possible(&result.triangulate, matches.items.len()).is_ok()
+    }
+
     /// Replaces the content of `result`.
     fn run(&mut self, matches: &Matches, result: &mut Reconstruction) -> Result<()> {
         result.cull = CullReport::default();
@@ -258,6 +274,21 @@ impl Stages {
             cloud.frame = Frame::Plane;
         }
         Ok(())
+    }
+}
+
+/// Matches of the panel with left and right exchanged.
+fn mirrored(matches: &Matches, panel_width: u32) -> Matches {
+    let right = f64::from(panel_width) - 1.0;
+    let flip = |m: &Match| Match { projector_column: m.projector_column.map(|c| right - c), ..*m };
+    Matches { items: matches.items.iter().map(flip).collect() }
+}
+
+fn mirrored_unsaid() -> Error {
+    Error::NotFound {
+        what: ErrorSubject::Named("the pattern as this rig would project it"),
+        seen: "stripes that fit the rig only with left and right of the picture exchanged".into(),
+        advice: "switch the projector's mirroring (rear projection) to what it was at the calibration; or take the picture as mirrored, in calibration and scan alike".into(),
     }
 }
 

@@ -45,7 +45,7 @@ impl SheetSides {
             return;
         }
         let views = found.iter().map(|d| d.observation.clone()).collect();
-        let mut all = Observations { camera, projector: None, views };
+        let mut all = Observations { camera, projector: None, mirrored: false, views };
         orient(&mut all, &mut self.0, config);
         for (found, view) in found.iter_mut().zip(all.views) {
             found.observation.size = view.size;

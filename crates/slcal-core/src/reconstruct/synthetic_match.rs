@@ -29,7 +29,7 @@ impl SyntheticMatches {
         if !(sigma_px.is_finite() && sigma_px >= 0.0) {
             return Err(Error::invalid("the noise of matches", "zero or more pixels", sigma_px));
         }
-        let Projector { device, from_camera } = rig.require_projector()?;
+        let Projector { device, from_camera, .. } = rig.require_projector()?;
         Ok(Self {
             camera: rig.camera.model,
             projector: device.model,

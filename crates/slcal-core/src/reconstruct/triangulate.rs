@@ -75,7 +75,7 @@ impl Triangulator {
     /// [`Error::Invalid`](crate::Error::Invalid) for a rig without a projector or a configuration out of range.
     pub fn new(rig: &Rig, config: TriangulateConfig) -> Result<Self> {
         config.validate()?;
-        let Projector { device, from_camera } = rig.require_projector()?;
+        let Projector { device, from_camera, .. } = rig.require_projector()?;
         let camera = rig.camera.model;
         Ok(Self {
             config,

@@ -1,6 +1,7 @@
 //! Pictures drawn so that they appear upright on the sheet: [`rectify`](super::rectify()) and the drawing in one call.
 
 use image::RgbImage;
+use image::imageops::flip_horizontal;
 use nalgebra::Point2;
 
 use super::{Rectification, rectify, rectify_checker};
@@ -17,7 +18,13 @@ pub fn rectify_picture(rig: &Rig, view: usize, picture: &RgbImage) -> Result<(Rg
     let (w, h) = (f64::from(picture.width()), f64::from(picture.height()));
     let place = rectify(rig, view, Point2::new(-0.5, -0.5), Point2::new(w - 0.5, h - 0.5))?;
     let panel = rig.require_projector()?.device.model.size();
-    Ok((warp_image(picture, panel, &place.panel_from_source, [0; 3])?, place))
+    let drawn = warp_image(picture, panel, &place.panel_from_source, [0; 3])?;
+    Ok((to_project(drawn, rig), place))
+}
+
+/// The picture that makes a panel look so: mirrored where the projector mirrors it once more.
+fn to_project(panel: RgbImage, rig: &Rig) -> RgbImage {
+    if rig.is_mirrored() { flip_horizontal(&panel) } else { panel }
 }
 
 /// What to project so that a checkerboard appears upright and as large as possible on the sheet of a view, its edges as
@@ -47,7 +54,7 @@ pub fn rectify_checker_picture(
 ) -> Result<(RgbImage, Rectification)> {
     rig.projector_for(ErrorSubject::Checkerboard, pattern.projector)?;
     let place = rectify_checker(rig, view, pattern)?;
-    Ok((pattern.draw_warped(&place.panel_from_source)?, place))
+    Ok((to_project(pattern.draw_warped(&place.panel_from_source)?, rig), place))
 }
 
 #[cfg(test)]

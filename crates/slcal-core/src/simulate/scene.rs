@@ -259,6 +259,7 @@ impl Scene {
         Ok(Observations {
             camera: [self.camera.width, self.camera.height],
             projector: Some([self.projector.width, self.projector.height]),
+            mirrored: false,
             views,
         })
     }
@@ -310,6 +311,7 @@ impl Scene {
             projector: Some(Projector {
                 device: device(self.projector),
                 from_camera: self.projector_from_camera.into(),
+                mirrored: false,
             }),
             views: views.collect(),
             method: "truth".into(),

@@ -97,7 +97,7 @@ impl Tally {
                 return;
             }
         };
-        let Some(Projector { device: projector, from_camera }) = rig.projector else {
+        let Some(Projector { device: projector, from_camera, .. }) = rig.projector else {
             self.failed += 1;
             return;
         };

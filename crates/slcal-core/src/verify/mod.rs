@@ -157,8 +157,12 @@ pub(crate) fn verify(
         return Err(Error::invalid("outline", "four finite corners and a positive aspect", aspect));
     }
     let camera = rig.camera.model;
-    let observations =
-        Observations { camera: camera.size(), projector: Some(projector.size()), views: vec![seen.clone()] };
+    let observations = Observations {
+        camera: camera.size(),
+        projector: Some(projector.size()),
+        mirrored: rig.is_mirrored(),
+        views: vec![seen.clone()],
+    };
     validate(&observations)?;
     let inconsistent = || {
         let advice = "the photograph and the rig do not go together at all: is it the rig of this camera and projector, and the \

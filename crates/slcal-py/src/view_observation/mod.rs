@@ -225,6 +225,7 @@ impl ViewObservation {
             // Of no meaning here.
             camera: [1; 2],
             projector: Some([1; 2]),
+            mirrored: false,
             views: vec![self.0.clone()],
         };
         let mut bytes = Vec::new();

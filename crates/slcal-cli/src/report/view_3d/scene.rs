@@ -47,7 +47,7 @@ impl Scene {
     pub(super) fn new(rig: &Rig, length: f64) -> Self {
         let mut scene = Self::default();
         scene.device("camera", "var(--camera)", &rig.camera.model, &Pose::identity(), length);
-        if let Some(Projector { device, from_camera }) = &rig.projector {
+        if let Some(Projector { device, from_camera, .. }) = &rig.projector {
             scene.device("projector", "var(--projector)", &device.model, &from_camera.pose.inverse(), length);
             let centre = from_camera.pose.centre();
             scene.line("baseline", "var(--ink)", &[&[Point3::origin(), centre]], true);

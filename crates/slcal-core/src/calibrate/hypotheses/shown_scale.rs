@@ -120,6 +120,8 @@ impl AlongAxis {
 pub(crate) struct ShownScale {
     axes: [AlongAxis; 2],
     panel: [f64; 2],
+    /// Whether it was said to appear mirrored.
+    mirrored: bool,
 }
 
 impl ShownScale {
@@ -147,7 +149,11 @@ pub(crate) fn shown_scale(observations: &Observations, solution: &Solution) -> O
     for (axis, along) in axes.iter_mut().enumerate() {
         *along = along_axis(axis, &places, panel[axis], solution);
     }
-    axes.iter().any(|a| !a.0.is_empty()).then_some(ShownScale { axes, panel })
+    axes.iter().any(|a| !a.0.is_empty()).then_some(ShownScale {
+        axes,
+        panel,
+        mirrored: observations.mirrored,
+    })
 }
 
 /// The borders of an axis or else its marks, those furthest apart. Marks at the opposite places come first: the light of a mirrored
@@ -220,10 +226,9 @@ impl ShownScale {
     const ENDS: [[&str; 2]; 2] = [["left", "right"], ["upper", "lower"]];
 
     fn found(&self) -> String {
-        let mirrored = [0, 1].map(|k: usize| self.axes[k].is_mirrored(self.panel[k]));
-        if mirrored[0] || mirrored[1] {
-            let how = if mirrored[0] { "left and right" } else { "top and bottom" };
-            return format!("it is mirrored, {how} are exchanged: its marks are seen at the opposite places");
+        if let Some(how) = self.exchanged() {
+            let than = if self.mirrored { "the other way round than was said" } else { "mirrored" };
+            return format!("it is {than}, {how} are exchanged: its marks are seen at the opposite places");
         }
         let percent = |k: usize, s: f64| {
             let sigma = 100.0 * self.sigma()[k];
@@ -246,6 +251,15 @@ impl ShownScale {
             .map(|(k, s)| self.place(k, s))
             .collect();
         format!("{size}the light of the projector ends {}", places.join(", "))
+    }
+
+    /// Which sides of the picture are exchanged.
+    fn exchanged(&self) -> Option<&'static str> {
+        match [0, 1].map(|k: usize| self.axes[k].is_mirrored(self.panel[k])) {
+            [true, _] => Some("left and right"),
+            [false, true] => Some("top and bottom"),
+            [false, false] => None,
+        }
     }
 
     /// Where one border is seen, against where it is expected.
@@ -273,6 +287,13 @@ impl ShownScale {
     fn advice(&self, observations: &Observations) -> String {
         let show = "show the picture full screen and pixel for pixel, at the native resolution of the projector, with scaling, zoom, \
                     keystone correction, overscan and mirroring switched off, and take the photographs again";
+        if self.exchanged().is_some() {
+            let instead = if self.mirrored { "not mirrored" } else { "mirrored" };
+            return format!(
+                "calibrate and scan with the picture taken as {instead}, if that is how it is meant (rear projection, a mirror in the \
+                 light); otherwise {show}"
+            );
+        }
         let scales: Vec<f64> = self.scale().into_iter().flatten().collect();
         let scale = scales.iter().sum::<f64>() / scales.len() as f64;
         // One scale and one border along each axis say where the picture was shown.

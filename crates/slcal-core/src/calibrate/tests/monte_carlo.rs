@@ -171,7 +171,7 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         let o = observe(&truth, 0.2, 0.1, &mut rng);
         let found: Rig = calibrate_observations(&o, &ideal()).unwrap().rig;
         let holds = |d: &Device, f: f64| (d.model.intrinsics.fx - f).abs() < 1.96 * d.sigma.unwrap().focal_px;
-        let Projector { device: p, from_camera } = found.projector.unwrap();
+        let Projector { device: p, from_camera, .. } = found.projector.unwrap();
         held[0] += u32::from(holds(&found.camera, 1500.0));
         held[1] += u32::from(holds(&p, 1700.0));
         let cy = (p.model.intrinsics.cy - 768.0).abs() < 1.96 * p.sigma.unwrap().cy_px;

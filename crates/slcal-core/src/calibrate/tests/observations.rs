@@ -30,6 +30,7 @@ fn rendered(scene: &str) -> Option<(Observations, Rig)> {
     let observations = Observations {
         camera: size(&truth.camera),
         projector: truth.projector.as_ref().map(|p| size(&p.device)),
+        mirrored: false,
         views: vec![ViewObservation {
             photo: None,
             size: truth.views[0].size,

@@ -80,7 +80,7 @@ fn draw(seed: u64, sizes: &[RectangleSize], most: f64) -> (Camera, Observations)
         let camera = camera(&mut rng);
         let views: Option<Vec<_>> = sizes.iter().map(|s| photograph(&mut rng, &camera, *s, most)).collect();
         if let Some(views) = views {
-            return (camera, Observations { camera: [1280, 960], projector: None, views });
+            return (camera, Observations { camera: [1280, 960], projector: None, mirrored: false, views });
         }
     }
 }

@@ -105,7 +105,7 @@ pub(crate) fn observe(model: &Model, sheet_px: f64, pair_px: f64, rng: &mut ChaC
         })
         .collect();
     let projector = model.projector.map(|p| [p.width, p.height]);
-    Observations { camera: [model.camera.width, model.camera.height], projector, views }
+    Observations { camera: [model.camera.width, model.camera.height], projector, mirrored: false, views }
 }
 
 /// The same with `n` edge points per side instead of corners.

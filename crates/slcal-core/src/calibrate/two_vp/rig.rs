@@ -243,6 +243,7 @@ fn assemble(
             sigma_r_rad: Some(std::array::from_fn(|k| sigma[TURN + k])),
             sigma_t_mm: Some(std::array::from_fn(|k| sigma[SHIFT + k])),
         },
+        mirrored: false,
     });
     Rig {
         camera: device(camera, camera_sigma),

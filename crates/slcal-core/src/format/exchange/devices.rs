@@ -49,7 +49,11 @@ pub(super) fn pose_of(r: &Matrix3<f64>, t: Vector3<f64>, expecting: Expecting, p
 pub(super) fn plain_rig(camera: Device, projector: Option<&(Device, Pose)>, format: ExchangeFormat) -> Rig {
     Rig {
         camera,
-        projector: projector.map(|&(device, pose)| Projector { device, from_camera: pose.into() }),
+        projector: projector.map(|&(device, pose)| Projector {
+            device,
+            from_camera: pose.into(),
+            mirrored: false,
+        }),
         views: Vec::new(),
         method: format.name().to_owned(),
         quality: None,

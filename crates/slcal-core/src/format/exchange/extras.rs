@@ -26,10 +26,11 @@ const WORDS: [&str; 13] = [
 ];
 
 /// Where each of them stands in rig.json, and its name in other files.
-const PLACES: [(&str, &str); 9] = [
+const PLACES: [(&str, &str); 10] = [
     ("/method", "method"),
     ("/camera/sigma", "camera_sigma"),
     ("/projector/sigma", "projector_sigma"),
+    ("/projector/mirrored", MIRRORED),
     ("/projector_from_camera/sigma_t_mm", "sigma_t_mm"),
     ("/projector_from_camera/sigma_r_rad", "sigma_r_rad"),
     ("/views", "views"),
@@ -37,6 +38,9 @@ const PLACES: [(&str, &str); 9] = [
     ("/covariance", "covariance"),
     ("/channel_registration", "channel_registration"),
 ];
+
+/// 1 where pictures appear mirrored, else left out: other files have numbers only.
+pub(super) const MIRRORED: &str = "projector_mirrored";
 
 /// All values that the rig has.
 pub(super) fn of_rig(rig: &Rig) -> Result<Map<String, Value>> {
@@ -46,7 +50,8 @@ pub(super) fn of_rig(rig: &Rig) -> Result<Map<String, Value>> {
         // A missing covariance is stored as one without parameters.
         let list = part.get("parameters").unwrap_or(part);
         let empty = part.is_null() || list.as_array().is_some_and(Vec::is_empty);
-        (!empty).then(|| ((*name).to_owned(), part.clone()))
+        let part = if *name == MIRRORED { Value::from(1.0) } else { part.clone() };
+        (!empty).then(|| ((*name).to_owned(), part))
     });
     Ok(found.collect())
 }
@@ -57,7 +62,8 @@ pub(super) fn added_to(rig: &Rig, extras: &Map<String, Value>, expecting: Expect
     for (place, name) in PLACES {
         let Some((parent, field)) = place.rsplit_once('/') else { continue };
         if let (Some(part), Some(Value::Object(fields))) = (extras.get(name), value.pointer_mut(parent)) {
-            fields.insert(field.to_owned(), part.clone());
+            let part = if name == MIRRORED { Value::Bool(part.as_f64() == Some(1.0)) } else { part.clone() };
+            fields.insert(field.to_owned(), part);
         }
     }
     rig_of_value(value).map_err(|e| renamed(e, expecting))

@@ -66,6 +66,14 @@ pub fn export_rig(rig: &Rig, format: ExchangeFormat, config: &ExportConfig) -> R
         #[cfg(not(feature = "npz"))]
         ExchangeFormat::Npz => return Err(without_npz()),
     };
+    let told = matches!(format, ExchangeFormat::OpenCv | ExchangeFormat::Npz);
+    if rig.is_mirrored() && !told {
+        losses.notes.push(format!(
+            "{} has no place for: pictures appear mirrored (column c of a picture is column width - 1 - c of the panel that is \
+             written)",
+            format.name()
+        ));
+    }
     Ok(Export { files, left_out: losses.notes })
 }
 

@@ -79,6 +79,9 @@ pub(super) fn export(rig: &Rig) -> Result<Vec<ExportedFile>> {
         let sigmas = [("sigma_t_mm", sigma_t_mm), ("sigma_r_rad", sigma_r_rad)];
         arrays.extend(sigmas.into_iter().filter_map(|(n, s)| Some((n, numbers(&[3], s?.to_vec())))));
     }
+    if rig.is_mirrored() {
+        arrays.push((extras::MIRRORED, numbers(&[], vec![1.0])));
+    }
     arrays.push(("method", Array::Words(vec![], vec![rig.method.clone()])));
     if !rig.views.is_empty() {
         arrays.extend(views(rig)?);
@@ -267,6 +270,7 @@ fn read_extras(arrays: &Arrays<'_>) -> Result<Map<String, Value>> {
             found.insert(name.to_owned(), sigma);
         }
     }
+    found.extend(one(extras::MIRRORED, &[])?.map(|s| (extras::MIRRORED.to_owned(), s)));
     for name in ["sigma_t_mm", "sigma_r_rad"] {
         found.extend(one(name, &[3])?.map(|s| (name.to_owned(), s)));
     }

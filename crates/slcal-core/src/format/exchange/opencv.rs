@@ -36,7 +36,7 @@ pub(super) fn export(rig: &Rig, storage: StorageText, losses: &mut Losses) -> Re
     put("image_height", Item::Whole(camera.model.height));
     put("camera_matrix", matrix(camera));
     put("distortion_coefficients", lens(camera));
-    if let Some(Projector { device: projector, from_camera: StereoPose { pose, .. } }) = &rig.projector {
+    if let Some(Projector { device: projector, from_camera: StereoPose { pose, .. }, .. }) = &rig.projector {
         put("projector_width", Item::Whole(projector.model.width));
         put("projector_height", Item::Whole(projector.model.height));
         put("cam_K", matrix(camera));

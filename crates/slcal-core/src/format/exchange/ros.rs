@@ -28,7 +28,7 @@ pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>
         name: "camera.yaml",
         bytes: camera_info("camera", &rig.camera, losses)?.into_bytes(),
     }];
-    if let Some(Projector { device, from_camera }) = &rig.projector {
+    if let Some(Projector { device, from_camera, .. }) = &rig.projector {
         let mut text = camera_info("projector", device, losses)?;
         text.push_str(&placed(&from_camera.pose));
         files.push(ExportedFile { name: "projector.yaml", bytes: text.into_bytes() });

@@ -70,6 +70,7 @@ fn rig(distortion: [f64; 5], skew: f64) -> Rig {
         projector: Some(Projector {
             device: projector,
             from_camera: StereoPose { pose: quarter(), sigma_t_mm: Some([0.1, 0.2, 0.3]), sigma_r_rad: None },
+            mirrored: false,
         }),
         views: vec![view.clone(), View { photo: None, rms_px: None, bend: None, ..view }],
         method: "ml".into(),

@@ -51,9 +51,12 @@ pub(super) fn observations(value: &Value) -> Result<Observations> {
     }
     let camera = panel(required(top, "camera", "", "{\"width\", \"height\"}")?, "camera")?;
     let expected = "{\"width\", \"height\"}, or null to calibrate the camera alone";
-    let projector = match required(top, "projector", "", expected)? {
-        Value::Null => None,
-        given => Some(panel(given, "projector")?),
+    let given = required(top, "projector", "", expected)?;
+    let projector = if given.is_null() { None } else { Some(panel(given, "projector")?) };
+    let mirrored = match given.get("mirrored") {
+        None | Some(Value::Null) => false,
+        Some(Value::Bool(mirrored)) => *mirrored,
+        Some(other) => return Err(wrong("projector.mirrored", "true or false", other)),
     };
     let list = required(top, "views", "", "a list with one entry per pose of the sheet")?;
     let list = list.as_array().ok_or_else(|| wrong("views", "a list", list))?;
@@ -62,7 +65,7 @@ pub(super) fn observations(value: &Value) -> Result<Observations> {
         let place = format!("views[{i}]");
         views.push(view(object(value, &place, "an object")?, &place, projector.is_some())?);
     }
-    Ok(Observations { camera, projector, views })
+    Ok(Observations { camera, projector, mirrored, views })
 }
 
 fn panel(value: &Value, place: &str) -> Result<[u32; 2]> {

@@ -33,16 +33,17 @@ fn list(rows: impl Iterator<Item = Result<String>>, indent: usize) -> Result<Str
     Ok(format!("[\n{pad}  {}\n{pad}]", rows.join(&format!(",\n{pad}  "))))
 }
 
-fn panel(size: Option<[u32; 2]>) -> String {
-    size.map_or("null".into(), |[w, h]| format!("{{\"width\": {w}, \"height\": {h}}}"))
+fn panel(size: Option<[u32; 2]>, mirrored: bool) -> String {
+    let mirrored = if mirrored { ", \"mirrored\": true" } else { "" };
+    size.map_or("null".into(), |[w, h]| format!("{{\"width\": {w}, \"height\": {h}{mirrored}}}"))
 }
 
 pub(super) fn text(o: &Observations) -> Result<String> {
     let views = o.views.iter().map(view).collect::<Result<Vec<_>>>()?;
     Ok(format!(
         "{{\n  \"schema\": \"{SCHEMA}\",\n  \"camera\": {},\n  \"projector\": {},\n  \"views\": [{}]\n}}\n",
-        panel(Some(o.camera)),
-        panel(o.projector),
+        panel(Some(o.camera), false),
+        panel(o.projector, o.mirrored),
         views.join(", ")
     ))
 }

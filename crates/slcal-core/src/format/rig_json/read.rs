@@ -41,8 +41,9 @@ pub(super) fn expect(found: &str, expected: &str, field: &str) -> Result<()> {
 
 pub(super) fn rig_from_dto(dto: RigDto) -> Result<Rig> {
     let camera = device_from_dto(parse(dto.camera, "camera")?, "camera")?;
-    let projector =
-        parse_optional(dto.projector, "projector")?.map(|d| device_from_dto(d, "projector")).transpose()?;
+    let projector = parse_optional::<DeviceDto>(dto.projector, "projector")?
+        .map(|d| Ok((d.mirrored, device_from_dto(d, "projector")?)))
+        .transpose()?;
     let stereo = parse_optional::<StereoDto>(dto.projector_from_camera, "projector_from_camera")?
         .map(|s| {
             Ok(StereoPose {
@@ -53,7 +54,7 @@ pub(super) fn rig_from_dto(dto: RigDto) -> Result<Rig> {
         })
         .transpose()?;
     let projector = match (projector, stereo) {
-        (Some(device), Some(from_camera)) => Some(Projector { device, from_camera }),
+        (Some((mirrored, device)), Some(from_camera)) => Some(Projector { device, from_camera, mirrored }),
         (None, None) => None,
         _ => {
             let wrong = "`projector` and `projector_from_camera` must both be given or both be null";

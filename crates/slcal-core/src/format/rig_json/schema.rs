@@ -45,6 +45,9 @@ pub(super) struct DeviceDto {
     pub(super) distortion: [f64; 5],
     #[serde(default)]
     pub(super) sigma: Option<SigmaDto>,
+    /// Of the projector alone.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(super) mirrored: bool,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -31,6 +31,7 @@ fn rig() -> Rig {
                 sigma_t_mm: Some([0.1, 0.2, 0.3]),
                 sigma_r_rad: None,
             },
+            mirrored: true,
         }),
         views: vec![View {
             photo: Some("a.png".into()),

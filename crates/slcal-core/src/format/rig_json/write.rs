@@ -11,7 +11,7 @@ use crate::assumption::Assumption;
 use crate::channel_registration::ChannelRegistration;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Pose;
-use crate::rig::{Covariance, Device, Quality, Rig, StereoPose, View};
+use crate::rig::{Covariance, Device, Projector, Quality, Rig, StereoPose, View};
 
 fn rows_from_matrix(m: &Matrix3<f64>) -> Rows3 {
     std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]))
@@ -47,7 +47,7 @@ pub(super) fn rig_to_dto(rig: &Rig) -> Result<impl Serialize> {
         units: UNITS,
         pixel_centre: PIXEL_CENTRE,
         camera: device_to_dto(&rig.camera, "camera")?,
-        projector: rig.projector.as_ref().map(|p| device_to_dto(&p.device, "projector")).transpose()?,
+        projector: rig.projector.as_ref().map(projector_to_dto).transpose()?,
         projector_from_camera: rig.projector.as_ref().map(|p| stereo_to_dto(&p.from_camera)).transpose()?,
         views: rig.views.iter().map(view_to_dto).collect::<Result<_>>()?,
         method: rig.method.clone(),
@@ -56,6 +56,10 @@ pub(super) fn rig_to_dto(rig: &Rig) -> Result<impl Serialize> {
         channel_registration: rig.channel_registration.as_ref().map(registration_to_dto).transpose()?,
     };
     Ok(out)
+}
+
+fn projector_to_dto(p: &Projector) -> Result<DeviceDto> {
+    Ok(DeviceDto { mirrored: p.mirrored, ..device_to_dto(&p.device, "projector")? })
 }
 
 fn device_to_dto(d: &Device, part: &'static str) -> Result<DeviceDto> {
@@ -77,6 +81,7 @@ fn device_to_dto(d: &Device, part: &'static str) -> Result<DeviceDto> {
             distortion: Some(s.distortion),
             aspect: Some(s.aspect),
         }),
+        mirrored: false,
     })
 }
 

@@ -28,6 +28,9 @@ impl Photographer {
     pub fn stripe_matches(&self, pattern: &StripePattern) -> Matches {
         let truth = self.truth();
         let k = usize::from(pattern.axis == Axis::Rows);
+        // As it lies on the panel. Slits keep the numbers that the pattern as drawn gives them.
+        let on_panel = if self.mirrored { pattern.mirrored() } else { pattern.clone() };
+        let number = |slit| if self.mirrored && k == 0 { on_panel.sequence.len() - 1 - slit } else { slit };
         let along_rows = self.varies_along_rows(k);
         let (lines, length) =
             if along_rows { (truth.height, truth.width) } else { (truth.width, truth.height) };
@@ -42,23 +45,24 @@ impl Photographer {
                 if a.surface != b.surface || !(a.is_lit() && b.is_lit()) {
                     continue;
                 }
-                for slit in between(&pattern.centres_px, a.panel[k], b.panel[k]) {
-                    let centre = pattern.centres_px[slit];
+                for slit in between(&on_panel.centres_px, a.panel[k], b.panel[k]) {
+                    let centre = on_panel.centres_px[slit];
                     let at = |t: f64| place(line, i as f64 - 1.0 + t);
                     let Some(t) = crossing(&self.tracer, (a, b), k, centre, at) else { continue };
                     let (column, row) = if k == 0 { (Some(centre), None) } else { (None, Some(centre)) };
-                    items.push(exact(at(t), column, row, u16::try_from(slit).ok()));
+                    items.push(exact(at(t), column, row, u16::try_from(number(slit)).ok()));
                 }
             }
         }
         Matches { items }
     }
 
-    /// The visible inner corners of a checkerboard, in the pattern's order, with projector column and row.
+    /// The visible inner corners of a checkerboard, row by row of the panel, with projector column and row.
     #[must_use]
     pub fn corner_matches(&self, pattern: &CheckerPattern) -> Matches {
         let seen = |q: Point2<f64>| Some(exact(self.corner(q)?, Some(q.x), Some(q.y), None));
-        Matches { items: pattern.inner_corners().into_iter().filter_map(seen).collect() }
+        let on_panel = if self.mirrored { pattern.mirrored() } else { pattern.clone() };
+        Matches { items: on_panel.inner_corners().into_iter().filter_map(seen).collect() }
     }
 
     /// The camera pixel at which the light of panel position `q` is seen.

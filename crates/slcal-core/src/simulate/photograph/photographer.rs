@@ -1,5 +1,6 @@
 //! Renders photographs of surfaces through a rig.
 
+use image::imageops::flip_horizontal;
 use image::{DynamicImage, RgbImage};
 use nalgebra::Point2;
 
@@ -37,6 +38,8 @@ pub enum ProjectedImage<'a> {
 pub struct Photographer {
     pub(super) tracer: RayTracer,
     config: RenderConfig,
+    /// Whether the projector exchanges left and right of its pictures.
+    pub(super) mirrored: bool,
     truth: Truth,
     /// The same for red and blue light where it goes other ways than green.
     red_and_blue: [Option<(RayTracer, Truth)>; 2],
@@ -82,6 +85,7 @@ impl Photographer {
         Ok(Self {
             tracer,
             config: config.clone(),
+            mirrored: rig.is_mirrored(),
             truth,
             red_and_blue,
             reference2: reference_mm * reference_mm,
@@ -159,7 +163,8 @@ impl Photographer {
             ProjectedImage::White => Ok(Panel::new(&plain(255), &emission)),
             ProjectedImage::Black => Ok(Panel::new(&plain(0), &emission)),
             ProjectedImage::Picture(picture) if [picture.width(), picture.height()] == size => {
-                Ok(Panel::new(picture, &emission))
+                let flipped = self.mirrored.then(|| flip_horizontal(picture));
+                Ok(Panel::new(flipped.as_ref().unwrap_or(picture), &emission))
             }
             ProjectedImage::Picture(picture) => Err(Error::invalid(
                 "projected picture",

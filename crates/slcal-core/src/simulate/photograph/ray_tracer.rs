@@ -43,7 +43,7 @@ pub(super) struct CameraHit {
 
 impl RayTracer {
     pub(super) fn new(rig: &Rig, surfaces: &[Surface]) -> Result<Self> {
-        let Projector { device, from_camera } = rig.require_projector()?;
+        let Projector { device, from_camera, .. } = rig.require_projector()?;
         surfaces.iter().try_for_each(Surface::validate)?;
         let projector_from_camera = from_camera.pose;
         Ok(Self {

@@ -97,6 +97,8 @@ pub struct SceneSetup {
     pub wall_albedo: f64,
     /// The projected pattern.
     pub pattern: PatternKind,
+    /// Whether the picture appears with left and right exchanged, as in rear projection; the rig then says so.
+    pub mirrored: bool,
     /// Light, lens and sensor.
     pub render: RenderConfig,
 }
@@ -114,6 +116,7 @@ impl Default for SceneSetup {
             wall: WallKind::default(),
             wall_albedo: 0.4,
             pattern: PatternKind::default(),
+            mirrored: false,
             render: RenderConfig::default(),
         }
     }
@@ -129,11 +132,11 @@ impl SceneSetup {
         self.render.validate()?;
         let object = self.object()?;
         let placement = self.placement(&object)?;
-        let (rig, pattern) = self.rig_and_pattern(&object, &placement)?;
-        let picture = match &pattern {
-            Pattern::Checker(p) => p.image(),
-            Pattern::Stripes(p) => p.image(),
-        }?;
+        let (mut rig, pattern) = self.rig_and_pattern(&object, &placement)?;
+        if let Some(projector) = &mut rig.projector {
+            projector.mirrored |= self.mirrored;
+        }
+        let picture = pattern.image()?;
         let surfaces = object.surfaces(&placement)?;
         let (bend, thickness_mm) = match object {
             SceneObject::Sheet(sheet) => {

@@ -29,7 +29,7 @@ fn a_sphere_stands_before_its_wall() {
     }
     // The maps of a lit pixel contain the projection of its point into the projector.
     let (columns, rows) = (scene.columns(), scene.rows());
-    let Projector { device, from_camera } = scene.rig.projector.unwrap();
+    let Projector { device, from_camera, .. } = scene.rig.projector.unwrap();
     let point = scene.photographer.truth().at(80, 60).unwrap().point;
     let q = device.model.project(&from_camera.pose.transform(&point)).unwrap();
     assert!((f64::from(columns[middle]) - q.x).abs() < 1e-3 && (f64::from(rows[middle]) - q.y).abs() < 1e-3);
@@ -44,7 +44,7 @@ fn a_sheet_is_a_view_of_its_rig_and_holds_the_whole_checkerboard() {
     let tilt = scene.rig.tilt_rad(0).unwrap();
     let expected = 25_f64.to_radians().cos() * 28_f64.to_radians().cos();
     assert!((tilt.cos() - expected).abs() < 1e-12);
-    let Projector { device, from_camera } = scene.rig.projector.unwrap();
+    let Projector { device, from_camera, .. } = scene.rig.projector.unwrap();
     let pose = scene.rig.views[0].camera_from_sheet;
     for q in checker.inner_corners() {
         // The ray of the corner meets the sheet's plane inside the sheet.
