@@ -9,6 +9,7 @@ mod exchange;
 mod general;
 mod help;
 mod known_lens;
+mod mirrored;
 mod mistakes;
 mod observations;
 mod pattern;

@@ -303,11 +303,31 @@ pub struct Rig {
     pub channel_registration: Option<ChannelRegistration>,
 }
 
+/// [`Rig::check_photo_size`] by the size alone.
+pub(crate) fn check_photo_size([width, height]: [u32; 2], found: [usize; 2]) -> Result<()> {
+    if found == [width as usize, height as usize] {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        ErrorSubject::Photograph,
+        format!("the size of the rig's camera, {width}x{height} px"),
+        format!("{}x{} px; take it with the same camera at the same setting", found[0], found[1]),
+    ))
+}
+
 impl Rig {
     /// The devices by their names in files: "camera", and "projector" if there is one.
     pub fn devices(&self) -> impl Iterator<Item = (&'static str, &Device)> {
         let projector = self.projector.as_ref().map(|p| ("projector", &p.device));
         [("camera", &self.camera)].into_iter().chain(projector)
+    }
+
+    /// Checks that a photograph has the size of the camera's images, px.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with both sizes.
+    pub fn check_photo_size(&self, size: [usize; 2]) -> Result<()> {
+        check_photo_size(self.camera.model.size(), size)
     }
 
     /// Whether pictures appear with left and right exchanged: [`Projector::mirrored`].

@@ -98,6 +98,9 @@ impl From<Calibration> for Rig {
 ///     The camera's focal length as its 35 mm equivalent, as EXIF tags state it. It is a prior with a σ of about 5 %.
 /// gamma : {"srgb", "linear"} or float
 ///     The transfer curve of the photographs.
+/// mirror : bool, default False
+///     Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+///     counts as width - 1 - c.
 /// allow_degenerate : bool
 ///     Return a rig with the verdict "degenerate" instead of raising an error.
 /// names : sequence of str, optional
@@ -138,8 +141,8 @@ impl From<Calibration> for Rig {
 #[pyo3(
     signature = (photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp=None, projector_pp=None,
         distortion=None, projector_distortion=None, projector_pixel_aspect=None, flatness=None, method=None, focal_35mm=None, gamma=None, allow_degenerate=false,
-        names=None, tags=None, exif=false, screen=None),
-    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', projector_pixel_aspect='auto', flatness='paper', method='ml', focal_35mm=None, gamma='srgb', allow_degenerate=False, names=None, tags=None, exif=False, screen=None)"
+        names=None, tags=None, exif=false, mirror=false, screen=None),
+    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, camera=None, camera_pp='prior', projector_pp='shift', distortion='auto', projector_distortion='auto', projector_pixel_aspect='auto', flatness='paper', method='ml', focal_35mm=None, gamma='srgb', allow_degenerate=False, names=None, tags=None, exif=False, mirror=False, screen=None)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments are what a Python user expects")]
 fn calibrate(
@@ -162,6 +165,7 @@ fn calibrate(
     names: Option<&Bound<'_, PyAny>>,
     tags: Option<&Bound<'_, PyAny>>,
     exif: bool,
+    mirror: bool,
     screen: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Rig> {
     let py = photos.py();
@@ -180,7 +184,8 @@ fn calibrate(
     let config = options.config()?;
     let pattern = optional::<CheckerPattern>(pattern, "pattern")?.map(|p| &p.get().0);
     let plain = option::plain(plain, screen)?;
-    let asked = Request { photos, size_mm, pattern, plain, corners, gamma, names, tags, exif, focal_35mm };
+    let asked =
+        Request { photos, size_mm, pattern, plain, corners, gamma, names, tags, exif, mirror, focal_35mm };
     let calibrator = observe_all(&asked, config)?;
     py.detach(|| calibrator.calibrate()).raise(py, Stage::Detect).map(Rig::from)
 }

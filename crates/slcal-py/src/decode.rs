@@ -82,9 +82,14 @@ fn with_channels_swapped(error: Error) -> Error {
 }
 
 /// How photographs are read.
-pub(crate) fn config(gamma: Option<&Bound<'_, PyAny>>, min_confidence: f64) -> PyResult<DecodeConfig> {
+pub(crate) fn config(
+    gamma: Option<&Bound<'_, PyAny>>,
+    min_confidence: f64,
+    mirrored: bool,
+) -> PyResult<DecodeConfig> {
     Ok(DecodeConfig {
         encoding: option::parsed_or(gamma, "gamma", Encoding::default())?,
+        mirrored,
         min_confidence,
         ..DecodeConfig::default()
     })
@@ -106,8 +111,12 @@ pub(crate) fn config(gamma: Option<&Bound<'_, PyAny>>, min_confidence: f64) -> P
 /// min_confidence : float, default 0.4
 ///     Matches with a lower confidence are rejected and counted, 0 to 1.
 /// rig : Rig, optional
-///     The calibrated rig: its registration of the colour channels is used. Without it the registration is estimated from the
+///     The calibrated rig of the camera that took the image: its registration of the colour channels is used. Without it the registration is estimated from the
 ///     stripes where they show it.
+/// mirror : bool, default False
+///     Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+///     counts as width - 1 - c.
+///     A rig that was calibrated so says it (`Rig.mirrored`), and nothing is needed.
 ///
 /// Returns
 /// -------
@@ -135,9 +144,10 @@ pub(crate) fn config(gamma: Option<&Bound<'_, PyAny>>, min_confidence: f64) -> P
 /// 64
 #[pyfunction]
 #[pyo3(
-    signature = (image, pattern, *, black=None, white=None, gamma=None, min_confidence=0.4, rig=None),
-    text_signature = "(image, pattern, *, black=None, white=None, gamma='srgb', min_confidence=0.4, rig=None)"
+    signature = (image, pattern, *, black=None, white=None, gamma=None, min_confidence=0.4, rig=None, mirror=false),
+    text_signature = "(image, pattern, *, black=None, white=None, gamma='srgb', min_confidence=0.4, rig=None, mirror=False)"
 )]
+#[allow(clippy::too_many_arguments, reason = "keyword arguments")]
 fn decode(
     image: &Bound<'_, PyAny>,
     pattern: &Bound<'_, PyAny>,
@@ -146,6 +156,7 @@ fn decode(
     gamma: Option<&Bound<'_, PyAny>>,
     min_confidence: f64,
     rig: Option<&Bound<'_, PyAny>>,
+    mirror: bool,
 ) -> PyResult<Matches> {
     let py = image.py();
     let pattern = &object::<StripePattern>(pattern, "pattern")?.get().0;
@@ -156,8 +167,14 @@ fn decode(
             .map_err(|e| raised(py, &e, Stage::Decode))?;
     }
     let registration = rig.and_then(|rig| rig.channel_registration);
-    let config = DecodeConfig { registration, ..config(gamma, min_confidence)? };
-    let decoding = frames.read(py, |input| slcal_core::decode::decode(*input, pattern, &config))?;
+    let mirrored = mirror || rig.is_some_and(slcal_core::Rig::is_mirrored);
+    let config = DecodeConfig { registration, ..config(gamma, min_confidence, mirrored)? };
+    let decoding = frames.read(py, |input| {
+        if let Some(rig) = rig {
+            rig.check_photo_size([input.photo.width(), input.photo.height()])?;
+        }
+        slcal_core::decode::decode(*input, pattern, &config)
+    })?;
     let report = LazyReport::of("DecodeReport", &decoding.report);
     Ok(Matches { matches: decoding.matches, report })
 }

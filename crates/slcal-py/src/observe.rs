@@ -39,6 +39,9 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///     where the sheet is not found. They may lie outside the image.
 /// gamma : {"srgb", "linear"} or float, default "srgb"
 ///     The transfer curve of the photographs.
+/// mirror : bool, default False
+///     Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+///     counts as width - 1 - c.
 /// names : sequence of str, optional
 ///     Names of the photographs.
 /// tags : sequence of PhotoTags or None, optional
@@ -61,8 +64,8 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 #[pyfunction]
 #[pyo3(
     signature = (photos, size_mm, pattern=None, *, plain=None, corners=None, gamma=None, names=None, tags=None,
-        screen=None),
-    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, gamma='srgb', names=None, tags=None, screen=None)"
+        mirror=false, screen=None),
+    text_signature = "(photos, size_mm, pattern=None, *, plain=None, corners=None, gamma='srgb', names=None, tags=None, mirror=False, screen=None)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments")]
 fn observe(
@@ -74,6 +77,7 @@ fn observe(
     gamma: Option<&Bound<'_, PyAny>>,
     names: Option<&Bound<'_, PyAny>>,
     tags: Option<&Bound<'_, PyAny>>,
+    mirror: bool,
     screen: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Observations> {
     let pattern = optional::<CheckerPattern>(pattern, "pattern")?.map(|p| &p.get().0);
@@ -88,6 +92,7 @@ fn observe(
         names,
         tags,
         exif: false,
+        mirror,
         focal_35mm: None,
     };
     let mut calibrator = observe_all(&asked, CalibrateConfig::default())?;
@@ -108,6 +113,8 @@ pub(crate) struct Request<'a, 'py> {
     pub(crate) tags: Option<&'a Bound<'py, PyAny>>,
     /// Whether the focal length in the tags is a prior.
     pub(crate) exif: bool,
+    /// Whether the projector's pictures appear mirrored.
+    pub(crate) mirror: bool,
     pub(crate) focal_35mm: Option<f64>,
 }
 
@@ -145,7 +152,11 @@ pub(crate) fn observe_all(asked: &Request<'_, '_>, config: CalibrateConfig) -> P
     }
     let mut calibrator = Calibrator::new(size).with_encoding(encoding).with_config(config);
     if let Some(pattern) = asked.pattern {
-        calibrator = calibrator.with_pattern(pattern);
+        calibrator = if asked.mirror {
+            calibrator.with_mirrored_pattern(pattern)
+        } else {
+            calibrator.with_pattern(pattern)
+        };
     }
     for (i, photo) in photos.iter().enumerate() {
         py.check_signals()?;

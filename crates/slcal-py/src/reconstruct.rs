@@ -116,6 +116,10 @@ impl Rig {
     ///     Matches with a lower confidence are rejected, 0 to 1.
     /// near, far : float, optional
     ///     Limits of the depth along the camera's axis, mm. Points outside are removed and counted in the report.
+    /// mirror : bool, default False
+    ///     Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+    ///     counts as width - 1 - c.
+    ///     A rig that was calibrated so says it (`Rig.mirrored`), and nothing is needed.
     ///
     /// Returns
     /// -------
@@ -143,10 +147,10 @@ impl Rig {
     #[pyo3(
         signature = (
             image, pattern, *, black=None, white=None, gamma=None, frame=None, mesh=false, cull=None, min_confidence=0.4,
-            near=None, far=None
+            near=None, far=None, mirror=false
         ),
         text_signature = "($self, image, pattern, *, black=None, white=None, gamma='srgb', frame='camera', mesh=False, \
-                          cull='auto', min_confidence=0.4, near=None, far=None)"
+                          cull='auto', min_confidence=0.4, near=None, far=None, mirror=False)"
     )]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments")]
     fn reconstruct(
@@ -162,11 +166,12 @@ impl Rig {
         min_confidence: f64,
         near: Option<f64>,
         far: Option<f64>,
+        mirror: bool,
     ) -> PyResult<PointCloud> {
         let pattern = &object::<StripePattern>(pattern, "pattern")?.get().0;
         let frames = Frames::of(image, black, white)?;
         let options = CloudOptions { frame, mesh, cull, near, far };
-        let config = options.config(decode::config(gamma, min_confidence)?, CullRule::Auto)?;
+        let config = options.config(decode::config(gamma, min_confidence, mirror)?, CullRule::Auto)?;
         let made = frames.read(image.py(), |input| {
             let mut scanner = Reconstructor::new(&self.rig, pattern, config)?;
             scanner.reconstruct(*input)?;

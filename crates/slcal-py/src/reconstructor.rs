@@ -41,6 +41,10 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///     Matches with a lower confidence are rejected, 0 to 1.
 /// near, far : float, optional
 ///     Limits of the depth along the camera's axis, mm. Points outside are removed and counted in the report.
+/// mirror : bool, default False
+///     Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+///     counts as width - 1 - c.
+///     A rig that was calibrated so says it (`Rig.mirrored`), and nothing is needed.
 ///
 /// Raises
 /// ------
@@ -67,8 +71,8 @@ impl Reconstructor {
     #[new]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments")]
     #[pyo3(
-        signature = (rig, pattern, *, gamma=None, frame=None, mesh=false, cull=None, min_confidence=0.4, near=None, far=None),
-        text_signature = "(rig, pattern, *, gamma='srgb', frame='camera', mesh=False, cull='auto', min_confidence=0.4, near=None, far=None)"
+        signature = (rig, pattern, *, gamma=None, frame=None, mesh=false, cull=None, min_confidence=0.4, near=None, far=None, mirror=false),
+        text_signature = "(rig, pattern, *, gamma='srgb', frame='camera', mesh=False, cull='auto', min_confidence=0.4, near=None, far=None, mirror=False)"
     )]
     fn new(
         py: Python<'_>,
@@ -81,8 +85,9 @@ impl Reconstructor {
         min_confidence: f64,
         near: Option<f64>,
         far: Option<f64>,
+        mirror: bool,
     ) -> PyResult<Self> {
-        let decode = decode::config(gamma, min_confidence)?;
+        let decode = decode::config(gamma, min_confidence, mirror)?;
         let config = CloudOptions { frame, mesh, cull, near, far }.config(decode, CullRule::Auto)?;
         let rig = &object::<Rig>(rig, "rig")?.get().rig;
         let pattern = &object::<StripePattern>(pattern, "pattern")?.get().0;

@@ -32,6 +32,10 @@ impl Rig {
     ///     (4, 2), px: the sheet's corners TL, TR, BR, BL by hand, when it is not found.
     /// gamma : {"srgb", "linear"} or float, default "srgb"
     ///     The transfer curve of the photograph.
+    /// mirror : bool, default False
+    ///     Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+    ///     counts as width - 1 - c.
+    ///     A rig that was calibrated so says it (`Rig.mirrored`), and nothing is needed.
     /// significance : float, default 0.001
     ///     The false-alarm rate: the probability that an unmoved rig is reported as moved.
     ///
@@ -52,8 +56,8 @@ impl Rig {
     /// TypeError
     ///     When the photograph is not such an array.
     #[pyo3(
-        signature = (photo, pattern, *, size_mm=None, as_drawn=false, corners=None, gamma=None, significance=0.001),
-        text_signature = "($self, photo, pattern, *, size_mm=None, as_drawn=False, corners=None, gamma='srgb', significance=0.001)"
+        signature = (photo, pattern, *, size_mm=None, as_drawn=false, corners=None, gamma=None, mirror=false, significance=0.001),
+        text_signature = "($self, photo, pattern, *, size_mm=None, as_drawn=False, corners=None, gamma='srgb', mirror=False, significance=0.001)"
     )]
     #[allow(clippy::too_many_arguments, reason = "they are named in Python")]
     fn verify<'py>(
@@ -64,6 +68,7 @@ impl Rig {
         as_drawn: bool,
         corners: Option<&Bound<'py, PyAny>>,
         gamma: Option<&Bound<'py, PyAny>>,
+        mirror: bool,
         significance: f64,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = photo.py();
@@ -71,6 +76,7 @@ impl Rig {
         let config = VerifyPhotoConfig {
             size: size_mm.map(option::sheet_size).transpose()?,
             as_drawn,
+            mirrored: mirror,
             encoding: option::parsed_or(gamma, "gamma", Encoding::default())?,
             corners: corners.map(|c| four_corners(c, "corners")).transpose()?,
             significance,

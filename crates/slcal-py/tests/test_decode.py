@@ -281,3 +281,23 @@ def test_matches_are_saved_and_loaded(scene: simulate.Scene, tmp_path: Path) -> 
         matches.save(closed)
     with pytest.raises(ValueError, match="closed"):
         slcal.Matches.load(closed)
+
+
+def test_a_mirrored_picture_counts_from_the_other_end() -> None:
+    made = simulate.scene("plane", mirror=True)
+    assert made.rig.mirrored
+    said = slcal.decode(made.photo, made.pattern, mirror=True)
+    known = slcal.decode(made.photo, made.pattern, rig=made.rig)
+    assert np.array_equal(said.columns, known.columns)
+    assert np.array_equal(said.columns, 1023 - made.pattern.centres_px[said.slits])
+    on_panel = made.pattern.mirrored()
+    assert (on_panel.image() == made.pattern.image()[:, ::-1]).all()
+    cloud = made.rig.reconstruct(made.photo, made.pattern)
+    unsaid = slcal.Rig(made.rig.camera, made.rig.projector, made.rig.projector_from_camera)
+    with pytest.raises(slcal.DecodeError, match="left and right of the picture exchanged"):
+        unsaid.reconstruct(made.photo, made.pattern)
+    assert len(unsaid.reconstruct(made.photo, made.pattern, mirror=True)) == len(cloud)
+    scanner = slcal.Reconstructor(unsaid, made.pattern, mirror=True)
+    assert len(scanner.reconstruct(made.photo)) == len(cloud)
+    with pytest.raises(slcal.Error, match="size of the rig's camera"):
+        slcal.decode(made.photo[::2, ::2].copy(), made.pattern, rig=made.rig)

@@ -275,3 +275,17 @@ def test_the_kind_of_change_is_reported(checker):
         else:
             percent = said.rig.change.focal_percent
             assert percent.value == pytest.approx(3.0, abs=max(4 * percent.sigma, 0.1))
+
+
+def test_a_mirrored_board_is_calibrated_and_verified_as_one() -> None:
+    checker = slcal.CheckerPattern(projector=(1024, 768), marks=True)
+    made = simulate.scene("sheet", pattern=checker, mirror=True, projector_focal=2300)
+    rig = slcal.calibrate([made.photo], (594, 420), checker, mirror=True)
+    assert rig.mirrored and slcal.Rig.from_json(rig.to_json()).mirrored
+    assert not any(w.code == "shown-1:1" for w in rig.quality.warnings)
+    seen = slcal.observe([made.photo], (594, 420), checker, mirror=True)
+    assert seen.mirrored and slcal.Observations.from_json(seen.to_json()) == seen
+    assert slcal.calibrate_observations(seen).mirrored
+    again = slcal.Observations(seen.camera, seen.projector, seen.views, mirrored=True)
+    assert again == seen
+    assert not rig.verify(made.photo, checker, as_drawn=True).rig.moved

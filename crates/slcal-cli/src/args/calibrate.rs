@@ -7,7 +7,7 @@ use slcal_core::geometry::SheetSize;
 use slcal_core::{DistortionModel, Flatness, Method, PixelAspect, PrincipalPointRule};
 
 use super::headings::{INPUT, MODEL, OUTPUT};
-use super::photo::GammaArg;
+use super::photo::{GammaArg, MirrorArg};
 use super::value::{
     Corners, choice, parse_camera_pp, parse_corners, parse_flatness, parse_pixel_aspect, parse_projector_pp,
     parse_sheet_size,
@@ -34,6 +34,8 @@ pub(crate) struct CalibrateArgs {
     /// `slcal pattern checker` writes this JSON beside the picture.
     #[arg(long, value_name = "FILE.json", help_heading = INPUT)]
     pub(crate) pattern: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) mirror: MirrorArg,
     /// Photograph of the same pose without the pattern (projector dark, or all white), for better edges; once per
     /// PHOTO, in the same order.
     #[arg(long, alias = "screen", value_name = "PHOTO", action = ArgAction::Append, help_heading = INPUT)]
@@ -46,7 +48,7 @@ pub(crate) struct CalibrateArgs {
     pub(crate) corners: Vec<Corners>,
     /// Measurements of your own detector instead of photographs; `-` for stdin.
     #[arg(long, value_name = "FILE.json",
-          conflicts_with_all = ["photos", "size", "pattern", "plain", "corners", "gamma", "overlay"],
+          conflicts_with_all = ["photos", "size", "pattern", "plain", "corners", "mirror", "gamma", "overlay"],
           help_heading = INPUT)]
     pub(crate) observations: Option<PathBuf>,
     /// Known camera intrinsics, which are held fixed: OpenCV YAML, XML or JSON, ROS `camera_info` YAML, or a rig JSON.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::headings::{INPUT, OUTPUT};
-use super::photo::GammaArg;
+use super::photo::{GammaArg, MirrorArg};
 
 #[derive(Debug, Args)]
 pub(crate) struct DecodeArgs {
@@ -48,6 +48,8 @@ pub(crate) struct DecodeInput {
     /// It helps on coloured surfaces and in bright rooms.
     #[arg(long, value_name = "IMAGE", help_heading = INPUT)]
     pub(crate) white: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) mirror: MirrorArg,
     #[command(flatten)]
     pub(crate) gamma: GammaArg,
 }

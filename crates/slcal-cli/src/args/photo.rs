@@ -7,6 +7,17 @@ use super::headings::INPUT;
 use super::value::parse_encoding;
 use crate::io::Samples;
 
+/// Which way round the projector's pictures are seen.
+#[derive(Debug, Args)]
+pub(crate) struct MirrorArg {
+    /// The projector's pictures appear mirrored, left and right exchanged: rear projection, or a mirror in the light.
+    ///
+    /// Column c of the pattern counts as column width - 1 - c. A rig that was calibrated so says it (projector.mirrored); with it
+    /// the option is not needed.
+    #[arg(long, help_heading = INPUT)]
+    pub(crate) mirror: bool,
+}
+
 /// How code values become light.
 #[derive(Debug, Args)]
 pub(crate) struct GammaArg {

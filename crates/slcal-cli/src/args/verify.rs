@@ -6,7 +6,7 @@ use clap::Args;
 use slcal_core::geometry::SheetSize;
 
 use super::headings::{INPUT, MODEL, OUTPUT, SETTINGS};
-use super::photo::GammaArg;
+use super::photo::{GammaArg, MirrorArg};
 use crate::args::value::{Corners, parse_corners, parse_sheet_size};
 
 #[derive(Debug, Args)]
@@ -34,6 +34,8 @@ pub(crate) struct VerifyArgs {
     #[arg(long, value_name = "CORNERS", value_parser = parse_corners, allow_hyphen_values = true,
           help_heading = INPUT)]
     pub(crate) corners: Option<Corners>,
+    #[command(flatten)]
+    pub(crate) mirror: MirrorArg,
     #[command(flatten)]
     pub(crate) gamma: GammaArg,
     /// False-alarm rate of the tests: the probability that an unmoved rig is reported as moved.

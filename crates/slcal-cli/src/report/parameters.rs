@@ -115,6 +115,9 @@ fn position(rig: &Rig, stereo: &StereoPose) -> Markup {
                 ))
             }
             (row("Rotation angle", &computed("rotation", rotation.0, rotation.1), "°"))
+            @if rig.is_mirrored() {
+                (row("Its pictures appear mirrored", &html! { "column c counts as column width − 1 − c" }, ""))
+            }
         }
     }
 }

@@ -25,6 +25,9 @@ pub(crate) fn calibration(rig: &Rig, report: &CalibrationReport) -> String {
         let sigma = rig.baseline_sigma_mm().map_or(String::new(), |s| format!(" ± {}", rounded(s, 1)));
         layout.line("baseline", format!("{baseline:.1}{sigma} mm"));
     }
+    if rig.is_mirrored() {
+        layout.line("mirrored", "the projector's pictures: column c counts as column width - 1 - c");
+    }
     expected_uncertainty(&mut layout, rig);
     if let Some(first) = rig.views.first() {
         layout.gap();

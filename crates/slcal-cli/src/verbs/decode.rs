@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
-use slcal_core::Rig;
 use slcal_core::decode::{DecodeConfig, DecodeInput, Decoding, decode};
 use slcal_core::format::write_matches;
 use slcal_core::photo::PhotoView;
@@ -33,11 +32,12 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     let busy = printer.busy(format!("decoding {}", input_name(&args.image)));
     let frames = References::load(&args.input, printer)?;
     let photo = load_photo(&args.image, args.input.gamma.samples(), printer)?;
-    if let Some((path, rig)) = &rig {
-        check_size(&args.image, &photo, path, rig)?;
+    if let Some((_, rig)) = &rig {
+        rig.check_photo_size([photo.width() as usize, photo.height() as usize]).in_file(&args.image)?;
     }
+    let mirrored = args.input.mirror.mirror || rig.as_ref().is_some_and(|(_, rig)| rig.is_mirrored());
     let registration = rig.and_then(|(_, rig)| rig.channel_registration);
-    let config = DecodeConfig { registration, ..frames.config };
+    let config = DecodeConfig { mirrored, registration, ..frames.config };
     let decoding = decode(frames.input(&args.image, &photo)?, &pattern, &config).in_file(&args.image)?;
 
     let bytes = bytes_of(|out| write_matches(&decoding.matches, out))?;
@@ -57,17 +57,6 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     printer.summary(&summary::decoding(&decoding.report), output == Destination::Stdout)
 }
 
-/// A registration holds for the pixels of the rig's camera.
-fn check_size(image: &Path, photo: &DynamicImage, path: &Path, rig: &Rig) -> Outcome {
-    let [w, h] = rig.camera.model.size();
-    let (found_w, found_h) = (photo.width(), photo.height());
-    if (found_w, found_h) == (w, h) {
-        return Ok(());
-    }
-    let expected = format!("expected a photograph by the camera of {}, {w}x{h} px", input_name(path));
-    Err(Failure::input(image, format!("{expected}, found {found_w}x{found_h} px")))
-}
-
 /// The photographs with the projector dark and white, and the configuration of the decoder.
 pub(super) struct References {
     black: Option<(PathBuf, DynamicImage)>,
@@ -83,7 +72,8 @@ impl References {
             }
             Ok((path.clone(), load_photo(path, input.gamma.samples(), printer)?))
         };
-        let config = DecodeConfig { encoding: input.gamma.encoding(), ..DecodeConfig::default() };
+        let (encoding, mirrored) = (input.gamma.encoding(), input.mirror.mirror);
+        let config = DecodeConfig { encoding, mirrored, ..DecodeConfig::default() };
         config.validate()?;
         Ok(Self {
             black: input.black.as_ref().map(load).transpose()?,

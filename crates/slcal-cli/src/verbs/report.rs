@@ -139,6 +139,7 @@ fn seen(
             "some photographs (--photo) and the measurements (--observations) are missing".to_owned()
         ));
     }
+    let pattern = if rig.is_mirrored() { pattern.map(|p| p.mirrored()) } else { pattern };
     let detect = DetectConfig { encoding: args.gamma.encoding(), ..DetectConfig::default() };
     let mut views = Vec::new();
     for (photo, view) in photos.iter().flatten().zip(&rig.views) {
@@ -151,8 +152,12 @@ fn seen(
             }
         }
     }
-    let seen =
-        Observations { camera: rig.camera.model.size(), projector: pattern.map(|p| p.projector), views };
+    let seen = Observations {
+        camera: rig.camera.model.size(),
+        projector: pattern.map(|p| p.projector),
+        mirrored: rig.is_mirrored(),
+        views,
+    };
     // New detections may not match the views of the rig.
     let residuals = residuals(rig, &seen).map_err(|e| e.to_string());
     Ok(Ok((seen, residuals)))

@@ -25,6 +25,7 @@ pub(super) fn run(args: &VerifyArgs, printer: Printer) -> Outcome {
     let config = VerifyPhotoConfig {
         size: args.size,
         as_drawn: args.as_drawn,
+        mirrored: args.mirror.mirror,
         encoding: args.gamma.encoding(),
         corners: args.corners,
         significance: args.significance,

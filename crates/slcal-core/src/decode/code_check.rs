@@ -18,6 +18,10 @@ const MIN_OVER_DECOY: f32 = 1.5;
 /// without the pattern have 0.2, and clutter among the crossings lowers it.
 const MIN_FIT: f32 = 0.35;
 
+/// What to do with a camera without colour.
+pub(super) const GREY_CAMERA: &str = "With a camera that sees no colour, calibrate as usual, show stripes without colour (Gray code), \
+                                      decode them with another program, and triangulate its matches";
+
 /// The error for stripes of another pattern.
 pub(super) fn another_pattern(what: ErrorSubject, seen: String) -> Error {
     Error::NotFound { what, seen, advice: "check that the pattern file is the one that was projected".into() }
@@ -52,9 +56,9 @@ pub(super) fn check_color(tracks: &Tracks, scratch: &mut Vec<f32>) -> Result<()>
                 tracks.crossings.len(),
                 100.0 * saturation
             ),
-            advice:
-                "the stripes are told apart by their hues: give the colour photograph of the coloured pattern"
-                    .into(),
+            advice: format!(
+                "the stripes are told apart by their hues: give the colour photograph of the coloured pattern. {GREY_CAMERA}"
+            ),
         });
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! The photograph as scanlines across the stripes, in linear light.
 
+use super::code_check::GREY_CAMERA;
 use super::config::{DecodeInput, ScanDirection};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::photo::{Encoding, LinearTable, PhotoView, Samples};
@@ -71,7 +72,7 @@ pub(super) fn check(frames: &DecodeInput<'_>) -> Result<()> {
         return Err(Error::invalid(
             ErrorSubject::StripedPhotograph,
             "a colour photograph: the stripes are told apart by their hues, which a camera without colour does not see",
-            "a greyscale one",
+            format!("a greyscale one. {GREY_CAMERA}"),
         ));
     }
     for (name, frame) in [(ErrorSubject::BlackFrame, frames.black), (ErrorSubject::WhiteFrame, frames.white)]

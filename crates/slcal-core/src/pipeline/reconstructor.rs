@@ -12,7 +12,7 @@ use crate::reconstruct::{
     CullReport, CullRule, Culler, RigCheckReport, RigChecker, TriangulateConfig, TriangulateReport,
     Triangulator, first_view, turn,
 };
-use crate::rig::{Rig, Warning};
+use crate::rig::{Rig, Warning, check_photo_size};
 
 /// Largest share of matches whose ray does not meet light from the panel in front of the devices. Above it pattern, rig
 /// and photograph do not belong together. The right pattern leaves a few in a thousand (labels that are wrong by
@@ -139,7 +139,7 @@ impl Reconstructor {
         let stages = Stages::new(rig, &config)?;
         let registration = config.decode.registration.or(rig.channel_registration);
         let mirrored = config.decode.mirrored || rig.is_mirrored();
-        let decoder = Decoder::new(pattern, DecodeConfig { registration, mirrored, ..config.decode })?;
+        let decoder = Decoder::new(pattern, DecodeConfig { mirrored, registration, ..config.decode })?;
         let camera = rig.camera.model.size();
         Ok(Self { camera, decoder, panel_width, stages, result: Reconstruction::default() })
     }
@@ -152,15 +152,7 @@ impl Reconstructor {
     /// [`Error::NotFound`] when the stripes are not seen or cannot be read, or no surface is left.
     pub fn reconstruct<'a>(&mut self, scene: impl Into<DecodeInput<'a>>) -> Result<&Reconstruction> {
         let input: DecodeInput<'_> = scene.into();
-        let [width, height] = self.camera;
-        let found = (input.photo.width(), input.photo.height());
-        if found != (width as usize, height as usize) {
-            return Err(Error::invalid(
-                ErrorSubject::Photograph,
-                format!("the size of the rig's camera, {width}x{height} px"),
-                format!("{}x{} px; take it with the same camera at the same setting", found.0, found.1),
-            ));
-        }
+        check_photo_size(self.camera, [input.photo.width(), input.photo.height()])?;
         let decoding = self.decoder.decode(input)?;
         let matches = &decoding.matches;
         let run = self.stages.run(matches, &mut self.result);

@@ -154,6 +154,8 @@ class CheckerPattern:
         ndarray
             (N, 2) float64, projector px.
         """
+    def mirrored(self) -> CheckerPattern:
+        """-"""
     def image(self) -> NDArray[np.uint8]:
         """The picture to project. Show it full screen, without scaling.
 
@@ -277,6 +279,8 @@ class StripePattern:
     @property
     def order(self) -> int:
         """Length of the unique windows of the sequence."""
+    def mirrored(self) -> StripePattern:
+        """-"""
     def image(self) -> NDArray[np.uint8]:
         """The picture to project. Show it full screen, without scaling.
 
@@ -797,6 +801,8 @@ class Observations:
         camera: tuple[int, int],
         projector: tuple[int, int] | None,
         views: Iterable[ViewObservation | Detection],
+        *,
+        mirrored: bool = False,
     ) -> Observations: ...
     @property
     def camera(self) -> tuple[int, int]:
@@ -804,6 +810,9 @@ class Observations:
     @property
     def projector(self) -> tuple[int, int] | None:
         """Width and height of the projector's panel, px; None for the camera alone."""
+    @property
+    def mirrored(self) -> bool:
+        """-"""
     @property
     def views(self) -> list[ViewObservation]:
         """One for each pose of the sheet."""
@@ -853,6 +862,7 @@ def observe(
     gamma: _Gamma = "srgb",
     names: Sequence[str] | None = None,
     tags: Sequence[PhotoTags | None] | None = None,
+    mirror: bool = False,
     screen: Sequence[_ImageLike] | None = None,
 ) -> Observations:
     """Finds sheet and pattern in photographs of several poses: the first step of `calibrate`.
@@ -919,6 +929,7 @@ def calibrate(
     names: Sequence[str] | None = None,
     tags: Sequence[PhotoTags | None] | None = None,
     exif: bool = False,
+    mirror: bool = False,
     screen: Sequence[_ImageLike] | None = None,
 ) -> Rig:
     """Calibrates a camera and a projector from photographs of one white sheet with a checkerboard projected on it.
@@ -1334,6 +1345,7 @@ class Rig:
         projector_from_camera: Pose | None = None,
         *,
         method: str = "external",
+        mirrored: bool = False,
     ) -> Rig: ...
     @property
     def camera(self) -> Camera:
@@ -1364,6 +1376,9 @@ class Rig:
     @property
     def report(self) -> CalibrationReport | _MaybeNone:
         """Iterations and inliers of the calibration; None for a rig that was not calibrated in this program."""
+    @property
+    def mirrored(self) -> bool:
+        """-"""
     @property
     def baseline_mm(self) -> float | _MaybeNone:
         """Distance between the optical centres, mm; None without a projector."""
@@ -1576,6 +1591,7 @@ class Rig:
         min_confidence: float = 0.4,
         near: float | None = None,
         far: float | None = None,
+        mirror: bool = False,
     ) -> PointCloud:
         """Reconstructs the cloud of one photograph of a scene under the stripes. For many photographs use `Reconstructor`.
 
@@ -1733,6 +1749,7 @@ class Rig:
         as_drawn: bool = False,
         corners: ArrayLike | None = None,
         gamma: _Gamma = "srgb",
+        mirror: bool = False,
         significance: float = 0.001,
     ) -> Verification:
         """Measures the keystone of a projected checkerboard on the sheet, and tests whether projector, camera or sheet have
@@ -1969,6 +1986,7 @@ def decode(
     gamma: _Gamma = "srgb",
     min_confidence: float = 0.4,
     rig: Rig | None = None,
+    mirror: bool = False,
 ) -> Matches:
     """Finds the stripes in a photograph and identifies their slits.
 
@@ -2366,6 +2384,7 @@ class Reconstructor:
         min_confidence: float = 0.4,
         near: float | None = None,
         far: float | None = None,
+        mirror: bool = False,
     ) -> Reconstructor: ...
     def reconstruct(
         self, image: _ImageLike, *, black: _ImageLike | None = None, white: _ImageLike | None = None

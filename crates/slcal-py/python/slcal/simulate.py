@@ -78,6 +78,7 @@ def scene(
     tone: float = 0.0,
     sharpen: tuple[float, float] | None = None,
     jpeg: int | None = None,
+    mirror: bool = False,
 ) -> Scene:
     """Simulates photographs of a surface under the projector's light, with the ground truth of every pixel.
 
@@ -187,6 +188,8 @@ def scene(
     jpeg : int, optional
         The photographs are what is read from JPEG files of this quality, 1 to 100, with colour at half the resolution (4:2:0);
         8 bit only.
+    mirror : bool
+        Whether the projector's pictures appear mirrored, left and right exchanged; the rig then says so.
 
     Returns
     -------

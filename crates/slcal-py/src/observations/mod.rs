@@ -30,6 +30,9 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///     Width and height of the projector's panel, px; None to calibrate the camera alone.
 /// views : iterable of ViewObservation or Detection
 ///     One for each pose of the sheet.
+/// mirrored : bool, default False
+///     Whether the projector's pictures appear mirrored. The projector px of the views are then those of the panel, as
+///     `pattern.mirrored()` has them.
 ///
 /// Raises
 /// ------
@@ -65,15 +68,18 @@ impl Argument for Observations {
 #[pymethods]
 impl Observations {
     #[new]
+    #[pyo3(signature = (camera, projector, views, *, mirrored=false))]
     fn new(
         camera: &Bound<'_, PyAny>,
         projector: Option<&Bound<'_, PyAny>>,
         views: &Bound<'_, PyAny>,
+        mirrored: bool,
     ) -> PyResult<Self> {
         const WANTED: &str = "ViewObservation or Detection objects in a list, one for each pose";
         let mut observations = slcal_core::Observations {
             camera: whole_pair(camera, "camera")?,
             projector: projector.map(|p| whole_pair(p, "projector")).transpose()?,
+            mirrored,
             views: Vec::new(),
         };
         let items = match views.try_iter() {
@@ -103,6 +109,12 @@ impl Observations {
     #[getter]
     fn projector(&self) -> Option<(u32, u32)> {
         self.0.projector.map(Into::into)
+    }
+
+    /// Whether the projector's pictures appear mirrored: see `Rig.mirrored`.
+    #[getter]
+    fn mirrored(&self) -> bool {
+        self.0.mirrored
     }
 
     /// One for each pose of the sheet.

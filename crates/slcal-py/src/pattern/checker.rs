@@ -160,6 +160,16 @@ impl CheckerPattern {
         rows(py, self.0.inner_corners().into_iter().map(|c| [c.x, c.y]))
     }
 
+    /// The same picture with left and right exchanged, as a pattern of its own: where it lies on the panel of a projector that shows
+    /// pictures mirrored.
+    ///
+    /// Returns
+    /// -------
+    /// CheckerPattern
+    fn mirrored(&self) -> Self {
+        Self(self.0.mirrored())
+    }
+
     /// The picture to project. Show it full screen, without scaling.
     ///
     /// Returns

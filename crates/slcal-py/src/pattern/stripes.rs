@@ -194,6 +194,16 @@ impl StripePattern {
         self.0.order
     }
 
+    /// The same picture with left and right exchanged, as a pattern of its own: where it lies on the panel of a projector that shows
+    /// pictures mirrored.
+    ///
+    /// Returns
+    /// -------
+    /// StripePattern
+    fn mirrored(&self) -> Self {
+        Self(self.0.mirrored())
+    }
+
     /// The picture to project. Show it full screen, without scaling.
     ///
     /// Returns

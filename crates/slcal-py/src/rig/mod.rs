@@ -38,6 +38,8 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///     X_projector = R · X_camera + t, mm; given exactly when the projector is.
 /// method : str, default "external"
 ///     How the rig was made, in one word.
+/// mirrored : bool, default False
+///     Whether the projector's pictures appear mirrored, left and right exchanged.
 ///
 /// Raises
 /// ------
@@ -81,8 +83,8 @@ impl Argument for Rig {
 impl Rig {
     #[new]
     #[pyo3(
-        signature = (camera, projector=None, projector_from_camera=None, *, method=None),
-        text_signature = "(camera, projector=None, projector_from_camera=None, *, method='external')"
+        signature = (camera, projector=None, projector_from_camera=None, *, method=None, mirrored=false),
+        text_signature = "(camera, projector=None, projector_from_camera=None, *, method='external', mirrored=False)"
     )]
     fn new(
         py: Python<'_>,
@@ -90,6 +92,7 @@ impl Rig {
         projector: Option<&Bound<'_, PyAny>>,
         projector_from_camera: Option<&Bound<'_, PyAny>>,
         method: Option<String>,
+        mirrored: bool,
     ) -> PyResult<Self> {
         let camera = object::object::<Camera>(camera, "camera")?.get();
         let projector = object::optional::<Camera>(projector, "projector")?.map(Bound::get);
@@ -102,6 +105,7 @@ impl Rig {
                     sigma_t_mm: p.sigma_t_mm,
                     sigma_r_rad: p.sigma_r_rad,
                 },
+                mirrored,
             }),
             (None, None) => None,
             (given, _) => {
@@ -177,6 +181,13 @@ impl Rig {
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.report.as_ref().map(|r| record(py, "CalibrationReport", &r.to_json())).transpose()
+    }
+
+    /// Whether the projector's pictures appear mirrored, left and right exchanged, as in rear projection: column c of a picture counts
+    /// as column width - 1 - c of the panel.
+    #[getter]
+    fn mirrored(&self) -> bool {
+        self.rig.is_mirrored()
     }
 
     /// Distance between the optical centres, mm; None without a projector.

@@ -76,7 +76,7 @@ fn from_opencv(
         names_of_projector.iter().try_fold(false, |any, n| get(n).map(|v| any || v.is_some()))?;
     let projector = if with_projector {
         let from_camera = pose_of(py, &needed("R")?, &needed("t")?)?.into();
-        Some(Projector { device: device("projector")?, from_camera })
+        Some(Projector { device: device("projector")?, from_camera, mirrored: false })
     } else {
         None
     };

@@ -56,6 +56,7 @@ fn simulate_scene(options: &Bound<'_, PyDict>) -> PyResult<Scene> {
         surface: surface(&options)?,
         wall: wall(&options)?,
         pattern: pattern(&options)?,
+        mirrored: options.flag("mirror")?,
         render: render_config(&options)?,
         ..SceneSetup::default()
     };

@@ -16,6 +16,9 @@ pub(crate) struct DeviceArgs {
     /// Share of its light that the projector loses in the corners of its panel.
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) projector_falloff: f64,
+    /// The pictures of the projector appear mirrored, left and right exchanged.
+    #[arg(long)]
+    pub(crate) mirror: bool,
     /// Columns and rows by which the red and the blue panel of the projector lie beside the green one, panel px: red light of
     /// panel position p falls where green light of p + (RX,RY) falls. The true rig is that of green.
     #[arg(long, value_name = "RX,RY,BX,BY", value_parser = parse_channel_shift, default_value = "0,0,0,0",

@@ -27,8 +27,16 @@ pub(super) fn observe_all(
 ) -> Outcome<Calibrator> {
     let mut calibrator =
         Calibrator::new(sheet_size(args)?).with_encoding(args.gamma.encoding()).with_config(config);
+    if args.mirror.mirror && args.pattern.is_none() {
+        return Err(Failure::usage("--mirror: expected --pattern; without a projector nothing is mirrored"));
+    }
     if let Some(path) = &args.pattern {
-        calibrator = calibrator.with_pattern(&load_checker(path)?);
+        let pattern = load_checker(path)?;
+        calibrator = if args.mirror.mirror {
+            calibrator.with_mirrored_pattern(&pattern)
+        } else {
+            calibrator.with_pattern(&pattern)
+        };
     }
     let mut stated = None;
     let busy = printer.progress("photographs", Some(args.photos.len()));

@@ -116,6 +116,7 @@ fn setup(args: &SceneArgs) -> Outcome<SceneSetup> {
         wall_albedo: place.wall_albedo,
         pattern: pattern(args, known_rig.as_ref())?,
         known_rig,
+        mirrored: args.devices.mirror,
         render,
     })
 }
