@@ -155,7 +155,13 @@ class CheckerPattern:
             (N, 2) float64, projector px.
         """
     def mirrored(self) -> CheckerPattern:
-        """-"""
+        """The same picture with left and right exchanged, as a pattern of its own: where it lies on the panel of a projector that shows
+        pictures mirrored.
+
+        Returns
+        -------
+        CheckerPattern
+        """
     def image(self) -> NDArray[np.uint8]:
         """The picture to project. Show it full screen, without scaling.
 
@@ -280,7 +286,13 @@ class StripePattern:
     def order(self) -> int:
         """Length of the unique windows of the sequence."""
     def mirrored(self) -> StripePattern:
-        """-"""
+        """The same picture with left and right exchanged, as a pattern of its own: where it lies on the panel of a projector that shows
+        pictures mirrored.
+
+        Returns
+        -------
+        StripePattern
+        """
     def image(self) -> NDArray[np.uint8]:
         """The picture to project. Show it full screen, without scaling.
 
@@ -777,6 +789,9 @@ class Observations:
         Width and height of the projector's panel, px; None to calibrate the camera alone.
     views : iterable of ViewObservation or Detection
         One for each pose of the sheet.
+    mirrored : bool, default False
+        Whether the projector's pictures appear mirrored. The projector px of the views are then those of the panel, as
+        `pattern.mirrored()` has them.
 
     Raises
     ------
@@ -812,7 +827,7 @@ class Observations:
         """Width and height of the projector's panel, px; None for the camera alone."""
     @property
     def mirrored(self) -> bool:
-        """-"""
+        """Whether the projector's pictures appear mirrored: see `Rig.mirrored`."""
     @property
     def views(self) -> list[ViewObservation]:
         """One for each pose of the sheet."""
@@ -885,6 +900,9 @@ def observe(
         where the sheet is not found. They may lie outside the image.
     gamma : {"srgb", "linear"} or float, default "srgb"
         The transfer curve of the photographs.
+    mirror : bool, default False
+        Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+        counts as width - 1 - c.
     names : sequence of str, optional
         Names of the photographs.
     tags : sequence of PhotoTags or None, optional
@@ -970,6 +988,9 @@ def calibrate(
         The camera's focal length as its 35 mm equivalent, as EXIF tags state it. It is a prior with a σ of about 5 %.
     gamma : {"srgb", "linear"} or float
         The transfer curve of the photographs.
+    mirror : bool, default False
+        Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+        counts as width - 1 - c.
     allow_degenerate : bool
         Return a rig with the verdict "degenerate" instead of raising an error.
     names : sequence of str, optional
@@ -1321,6 +1342,8 @@ class Rig:
         X_projector = R · X_camera + t, mm; given exactly when the projector is.
     method : str, default "external"
         How the rig was made, in one word.
+    mirrored : bool, default False
+        Whether the projector's pictures appear mirrored, left and right exchanged.
 
     Raises
     ------
@@ -1378,7 +1401,9 @@ class Rig:
         """Iterations and inliers of the calibration; None for a rig that was not calibrated in this program."""
     @property
     def mirrored(self) -> bool:
-        """-"""
+        """Whether the projector's pictures appear mirrored, left and right exchanged, as in rear projection: column c of a picture counts
+        as column width - 1 - c of the panel.
+        """
     @property
     def baseline_mm(self) -> float | _MaybeNone:
         """Distance between the optical centres, mm; None without a projector."""
@@ -1617,6 +1642,10 @@ class Rig:
             Matches with a lower confidence are rejected, 0 to 1.
         near, far : float, optional
             Limits of the depth along the camera's axis, mm. Points outside are removed and counted in the report.
+        mirror : bool, default False
+            Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+            counts as width - 1 - c.
+            A rig that was calibrated so says it (`Rig.mirrored`), and nothing is needed.
 
         Returns
         -------
@@ -1769,6 +1798,10 @@ class Rig:
             (4, 2), px: the sheet's corners TL, TR, BR, BL by hand, when it is not found.
         gamma : {"srgb", "linear"} or float, default "srgb"
             The transfer curve of the photograph.
+        mirror : bool, default False
+            Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+            counts as width - 1 - c.
+            A rig that was calibrated so says it (`Rig.mirrored`), and nothing is needed.
         significance : float, default 0.001
             The false-alarm rate: the probability that an unmoved rig is reported as moved.
 
@@ -2004,8 +2037,12 @@ def decode(
     min_confidence : float, default 0.4
         Matches with a lower confidence are rejected and counted, 0 to 1.
     rig : Rig, optional
-        The calibrated rig: its registration of the colour channels is used. Without it the registration is estimated from the
+        The calibrated rig of the camera that took the image: its registration of the colour channels is used. Without it the registration is estimated from the
         stripes where they show it.
+    mirror : bool, default False
+        Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+        counts as width - 1 - c.
+        A rig that was calibrated so says it (`Rig.mirrored`), and nothing is needed.
 
     Returns
     -------
@@ -2355,6 +2392,10 @@ class Reconstructor:
         Matches with a lower confidence are rejected, 0 to 1.
     near, far : float, optional
         Limits of the depth along the camera's axis, mm. Points outside are removed and counted in the report.
+    mirror : bool, default False
+        Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+        counts as width - 1 - c.
+        A rig that was calibrated so says it (`Rig.mirrored`), and nothing is needed.
 
     Raises
     ------
