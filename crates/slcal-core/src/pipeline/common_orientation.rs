@@ -191,3 +191,39 @@ fn turn_view(view: &mut ViewObservation, size: [u32; 2], turn: Turn, with_sheet:
         view.size = view.size.transposed();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point2;
+
+    use super::*;
+    use crate::geometry::RectangleSize;
+    use crate::observations::ChannelOffset;
+
+    #[test]
+    fn displacements_of_the_channels_turn_along() {
+        let offset = ChannelOffset {
+            camera: Point2::new(30.0, 20.0),
+            projector: Point2::new(5.0, 6.0),
+            offset_px: RedBlue { red: Vector2::new(0.3, -0.1), blue: Vector2::new(0.0, 0.2) },
+            sigma_px: RedBlue { red: 0.01, blue: 0.02 },
+        };
+        let corners =
+            [(10.0, 10.0), (90.0, 10.0), (90.0, 70.0), (10.0, 70.0)].map(|(x, y)| Point2::new(x, y));
+        let mut view = ViewObservation {
+            photo: None,
+            size: RectangleSize::new(80.0, 60.0).unwrap(),
+            sheet: SheetObservation::Corners { corners, sigma_px: None },
+            pairs: Vec::new(),
+            panel_points: Vec::new(),
+            channel_offsets: vec![offset],
+        };
+        // Clockwise, (x, y) of an image with 80 rows comes to (79 - y, x).
+        turn_view(&mut view, [100, 80], Turn(1), true);
+        let turned = view.channel_offsets[0];
+        assert_eq!((turned.camera, turned.projector), (Point2::new(59.0, 30.0), offset.projector));
+        assert!((turned.offset_px.red - Vector2::new(0.1, 0.3)).norm() < 1e-12);
+        assert!((turned.offset_px.blue - Vector2::new(-0.2, 0.0)).norm() < 1e-12);
+        assert_eq!(view.sheet.corners().unwrap()[0], Point2::new(9.0, 10.0));
+    }
+}
