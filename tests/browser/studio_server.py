@@ -215,9 +215,15 @@ class Socket:
         while time.monotonic() < end:
             self.socket.settimeout(max(0.01, end - time.monotonic()))
             try:
-                message = json.loads(self.socket.recv())
+                # Pings are handed over as well: a studio that only pings does not make this wait for ever.
+                opcode, data = self.socket.recv_data(control_frame=True)
             except websocket.WebSocketTimeoutException:
                 break
+            if opcode == websocket.ABNF.OPCODE_CLOSE:
+                raise AssertionError("the studio has closed the connection")
+            if opcode != websocket.ABNF.OPCODE_TEXT:
+                continue
+            message = json.loads(data)
             if message["type"] == kind and found(message):
                 return message
         raise AssertionError(f"no message of the kind {kind} within {patience_s:.1f} s")
