@@ -12,6 +12,8 @@ mod photo_kind;
 mod raw;
 mod read;
 mod sample_coding;
+mod signals;
+mod temporary;
 mod text;
 mod tiff_tag;
 mod transfer_curve;
@@ -30,13 +32,16 @@ pub(crate) use photo_kind::Foreign;
 pub(crate) use photo_kind::extension_of;
 pub(crate) use raw::{RawFormat, RawFrame};
 pub(crate) use read::{check_one_stdin, read_bytes};
+#[cfg(feature = "studio")]
+pub(crate) use signals::end_normally_on_signals;
+pub(crate) use signals::end_whole_on_signals;
 pub(crate) use text::{
     check_image_size, check_panel, check_projector, load_camera, load_checker, load_cloud, load_mesh,
     load_observations, load_pattern, load_rig, load_stripes, read_exchange,
 };
 pub(crate) use write::{
-    Destination, bytes_of, check_distinct, check_json, check_spares, end_whole_on_interrupt, jpeg_bytes,
-    make_folder, png_bytes, write_all, write_whole,
+    Destination, bytes_of, check_distinct, check_json, check_spares, jpeg_bytes, make_folder, png_bytes,
+    write_all, write_whole,
 };
 #[cfg(feature = "studio")]
-pub(crate) use write::{PHOTO_QUALITY, end_normally_on_interrupt, write_private};
+pub(crate) use write::{PHOTO_QUALITY, write_private};

@@ -24,7 +24,7 @@ use super::watch_folder::WatchFolder;
 use super::worker::{Pictures, Worker};
 use crate::args::StudioArgs;
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::{Foreign, decode_photo, end_normally_on_interrupt, extension_of, input_name, read_bytes};
+use crate::io::{Foreign, decode_photo, end_normally_on_signals, extension_of, input_name, read_bytes};
 use crate::output::{Printer, print_json, print_result, sanitized};
 
 /// The usual port, and how many after it are tried.
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &StudioArgs, printer: Printer) -> Outcome {
     };
     let machine = Machine::new(&settings, options);
     let hub = Hub::new(machine, access, links.clone(), project.clone(), pictures.clone(), queue.clone());
-    end_normally_on_interrupt();
+    end_normally_on_signals();
     start_worker(Worker::new(project.clone(), pictures, args.demo), queue, hub.clone());
     if let Some(watched) = watched {
         start_watching(watched, project.clone(), hub.clone(), printer);
