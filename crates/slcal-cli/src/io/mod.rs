@@ -1,5 +1,6 @@
 //! All files: photographs and texts in, complete files out.
 
+mod alpha;
 mod cloud;
 mod color_profile;
 pub(crate) mod exchange;
@@ -9,6 +10,7 @@ mod jpeg_segments;
 mod named_inks;
 mod photo;
 mod photo_kind;
+mod picture_memory;
 mod raw;
 mod read;
 mod sample_coding;
