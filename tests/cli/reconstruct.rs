@@ -539,3 +539,13 @@ fn a_rig_that_moved_is_told_by_the_stripes() {
     let many = bench.run(&format!("{line} --out-dir clouds")).ok();
     assert!(many.text().contains("(rig-moved)"), "{}", many.text());
 }
+
+#[test]
+fn stripes_that_are_too_fine_are_refused_for_that_reason() {
+    let bench = bench();
+    let _ =
+        bench.run("simulate scene --surface plane --camera 640x480 --focal 270 --blur 1.2 --out far").ok();
+    bench
+        .run("decode --pattern far/pattern.json far/photo.png -o m.csv")
+        .fails(4, &["px wide", "too fine", "move nearer"]);
+}
