@@ -210,12 +210,16 @@ impl Decoder {
         let (first, second) = if columns_first { (b, a) } else { (a, b) };
         let Some((reader, scale)) = first else { return Err(no_stripes()) };
         let Err(error) = self.decode_lines(&reader, &scale) else { return Ok(()) };
-        let error =
-            if scale.half_period_px < FINEST_PX { too_fine(error, scale.half_period_px) } else { error };
-        match second {
-            Some((reader, scale)) => self.decode_lines(&reader, &scale).map_err(|_| error),
-            None => Err(error),
+        if let Some((reader, scale)) = &second
+            && self.decode_lines(reader, scale).is_ok()
+        {
+            return Ok(());
         }
+        // The direction that sees more of the picture covered with stripes.
+        let scales = [Some(&scale), second.as_ref().map(|s| &s.1)].into_iter().flatten();
+        let most = scales.max_by(|a, b| a.covered_px.total_cmp(&b.covered_px));
+        let width_px = most.map_or(f32::INFINITY, |s| s.half_period_px);
+        Err(if width_px < FINEST_PX { too_fine(error, width_px) } else { error })
     }
 
     fn decode_lines(&mut self, reader: &ScanlineReader<'_>, scale: &StripeScale) -> Result<()> {
