@@ -5,6 +5,7 @@ mod color_profile;
 pub(crate) mod exchange;
 mod exif;
 mod folder;
+pub(crate) mod input_kind;
 mod jpeg_segments;
 mod named_inks;
 mod photo;
@@ -22,6 +23,7 @@ pub(crate) use cloud::{cloud_format_of, cloud_is_complete};
 pub(crate) use exchange::{export_places, import_paths, storage_of};
 pub(crate) use exif::read_tags;
 pub(crate) use folder::photographs;
+pub(crate) use input_kind::InputKind;
 pub(crate) use photo::{
     Decoded, Samples, decode_photo, decode_photo_as, load_photo, load_tagged_photo, read_photo,
 };
@@ -29,7 +31,7 @@ pub(crate) use photo_kind::Foreign;
 #[cfg(feature = "studio")]
 pub(crate) use photo_kind::extension_of;
 pub(crate) use raw::{RawFormat, RawFrame};
-pub(crate) use read::{check_one_stdin, read_bytes};
+pub(crate) use read::{check_one_stdin, open_stream, read_bytes};
 pub(crate) use text::{
     check_image_size, check_panel, check_projector, load_camera, load_checker, load_cloud, load_mesh,
     load_observations, load_pattern, load_rig, load_stripes, read_exchange,
