@@ -6,6 +6,7 @@ mod color_profile;
 pub(crate) mod exchange;
 mod exif;
 mod folder;
+pub(crate) mod input_kind;
 mod jpeg_segments;
 mod named_inks;
 mod photo;
@@ -26,6 +27,7 @@ pub(crate) use cloud::{cloud_format_of, cloud_is_complete};
 pub(crate) use exchange::{export_places, import_paths, storage_of};
 pub(crate) use exif::read_tags;
 pub(crate) use folder::photographs;
+pub(crate) use input_kind::InputKind;
 pub(crate) use photo::{
     Decoded, Samples, decode_photo, decode_photo_as, load_photo, load_tagged_photo, read_photo,
 };
@@ -33,7 +35,7 @@ pub(crate) use photo_kind::Foreign;
 #[cfg(feature = "studio")]
 pub(crate) use photo_kind::extension_of;
 pub(crate) use raw::{RawFormat, RawFrame};
-pub(crate) use read::{check_one_stdin, read_bytes};
+pub(crate) use read::{check_one_stdin, open_stream, read_bytes};
 #[cfg(feature = "studio")]
 pub(crate) use signals::end_normally_on_signals;
 pub(crate) use signals::end_whole_on_signals;

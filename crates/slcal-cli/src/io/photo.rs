@@ -10,6 +10,7 @@ use slcal_core::format::recognise;
 
 use super::alpha::{Opacity, without_alpha};
 use super::exif::read_tags;
+use super::input_kind::InputKind;
 use super::jpeg_segments::{START_OF_SCAN, segments};
 use super::named_inks::{are_inks_named, decode_named_inks};
 use super::photo_kind::{FORMATS, Foreign, format_of, what_it_is};
@@ -87,7 +88,7 @@ pub(crate) fn read_photo(path: &Path, samples: Samples, remarks: &mut Remarks) -
 
 fn read_photo_and_file(path: &Path, samples: Samples, remarks: &mut Remarks) -> Outcome<(Decoded, Vec<u8>)> {
     let name = input_name(path);
-    let bytes = read_bytes(path, "a photograph")?;
+    let bytes = read_bytes(path, InputKind::Photo)?;
     let decoded = decode_photo_as(&bytes, &name, samples)?;
     let photo = &decoded.photo;
     if decoded.orientation != Orientation::NoTransforms {
