@@ -15,7 +15,6 @@ use super::row_profile::{Columns, Profile, STRIPS};
 use crate::photo::LinearPhoto;
 use crate::solve::{Loss, robust_scale};
 
-
 /// Columns that are read in the search, and where something was found.
 const FEW_COLUMNS: usize = 128;
 const MANY_COLUMNS: usize = 384;
@@ -75,7 +74,8 @@ impl RowFlicker {
     pub(super) fn find(photo: &LinearPhoto<'_>, known: &[Self]) -> Option<Self> {
         let block = photo.height().div_ceil(MAX_BLOCKS).max(1);
         let green = usize::from(photo.channels() > 1);
-        let (halvings, frequency) = search(Columns::read(photo, green, FEW_COLUMNS, block, |y| gains(known, y)[green]))?;
+        let (halvings, frequency) =
+            search(Columns::read(photo, green, FEW_COLUMNS, block, |y| gains(known, y)[green]))?;
         let channel = |c| {
             let columns = Columns::read(photo, c, MANY_COLUMNS, block, |y| gains(known, y)[c]);
             (0..halvings).fold(columns, |c, _| c.halved())
@@ -248,9 +248,8 @@ impl Fit {
             let step = normal.cholesky()?.solve(&side);
             let moved = |(c, g): (usize, &Gain)| {
                 let first = 1 + c * each;
-                let add = |(i, [a, b]): (usize, &[f64; 2])| {
-                    [a + step[first + 2 * i], b + step[first + 2 * i + 1]]
-                };
+                let add =
+                    |(i, [a, b]): (usize, &[f64; 2])| [a + step[first + 2 * i], b + step[first + 2 * i + 1]];
                 let harmonics = g.harmonics.iter().enumerate().map(add).collect();
                 Gain { omega: g.omega + unit * step[0], harmonics }.above_least()
             };
@@ -275,7 +274,8 @@ fn search(mut columns: Columns) -> Option<(usize, f64)> {
         if let Some(profile) = columns.profile() {
             let weights = &profile.weights;
             let count = profile.changes.len();
-            let Some((_, without)) = least_squares(|j| SVector::from(trend(j, count)), &profile.changes, weights)
+            let Some((_, without)) =
+                least_squares(|j| SVector::from(trend(j, count)), &profile.changes, weights)
             else {
                 continue;
             };
@@ -285,7 +285,8 @@ fn search(mut columns: Columns) -> Option<(usize, f64)> {
             for i in 0..=steps as usize {
                 let frequency = longest + (shortest - longest).max(0.0) * i as f64 / steps;
                 let Some((_, cost)) = wave(&profile, frequency) else { continue };
-                let ratio = (without - cost) / 2.0 / (cost / (known - (TREND + 2) as f64)).max(f64::MIN_POSITIVE);
+                let ratio =
+                    (without - cost) / 2.0 / (cost / (known - (TREND + 2) as f64)).max(f64::MIN_POSITIVE);
                 if ratio > best.0 {
                     best = (ratio, Some((halvings, frequency)));
                 }

@@ -127,7 +127,9 @@ impl Columns {
             .iter()
             .zip(&starts)
             .map(|(row, start)| {
-                start.map_or_else(RowChange::default, |(middle, spread)| RowChange::of(row, middle, spread, usual))
+                start.map_or_else(RowChange::default, |(middle, spread)| {
+                    RowChange::of(row, middle, spread, usual)
+                })
             })
             .collect();
         let few = MIN_SHARE * self.columns as f64;
@@ -192,7 +194,8 @@ impl RowChange {
             found.change = sum / weight;
             found.agreeing = weight;
             let strips = sums.iter().filter(|s| s.1 > 0.0);
-            let squares = strips.map(|(sum, weight)| weight * (sum / weight - found.change).powi(2)).sum::<f64>();
+            let squares =
+                strips.map(|(sum, weight)| weight * (sum / weight - found.change).powi(2)).sum::<f64>();
             found.variance = Some(squares / weight / (STRIPS - 1) as f64);
         }
         found
