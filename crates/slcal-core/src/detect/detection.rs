@@ -7,7 +7,7 @@ use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::{RectangleSize, Warp};
 use crate::observations::{CornerPair, SheetObservation, ViewObservation};
 use crate::pattern::CheckerPattern;
-use crate::photo::{Encoding, LinearPhoto, PhotoView};
+use crate::photo::{Encoding, PhotoView};
 use crate::rig::Warning;
 
 use super::board::Board;
@@ -18,6 +18,7 @@ use super::panel_points::PanelBorder;
 use super::projector_footprint::{ProjectedEdges, ProjectorFootprint};
 use super::rough_undistort::RoughLens;
 use super::sheet::{self, SheetDetection};
+use super::steady::Steady;
 
 /// What is known of a photograph before detection.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -64,7 +65,7 @@ pub struct Detection {
     /// same pose, that of the worse one.
     pub clipped: f64,
     /// Parts of the sheet's outline that are not the plain edge of a sheet, and what was done about them:
-    /// `side-face`, `side-covered`, `side-curled`; and `clipped`.
+    /// `side-face`, `side-covered`, `side-curled`; and `clipped` and `flicker`.
     pub warnings: Vec<Warning>,
 }
 
@@ -131,8 +132,8 @@ pub fn observe(
         return Ok(Detection { observation, pattern_corners: 0, notes, clipped, warnings });
     };
     let photographs: Vec<PhotoView<'_>> = [photo].into_iter().chain(plain).collect();
-    let colors = photo;
-    let photo = LinearPhoto::new(photo, config.encoding);
+    let steady = Steady::new(photo, config.encoding);
+    let photo = steady.photo();
     let downsampled = Downsampled::new(&photo);
     let board = Board::find(&photo, &downsampled, pattern)?;
     // The board was fitted in pattern pixels, whereas the footprint ends at the border of the panel.
@@ -142,7 +143,9 @@ pub fn observe(
         &pattern_from_panel.map_or(straight, |h| straight.compose(&h)),
         pattern.projector,
     );
-    let plain = plain.map(|plain| LinearPhoto::new(plain, config.encoding));
+    let plain = plain.map(|plain| Steady::new(plain, config.encoding));
+    let steadies: Vec<&Steady<'_>> = [&steady].into_iter().chain(&plain).collect();
+    let plain = plain.as_ref().map(Steady::photo);
     let of_plain = plain.as_ref().map(Downsampled::new);
     let outline = (plain.as_ref().unwrap_or(&photo), of_plain.as_ref().unwrap_or(&downsampled));
     let find_sheet = |footprint: &ProjectorFootprint| {
@@ -163,9 +166,13 @@ pub fn observe(
         }
     }
     let SheetDetection { observation: sheet, mut notes, mut warnings } = found?;
+    for steady in steadies {
+        notes.extend(steady.notes.iter().cloned());
+        warnings.extend(steady.warnings.iter().cloned());
+    }
     let pattern_corners = board.expected;
     let board = on_sheet(board, &sheet, &mut notes)?;
-    let mut channel_offsets = channel_offsets(&colors, &board, pattern.square_px);
+    let mut channel_offsets = channel_offsets(&photo.view(), &board, pattern.square_px);
     if let Some(warp) = &config.panel_from_pattern {
         channel_offsets.retain_mut(|o| warp.map(o.projector).map(|q| o.projector = q).is_some());
     }
@@ -206,10 +213,14 @@ fn clipped(sheet: &SheetObservation, photographs: &[PhotoView<'_>], warnings: &m
 /// ```
 pub fn find_sheet(photo: PhotoView<'_>, config: &DetectConfig) -> Result<SheetDetection> {
     config.validate()?;
-    let photo = LinearPhoto::new(photo, config.encoding);
+    let steady = Steady::new(photo, config.encoding);
+    let photo = steady.photo();
     let lens = RoughLens::none(photo.width(), photo.height());
     let projected = ProjectedEdges { footprint: &ProjectorFootprint::none(), lens: &lens, board: None };
-    sheet::find(&photo, &Downsampled::new(&photo), &projected, config.corners)
+    let mut found = sheet::find(&photo, &Downsampled::new(&photo), &projected, config.corners)?;
+    found.notes.extend(steady.notes.iter().cloned());
+    found.warnings.extend(steady.warnings.iter().cloned());
+    Ok(found)
 }
 
 /// Detects the corners of the projected checkerboard alone, on the sheet or beside it. [`DetectConfig::corners`] is not
@@ -239,7 +250,8 @@ pub fn find_corners(
     config: &DetectConfig,
 ) -> Result<CornerDetection> {
     config.validate()?;
-    let photo = LinearPhoto::new(photo, config.encoding);
+    let steady = Steady::new(photo, config.encoding);
+    let photo = steady.photo();
     let board = Board::find(&photo, &Downsampled::new(&photo), pattern)?;
     Ok(CornerDetection { expected: board.expected, pairs: on_panel(board.pairs, config) })
 }

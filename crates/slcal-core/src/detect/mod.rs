@@ -1,6 +1,7 @@
 //! Photograph → observations: the checkerboard's corners and the sheet's edges, to sub-pixel.
 //!
-//! `observe` first finds the projected checkerboard. `checkerboard` labels its corners, `board_registration` finds their
+//! Bands of flicker (`row_flicker`) are divided out of the photograph first (`steady`).
+//! `observe` then finds the projected checkerboard. `checkerboard` labels its corners, `board_registration` finds their
 //! place in the pattern, `corner` refines their positions, and
 //! `channel_offsets` finds how red and blue lie beside green there. The border of the projector footprint on the sheet follows
 //! (`projector_footprint`), and is looked for where it is seen, with the marks beside it (`panel_points`). The sheet is the quadrilateral of straight edges (`edge_map`, `lines`, `quad`) that holds the
@@ -26,9 +27,12 @@ mod panel_view;
 mod projector_footprint;
 mod quad;
 mod rough_undistort;
+mod row_flicker;
+mod row_profile;
 mod sheet;
 #[cfg(test)]
 mod side_tests;
+mod steady;
 #[cfg(test)]
 mod tests;
 

@@ -117,6 +117,13 @@ impl LinearTable {
         self.0[code]
     }
 
+    /// Light of a code value; `None` beyond the last one.
+    #[inline]
+    #[must_use]
+    pub(super) fn get(&self, code: usize) -> Option<f32> {
+        self.0.get(code).copied()
+    }
+
     /// The light of all 256 codes of 8 bit.
     pub(super) fn of_bytes(&self) -> Option<&[f32; 256]> {
         self.0.first_chunk()

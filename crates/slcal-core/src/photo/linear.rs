@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 
 use super::bilinear::bilinear;
-use super::{Encoding, GreyImage, LinearTable, PhotoView};
+use super::{Encoding, GreyImage, Layout, LinearTable, PhotoView, Samples};
 
 /// A borrowed photograph in linear light, 0–1, averaged over the three channels with equal weights. The sheet and the
 /// projected light are white, so that equal weights give the least noise.
@@ -18,6 +18,12 @@ impl<'a> LinearPhoto<'a> {
     #[must_use]
     pub(crate) fn new(view: PhotoView<'a>, encoding: Encoding) -> Self {
         Self { view, table: view.linear_table(encoding) }
+    }
+
+    /// The photograph itself.
+    #[must_use]
+    pub(crate) fn view(&self) -> PhotoView<'a> {
+        self.view
     }
 
     /// Width, px.
@@ -37,6 +43,46 @@ impl<'a> LinearPhoto<'a> {
     #[must_use]
     pub(crate) fn at(&self, x: usize, y: usize) -> f32 {
         self.view.linear_grey_pixel(x, y, &self.table)
+    }
+
+    /// The channels that differ: red, green and blue, or the one of a grey photograph.
+    #[must_use]
+    pub(crate) fn channels(&self) -> usize {
+        if self.view.layout().has_color() { 3 } else { 1 }
+    }
+
+    /// The light of a pixel in one channel, and how much more the next code value stands for. Nothing follows the last one.
+    #[inline]
+    #[must_use]
+    pub(crate) fn channel_and_step(&self, x: usize, y: usize, channel: usize) -> (f32, f32) {
+        let code = usize::from(self.view.rgb_codes(x, y)[channel]);
+        let light = self.table.light(code);
+        (light, self.table.get(code + 1).map_or(f32::INFINITY, |next| next - light))
+    }
+
+    /// A copy in which the light of each row is divided by the gains of that row, red, green and blue.
+    #[must_use]
+    pub(crate) fn with_rows_divided(&self, gains: impl Fn(usize) -> [f32; 3]) -> DividedPhoto {
+        let (width, height) = (self.width(), self.height());
+        let channels = self.channels();
+        let mut row = vec![[0.0; 3]; width];
+        let mut most = 0.0_f32;
+        for y in 0..height {
+            self.view.linear_rgb_row(y, &self.table, &mut row);
+            most = row.iter().flatten().fold(most, |m, &l| m.max(l));
+        }
+        let scale = f32::from(u16::MAX) / most.max(f32::MIN_POSITIVE);
+        let mut samples = Vec::with_capacity(width * height * channels);
+        for y in 0..height {
+            self.view.linear_rgb_row(y, &self.table, &mut row);
+            let factors = gains(y).map(|gain| scale / gain);
+            for pixel in &row {
+                // What was at the end of the range in a bright row stays the most there is. (The conversion saturates.)
+                let code = |c: usize| (pixel[c] * factors[c] + 0.5) as u16;
+                samples.extend((0..channels).map(code));
+            }
+        }
+        DividedPhoto { samples, width, height }
     }
 
     /// Bilinear interpolation; `None` outside the centres of the border pixels.
@@ -68,6 +114,25 @@ impl<'a> LinearPhoto<'a> {
     }
 }
 
+/// A photograph of its own whose samples are proportional to light; the brightest pixel of the original is at the end of
+/// their range.
+#[derive(Debug, Clone)]
+pub(crate) struct DividedPhoto {
+    samples: Vec<u16>,
+    width: usize,
+    height: usize,
+}
+
+impl DividedPhoto {
+    /// The photograph; its encoding is [`Encoding::Linear`].
+    #[must_use]
+    pub(crate) fn view(&self) -> PhotoView<'_> {
+        let channels = self.samples.len() / (self.width * self.height);
+        let layout = if channels == 1 { Layout::Grey } else { Layout::Rgb };
+        PhotoView::of_whole(Samples::U16(&self.samples), self.width, self.height, layout)
+    }
+}
+
 /// Whether a row of a block is part of its mean. Of a large block every second row from either end is used: that does not
 /// shift the mean, and noise stays low enough for the search.
 fn is_read(row: usize, factor: usize) -> bool {
@@ -79,7 +144,6 @@ fn is_read(row: usize, factor: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::photo::{Layout, Samples};
 
     #[test]
     fn bilinear_is_exact_on_a_ramp_up_to_the_border_and_nothing_beyond() {

@@ -9,5 +9,5 @@ mod view;
 pub use encoding::Encoding;
 pub(crate) use encoding::LinearTable;
 pub(crate) use grey::GreyImage;
-pub(crate) use linear::LinearPhoto;
+pub(crate) use linear::{DividedPhoto, LinearPhoto};
 pub use view::{Layout, PhotoView, Samples};

@@ -108,6 +108,11 @@ impl<'a> PhotoView<'a> {
         Ok(Self { samples, width, height, row_stride, layout })
     }
 
+    /// A view of all samples, which the caller guarantees to be as many as the pixels need.
+    pub(super) fn of_whole(samples: Samples<'a>, width: usize, height: usize, layout: Layout) -> Self {
+        Self { samples, width, height, row_stride: width * layout.channels(), layout }
+    }
+
     /// The same samples, with red taken for blue and blue for red; `None` without colour.
     pub(crate) fn with_red_and_blue_exchanged(&self) -> Option<Self> {
         let layout = match self.layout {
