@@ -35,7 +35,9 @@ pub(crate) use photo_kind::Foreign;
 #[cfg(feature = "studio")]
 pub(crate) use photo_kind::extension_of;
 pub(crate) use raw::{RawFormat, RawFrame};
-pub(crate) use read::{check_one_stdin, open_stream, read_bytes};
+#[cfg(feature = "studio")]
+pub(crate) use read::read_bytes;
+pub(crate) use read::{check_one_stdin, open_stream};
 #[cfg(feature = "studio")]
 pub(crate) use signals::end_normally_on_signals;
 pub(crate) use signals::end_whole_on_signals;
