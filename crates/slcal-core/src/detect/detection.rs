@@ -135,7 +135,7 @@ pub fn observe(
     let steady = Steady::new(photo, config.encoding);
     let photo = steady.photo();
     let downsampled = Downsampled::new(&photo);
-    let board = Board::find(&photo, &downsampled, pattern)?;
+    let board = Board::find(&photo, &downsampled, pattern).map_err(|e| steady.explain(e))?;
     // The board was fitted in pattern pixels, whereas the footprint ends at the border of the panel.
     let pattern_from_panel = config.panel_from_pattern.and_then(|w| w.homography.inverse());
     let straight = board.undistorted_from_projector;
@@ -165,7 +165,9 @@ pub fn observe(
             found = find_sheet(&footprint).or(found);
         }
     }
-    let SheetDetection { observation: sheet, mut notes, mut warnings } = found?;
+    let of_sheet = steadies[steadies.len() - 1];
+    let SheetDetection { observation: sheet, mut notes, mut warnings } =
+        found.map_err(|e| of_sheet.explain(e))?;
     for steady in steadies {
         notes.extend(steady.notes.iter().cloned());
         warnings.extend(steady.warnings.iter().cloned());
@@ -217,7 +219,8 @@ pub fn find_sheet(photo: PhotoView<'_>, config: &DetectConfig) -> Result<SheetDe
     let photo = steady.photo();
     let lens = RoughLens::none(photo.width(), photo.height());
     let projected = ProjectedEdges { footprint: &ProjectorFootprint::none(), lens: &lens, board: None };
-    let mut found = sheet::find(&photo, &Downsampled::new(&photo), &projected, config.corners)?;
+    let mut found = sheet::find(&photo, &Downsampled::new(&photo), &projected, config.corners)
+        .map_err(|e| steady.explain(e))?;
     found.notes.extend(steady.notes.iter().cloned());
     found.warnings.extend(steady.warnings.iter().cloned());
     Ok(found)
@@ -252,7 +255,7 @@ pub fn find_corners(
     config.validate()?;
     let steady = Steady::new(photo, config.encoding);
     let photo = steady.photo();
-    let board = Board::find(&photo, &Downsampled::new(&photo), pattern)?;
+    let board = Board::find(&photo, &Downsampled::new(&photo), pattern).map_err(|e| steady.explain(e))?;
     Ok(CornerDetection { expected: board.expected, pairs: on_panel(board.pairs, config) })
 }
 

@@ -19,6 +19,8 @@ mod downsampled;
 mod edge;
 mod edge_map;
 mod erf;
+#[cfg(test)]
+mod flicker_tests;
 mod light_border;
 mod lines;
 mod marks;
