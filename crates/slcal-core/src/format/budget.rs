@@ -46,6 +46,7 @@ impl Budget {
     }
 
     /// Adds the declared size of compressed data, which is then unpacked.
+    #[cfg(feature = "npz")]
     pub(in crate::format) fn unpack(&self, bytes: u64) -> Result<()> {
         let declared = self.declared.get().saturating_add(bytes);
         self.declared.set(declared);
@@ -178,6 +179,7 @@ mod tests {
         budget(0).keep_list::<u64>(usize::MAX).unwrap_err();
     }
 
+    #[cfg(feature = "npz")]
     #[test]
     fn what_is_declared_is_limited_in_all() {
         let budget = budget(0);

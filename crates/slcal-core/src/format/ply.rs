@@ -484,7 +484,7 @@ mod tests {
             [header.as_bytes(), &vec![0; 3 * n]].concat()
         };
         assert_eq!(of(&tiny(400_000)), Ok(400_000));
-        assert!(of(&tiny(2_000_000)).unwrap_err().contains("MB of memory"));
+        assert!(of(&tiny(3_000_000)).unwrap_err().contains("MB of memory"));
     }
 
     #[test]
