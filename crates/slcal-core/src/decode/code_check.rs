@@ -1,6 +1,7 @@
 //! Checks that the photograph shows this pattern: in colour, and with this code rather than another.
 
 use super::labeling::Labeling;
+use super::scanlines::GREY_CAMERA;
 use super::tracks::Tracks;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::pattern::StripePattern;
@@ -21,10 +22,6 @@ const MIN_FIT: f32 = 0.35;
 /// What else there is to check: finer stripes blur into each other, and their colours with them.
 const WIDE_ENOUGH: &str =
     "that its stripes are 3 px wide or more in the photograph (nearer, sharper, fewer slits)";
-
-/// What to do with a camera without colour.
-pub(super) const GREY_CAMERA: &str = "With a camera that sees no colour, calibrate as usual, show stripes without colour (Gray code), \
-                                      decode them with another program, and triangulate its matches";
 
 /// The error for stripes of another pattern.
 pub(super) fn another_pattern(what: ErrorSubject, seen: String) -> Error {

@@ -1,6 +1,5 @@
 //! The photograph as scanlines across the stripes, in linear light.
 
-use super::code_check::GREY_CAMERA;
 use super::config::{DecodeInput, ScanDirection};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::photo::{Encoding, LinearTable, PhotoView, Samples};
@@ -64,6 +63,10 @@ pub(super) struct ScanlineReader<'a> {
     tables: &'a Tables,
     pub(super) scan: ScanDirection,
 }
+
+/// What to do with a camera without colour.
+pub(super) const GREY_CAMERA: &str = "With a camera that sees no colour, calibrate as usual, show stripes without colour (Gray code), \
+                                      decode them with another program, and triangulate its matches";
 
 /// Refuses frames of different sizes and photographs without colour.
 pub(super) fn check(frames: &DecodeInput<'_>) -> Result<()> {
