@@ -33,7 +33,7 @@ class Failed(Exception):
 
 def run(command, folder, slcal, expected):
     shell = command.replace("slcal ", f'"{slcal}" ', 1)
-    done = subprocess.run(shell, shell=True, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    done = subprocess.run(shell, shell=True, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=600)
     if done.returncode != expected:
         raise Failed(f"{command}\nexpected exit {expected}, found {done.returncode}\n{done.stdout}")
     return done.stdout

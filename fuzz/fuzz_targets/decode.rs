@@ -10,8 +10,8 @@ use slcal_core::pattern::{Axis, StripeConfig, StripePattern};
 fuzz_target!(|data: &[u8]| {
     let Some((&choice, data)) = data.split_first() else { return };
     let axis = if choice & 1 == 0 { Axis::Columns } else { Axis::Rows };
-    let config = StripeConfig { hues: 2 + u32::from(choice >> 1) % 3, order: 3, axis, ..StripeConfig::default() };
-    let Ok(pattern) = StripePattern::new([192, 192], &config) else { return };
+    let config = StripeConfig { hues: 2 + u32::from(choice >> 1) % 3, order: 3, slits: Some(10), axis, ..StripeConfig::default() };
+    let Ok(pattern) = StripePattern::new([96, 96], &config) else { return };
     let mut photo = pattern.image().expect("a pattern is drawn");
     picture::edit(&mut photo, data);
     if let Ok(decoding) = decode(picture::view(&photo), &pattern, &DecodeConfig::default()) {

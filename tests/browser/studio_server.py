@@ -74,6 +74,8 @@ class Studio:
         self.origin = f"http://{self.host}"
         self.complaints = folder.with_name(f"{folder.name}.stderr")
         with self.complaints.open("ab") as errors:
+            # As a terminal starts it, whatever is ignored here (`nohup`, a shell's `&`).
+            signal.signal(signal.SIGINT, signal.default_int_handler)
             self.process = subprocess.Popen(
                 [slcal, "studio", "--no-open", "--json", "--dir", folder, "--port", str(self.port), *args],
                 stdout=subprocess.PIPE, stderr=errors, text=True)

@@ -1,6 +1,8 @@
 //! What holds for every verb.
 
-use std::process::{Command, Stdio};
+use std::process::Stdio;
+
+use slcal_tests::process;
 
 use crate::bench;
 
@@ -22,14 +24,15 @@ fn version_goes_to_stdout() {
 #[test]
 fn a_closed_stdout_is_no_panic() {
     // Drawing takes longer than closing the pipe.
-    let mut child = Command::new(env!("CARGO_BIN_EXE_slcal-under-test"))
+    let mut child = bench()
+        .command()
         .args(["pattern", "stripes", "--projector", "1024x768", "-o", "-"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     drop(child.stdout.take());
-    let output = child.wait_with_output().unwrap();
+    let output = process::output(child);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(!said.contains("panicked"), "{said}");
     assert_eq!(output.status.code(), Some(0), "{said}");

@@ -22,6 +22,7 @@ mod sizes;
 mod snapshots;
 mod studio;
 mod terminal;
+mod trust;
 mod verify;
 
 use slcal_tests::Bench;

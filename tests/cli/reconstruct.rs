@@ -6,9 +6,12 @@ use std::io::Cursor;
 
 use image::{DynamicImage, ImageFormat, RgbImage};
 use serde_json::Value;
-use slcal_tests::{Bench, Run, Scene, repository};
+use slcal_tests::{Bench, Run, Scene, process, repository};
 
 use crate::bench;
+
+/// Frames of a stream that outlasts a test.
+const MOST_FRAMES: usize = 1000;
 
 const MANY: &str = "reconstruct --rig rig.json --pattern stripes.json";
 
@@ -258,18 +261,18 @@ fn a_stream_that_is_cut_off_keeps_its_finished_clouds() {
 
 #[test]
 fn all_clouds_are_made_though_nobody_reads_what_is_said() {
-    use std::process::{Command, Stdio};
+    use std::process::Stdio;
 
     let bench = with_photos(&THREE);
-    let mut child = Command::new(env!("CARGO_BIN_EXE_slcal-under-test"))
+    let mut child = bench
+        .command()
         .args(format!("{MANY} a.jpg b.jpg c.jpg --out-dir clouds --jobs 1").split(' '))
-        .current_dir(bench.path(""))
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
     drop(child.stdout.take());
-    assert_eq!(child.wait().unwrap().code(), Some(0));
+    assert_eq!(process::wait(&mut child).code(), Some(0));
     assert_eq!(names(&bench, "clouds"), ["a.ply", "b.ply", "c.ply"]);
 }
 
@@ -277,24 +280,24 @@ fn all_clouds_are_made_though_nobody_reads_what_is_said() {
 #[test]
 fn an_interrupt_leaves_finished_clouds_and_nothing_else() {
     use std::io::Write as _;
-    use std::process::{Command, Stdio};
+    use std::process::Stdio;
     use std::time::{Duration, Instant};
 
     let bench = with_photos(&[]);
     let frame = raw(&sphere(), "rgb24");
     let args: Vec<String> =
         format!("{MANY} --raw 1280x960:rgb24 --out-dir clouds").split(' ').map(str::to_owned).collect();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_slcal-under-test"))
+    let mut child = bench
+        .command()
         .args(&args)
-        .current_dir(bench.path(""))
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
     let mut pipe = child.stdin.take().unwrap();
-    // A stream without an end.
-    let feeder = std::thread::spawn(move || while pipe.write_all(&frame).is_ok() {});
+    // A stream that is longer than the test waits.
+    let feeder = std::thread::spawn(move || (0..MOST_FRAMES).all(|_| pipe.write_all(&frame).is_ok()));
     let started = Instant::now();
     // In whatever order: two are worked on at a time.
     let finished = || {
@@ -304,8 +307,8 @@ fn an_interrupt_leaves_finished_clouds_and_nothing_else() {
     while finished() < 3 && started.elapsed() < Duration::from_mins(1) {
         std::thread::sleep(Duration::from_millis(5));
     }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let status = child.wait().unwrap();
+    process::signal(&child, "INT");
+    let status = process::wait(&mut child);
     assert_eq!(status.code(), Some(130), "{status}");
     feeder.join().unwrap();
     let names = names(&bench, "clouds");
@@ -466,15 +469,14 @@ fn a_folder_that_cannot_be_made_is_found_before_the_work() {
 #[test]
 fn a_name_that_is_no_unicode_is_no_reason_to_say_nothing() {
     use std::os::unix::ffi::OsStrExt as _;
-    use std::process::Command;
 
     let bench = with_photos(&[]);
     let name = std::ffi::OsStr::from_bytes(b"caf\xe9.png");
     fs::write(bench.path("").join(name), png(RgbImage::new(1280, 960))).unwrap();
-    let run = Command::new(env!("CARGO_BIN_EXE_slcal-under-test"))
+    let run = bench
+        .command()
         .args(format!("{MANY} --out-dir clouds --json").split(' '))
         .arg(name)
-        .current_dir(bench.path(""))
         .output()
         .unwrap();
     assert_eq!(run.status.code(), Some(4));
@@ -536,4 +538,16 @@ fn a_rig_that_moved_is_told_by_the_stripes() {
     assert!(page.contains("Does the rig fit?") && page.contains("rig-moved"));
     let many = bench.run(&format!("{line} --out-dir clouds")).ok();
     assert!(many.text().contains("(rig-moved)"), "{}", many.text());
+}
+
+#[test]
+fn stripes_that_are_too_fine_are_refused_for_that_reason() {
+    let bench = bench();
+    for (focal, words) in [(330, "too fine to tell their colours"), (280, "3 px wide or more")] {
+        let scene = format!(
+            "simulate scene --surface plane --camera 640x480 --focal {focal} --blur 1.2 --out far --force"
+        );
+        let _ = bench.run(&scene).ok();
+        bench.run("decode --pattern far/pattern.json far/photo.png -o m.csv").fails(4, &[words]);
+    }
 }

@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use slcal_tests::Bench;
 use slcal_tests::studio::{Studio, files};
+use slcal_tests::{Bench, process};
 
 use crate::bench;
 
@@ -206,8 +206,7 @@ fn a_killed_studio_goes_on_where_it_was() {
 fn an_interrupt_is_its_usual_end() {
     let bench = bench();
     let mut studio = Studio::start(&bench, "work", &FILES);
-    let sent = std::process::Command::new("kill").args(["-INT", &studio.id().to_string()]).status().unwrap();
-    assert!(sent.success());
+    process::signal(studio.child(), "INT");
     assert_eq!(studio.code(), Some(0));
 }
 

@@ -1,7 +1,5 @@
 //! What is printed, where there is no terminal: 80 columns, and no colours unless they are asked for.
 
-use std::process::Command;
-
 use unicode_width::UnicodeWidthStr as _;
 
 use crate::bench;
@@ -62,9 +60,9 @@ fn colours_come_when_they_are_asked_for_and_say_nothing_alone() {
     let scene = Scene::default();
     scene.photograph(None).save(bench.path("a.png")).unwrap();
     let run = |options: &str, variables: &[(&str, &str)]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_slcal-under-test"))
+        let output = bench
+            .command()
             .args(options.split_whitespace())
-            .current_dir(bench.path("."))
             .env_remove("NO_COLOR")
             .env_remove("CLICOLOR_FORCE")
             .envs(variables.iter().copied())

@@ -1,6 +1,7 @@
 //! Runs of the real binary in fresh folders, and photographs for it to look at.
 
 pub mod exif;
+pub mod process;
 mod scene;
 pub mod studio;
 
@@ -81,6 +82,14 @@ impl Bench {
         names
     }
 
+    /// The binary in the folder, to be given its arguments.
+    #[must_use]
+    pub fn command(&self) -> Command {
+        let mut command = process::command(&self.binary);
+        command.current_dir(self.folder.path());
+        command
+    }
+
     /// Runs the binary in the folder with words separated by spaces.
     #[must_use]
     pub fn run(&self, line: &str) -> Run {
@@ -93,9 +102,9 @@ impl Bench {
     /// When the binary cannot be started.
     #[must_use]
     pub fn run_args(&self, args: &[&str], stdin: &[u8]) -> Run {
-        let mut child = Command::new(&self.binary)
+        let mut child = self
+            .command()
             .args(args)
-            .current_dir(self.folder.path())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -107,7 +116,7 @@ impl Bench {
             // A run that ends without reading its stdin is no failure of the test.
             let _ = pipe.write_all(&bytes);
         });
-        let output = child.wait_with_output().expect("the output of the binary");
+        let output = process::output(child);
         feeder.join().expect("the feeding of stdin");
         Run {
             code: output.status.code().unwrap_or(-1),

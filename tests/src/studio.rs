@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use super::Bench;
+use super::{Bench, process};
 
 /// Long enough for a busy machine.
 const PATIENCE: Duration = Duration::from_mins(2);
@@ -79,7 +79,7 @@ impl Studio {
     /// The command that starts one.
     #[must_use]
     pub fn command(bench: &Bench, dir: &str, options: &[&str]) -> Command {
-        let mut command = Command::new(&bench.binary);
+        let mut command = process::command(&bench.binary);
         command.args(["studio", "--no-open", "--json", "--dir"]).arg(bench.path(dir)).args(options);
         command.stdin(Stdio::null()).stderr(Stdio::null());
         command
@@ -166,13 +166,13 @@ impl Studio {
     /// When it cannot be ended.
     pub fn kill(&mut self) {
         self.child.kill().expect("a process");
-        self.child.wait().expect("a process");
+        process::wait(&mut self.child);
     }
 
     /// The process.
     #[must_use]
-    pub fn id(&self) -> u32 {
-        self.child.id()
+    pub fn child(&self) -> &Child {
+        &self.child
     }
 
     /// Waits for its end: its exit code.
@@ -180,7 +180,7 @@ impl Studio {
     /// # Panics
     /// When it does not end.
     pub fn code(&mut self) -> Option<i32> {
-        self.child.wait().expect("a process").code()
+        process::wait(&mut self.child).code()
     }
 }
 

@@ -7,6 +7,7 @@ use image::DynamicImage;
 use slcal_core::{Observations, PhotoTags, PointCloud, Rig, ViewResiduals};
 
 pub use crate::io::exchange::{ExportPlaces, export_places, import_paths, storage_of};
+pub use crate::io::input_kind::{InputKind, read_input};
 
 use crate::io;
 use crate::report::{Photo, RigPage, ShownCloud, rig_html};

@@ -52,7 +52,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         (_, true) => Verbosity::Verbose,
         _ => Verbosity::Normal,
     });
-    io::end_whole_on_interrupt();
+    io::end_whole_on_signals();
     match verbs::run(cli.verb, &typed, printer) {
         Ok(()) => 0,
         Err(failure) => {

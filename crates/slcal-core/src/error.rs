@@ -258,6 +258,21 @@ pub(crate) fn within<T: PartialOrd + Copy + fmt::Display>(
     Err(Error::invalid(what, format!("{least} to {most}{unit}"), format!("{value}{unit}")))
 }
 
+/// Characters of a message at its beginning and at its end, where it is longer than both: what it quotes from a file may be gigantic.
+const BEGINNING: usize = 800;
+const END: usize = 200;
+
+/// A text, without its middle where it is long.
+fn shortened(text: String) -> String {
+    if text.len() <= BEGINNING + END {
+        return text;
+    }
+    let place = |(at, _): (usize, char)| at;
+    let beginning = text.char_indices().nth(BEGINNING).map_or(text.len(), place);
+    let end = text.char_indices().nth_back(END - 1).map_or(0, place);
+    if beginning >= end { text } else { format!("{} … {}", &text[..beginning], &text[end..]) }
+}
+
 impl Error {
     /// An [`Error::Invalid`] from anything that can be shown.
     pub fn invalid(
@@ -265,12 +280,16 @@ impl Error {
         expected: impl Into<String>,
         found: impl fmt::Display,
     ) -> Self {
-        Self::Invalid { what: what.into(), expected: expected.into(), found: found.to_string() }
+        Self::Invalid {
+            what: what.into(),
+            expected: shortened(expected.into()),
+            found: shortened(found.to_string()),
+        }
     }
 
     /// An [`Error::Malformed`] without another error behind it.
     pub fn malformed(what: ErrorSubject, detail: impl Into<String>) -> Self {
-        Self::Malformed { what, detail: detail.into(), source: None }
+        Self::Malformed { what, detail: shortened(detail.into()), source: None }
     }
 
     /// An [`Error::Degenerate`] without a measure of how far the geometry is from determining `what`.
@@ -284,7 +303,7 @@ impl Error {
         is_not: &str,
         source: impl std::error::Error + Send + Sync + 'static,
     ) -> Self {
-        let detail = format!("this is not {is_not}: {source}");
+        let detail = shortened(format!("this is not {is_not}: {source}"));
         Self::Malformed { what, detail, source: Some(Cause(Arc::new(source))) }
     }
 
@@ -313,3 +332,26 @@ impl Error {
 
 /// Shorthand for results of this library.
 pub type Result<T> = std::result::Result<T, Error>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_quotes_lose_their_middle() {
+        let said = |quoted: &str| {
+            Error::malformed(ErrorSubject::Ply, format!("\"{quoted}\" is not a number")).to_string()
+        };
+        assert_eq!(said("a"), "malformed PLY: \"a\" is not a number");
+        for letter in ["a", "é", "点"] {
+            let long = said(&letter.repeat(100_000));
+            assert!(long.chars().count() < 1100 && long.contains(" … "), "{}", long.len());
+            assert!(
+                long.starts_with(&format!("malformed PLY: \"{letter}")) && long.ends_with("is not a number")
+            );
+            assert!(said(&letter.repeat(900)).contains(&letter.repeat(900)));
+        }
+        let invalid = Error::invalid("size", "a number", "9".repeat(5000)).to_string();
+        assert!(invalid.starts_with("size: expected a number, found 999") && invalid.len() < 1100);
+    }
+}

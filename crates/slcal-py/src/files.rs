@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use pyo3::exceptions::{PyOSError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyString};
+use slcal_cli::files::{InputKind, read_input};
 
 use crate::errors;
 
@@ -15,11 +16,11 @@ pub(crate) struct Contents {
     pub(crate) name: Option<String>,
 }
 
-/// The content of a path or of a readable file object, binary or text.
-pub(crate) fn read(file: &Bound<'_, PyAny>) -> PyResult<Contents> {
+/// The content of a path, up to the limit of this kind of files, or of a readable file object, binary or text.
+pub(crate) fn read(file: &Bound<'_, PyAny>, kind: InputKind) -> PyResult<Contents> {
     let py = file.py();
     if let Some(path) = path_of(file)? {
-        let bytes = py.detach(|| std::fs::read(&path)).map_err(|e| os_error(&e, &path))?;
+        let bytes = py.detach(|| read_input(&path, kind)).map_err(|e| os_error(&e, &path))?;
         return Ok(Contents { bytes, name: Some(path.display().to_string()) });
     }
     let Some(read) = file.getattr_opt("read")? else { return Err(no_file(file, "read")) };

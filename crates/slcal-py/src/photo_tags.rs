@@ -2,6 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyString;
+use slcal_cli::files::InputKind;
 use slcal_core::{FocalSource, Orientation};
 
 use crate::errors::{self, Raise as _, Stage};
@@ -224,7 +225,7 @@ impl PhotoTags {
 ///     When the file cannot be read.
 #[pyfunction]
 fn read_tags(file: &Bound<'_, PyAny>) -> PyResult<Option<PhotoTags>> {
-    let files::Contents { bytes, .. } = files::read(file)?;
+    let files::Contents { bytes, .. } = files::read(file, InputKind::Photo)?;
     Ok(file.py().detach(|| slcal_cli::files::read_tags(&bytes)).map(PhotoTags))
 }
 

@@ -5,7 +5,7 @@ use std::ffi::CString;
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyBytes};
-use slcal_cli::files::{DecodedPhoto, ForeignPhoto};
+use slcal_cli::files::{DecodedPhoto, ForeignPhoto, InputKind};
 
 use crate::convert::image::array_of;
 use crate::errors;
@@ -43,7 +43,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 #[pyo3(signature = (file, *, as_stored=false))]
 fn read_image<'py>(file: &Bound<'py, PyAny>, as_stored: bool) -> PyResult<Bound<'py, PyAny>> {
     let py = file.py();
-    let Contents { bytes, name } = files::read(file)?;
+    let Contents { bytes, name } = files::read(file, InputKind::Photo)?;
     let name = name.unwrap_or_else(|| "image".to_owned());
     if let Some(format) = ForeignPhoto::of(&bytes) {
         let read = py.import("slcal._heif")?.getattr("read")?;

@@ -42,13 +42,14 @@ def check_types(*files: Path) -> None:
         capture_output=True,
         text=True,
         env=environment,
+        timeout=300,
     )
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 def command(*args: str | Path) -> str:
     """What the package's command prints; it must succeed."""
-    said = subprocess.run([sys.executable, "-m", "slcal", *map(str, args)], capture_output=True, text=True)
+    said = subprocess.run([sys.executable, "-m", "slcal", *map(str, args)], capture_output=True, text=True, timeout=300)
     assert said.returncode == 0, f"{args}: {said.stderr}"
     return said.stdout
 

@@ -141,5 +141,5 @@ def test_editors_show_the_docstrings() -> None:
     script = REPOSITORY / "scripts/stub_docs.py"
     if not script.exists():
         pytest.skip("scripts/stub_docs.py is not at hand: these tests run outside the repository")
-    done = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr

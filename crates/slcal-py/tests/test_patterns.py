@@ -11,14 +11,14 @@ import slcal
 
 def test_version_is_that_of_the_command():
     script = "from slcal._command import main; main()"
-    said = subprocess.run([sys.executable, "-c", script, "--version"], capture_output=True, text=True)
+    said = subprocess.run([sys.executable, "-c", script, "--version"], capture_output=True, text=True, timeout=300)
     assert said.returncode == 0
     assert said.stdout == f"slcal {slcal.__version__}\n"
 
 
 def test_the_exit_code_of_the_command_is_passed_on():
     script = "from slcal._command import main; main()"
-    said = subprocess.run([sys.executable, "-c", script, "evaluate", "plane", "absent.ply"], capture_output=True, text=True)
+    said = subprocess.run([sys.executable, "-c", script, "evaluate", "plane", "absent.ply"], capture_output=True, text=True, timeout=300)
     assert said.returncode == 3
     assert "absent.ply" in said.stderr
 

@@ -257,7 +257,7 @@ def test_the_example(cluster, scene, photos, tmp_path):
     (cluster / "mercy").touch()
     address = ray.get_runtime_context().gcs_address
     arguments = [photos / "*.png", scene / "rig.json", scene / "pattern.json", tmp_path / "out", "--address", address]
-    said = subprocess.run([sys.executable, EXAMPLE, *map(str, arguments)], capture_output=True, text=True)
+    said = subprocess.run([sys.executable, EXAMPLE, *map(str, arguments)], capture_output=True, text=True, timeout=300)
     assert said.returncode == 1, said.stderr  # Two photographs are bad.
     assert "broken: FormatError" in said.stdout and "dark: DecodeError" in said.stdout
     table = pq.read_table(tmp_path / "out" / "results.parquet")

@@ -25,7 +25,7 @@ from slcal.ray._work import Photo  # noqa: E402
 
 
 def python(script):
-    return subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    return subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=300)
 
 
 def test_importing_slcal_imports_no_ray():

@@ -7,7 +7,7 @@ ONE_POINT = "slcal.PointCloud([[0.0, 0.0, 900.0]])"
 
 
 def run(script):
-    return subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    return subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=300)
 
 
 def test_importing_imports_no_extra():

@@ -1,6 +1,7 @@
 //! `slcal reconstruct`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 use slcal_core::format::CloudFormat;
@@ -53,6 +54,12 @@ pub(crate) struct ReconstructArgs {
     #[arg(long, value_name = "WxH:rgb24", value_parser = RawFormat::parse, conflicts_with = "output",
           allow_hyphen_values = true, help_heading = INPUT)]
     pub(crate) raw: Option<RawFormat>,
+    /// Seconds that the stream of --raw may take for a frame; without it, it is waited for as long as it takes.
+    ///
+    /// A stream that stalls is an error then. The clouds of the frames before it stay.
+    #[arg(long, value_name = "SECONDS", requires = "raw", value_parser = parse_seconds, allow_hyphen_values = true,
+          help_heading = GENERAL)]
+    pub(crate) timeout: Option<Duration>,
     /// Number of frames that are processed at the same time [default: the number of cores].
     ///
     /// The results and their order do not depend on it.
@@ -81,4 +88,14 @@ pub(crate) struct ReconstructArgs {
     /// Replace outputs that exist.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) force: bool,
+}
+
+/// Longest timeout: a day.
+const MOST_SECONDS: f64 = 86_400.0;
+
+fn parse_seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().filter(|s: &f64| *s > 0.0 && *s <= MOST_SECONDS);
+    seconds
+        .map(Duration::from_secs_f64)
+        .ok_or_else(|| format!("expected seconds above 0 and up to {MOST_SECONDS}"))
 }

@@ -18,9 +18,14 @@ pub(crate) struct ReportArgs {
     /// Photograph of a view; repeat it once per view, in the order of the views. A folder or a name with * or ? stands
     /// for several.
     ///
-    /// Without it, photographs are looked for by the names in the rig, beside the rig and in the current folder.
+    /// Without it, photographs are looked for by the names in the rig, in the folder of the rig and below it.
     #[arg(long, value_name = "PHOTO", action = ArgAction::Append, help_heading = INPUT)]
     pub(crate) photo: Vec<PathBuf>,
+    /// Follow the names of photographs in the rig wherever they lead, as absolute paths and with `..`.
+    ///
+    /// A rig from somebody else could name a picture of yours, and the report would carry it.
+    #[arg(long, help_heading = INPUT)]
+    pub(crate) allow_paths: bool,
     /// Measurements in the photographs (`slcal calibrate --save-observations`); the report then shows the residuals.
     #[arg(long, value_name = "FILE.json", conflicts_with = "pattern", help_heading = INPUT)]
     pub(crate) observations: Option<PathBuf>,

@@ -1,12 +1,17 @@
 //! The formats of clouds, by the name of the output.
 
 use std::fs;
+use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 
 use slcal_core::format::{CloudFormat, read_ply};
 
+use super::input_kind::InputKind;
 use crate::exit::{Failure, Outcome};
 use crate::name::is_dash;
+
+/// The header of a PCD stands in this many bytes.
+const PCD_HEADER: u64 = 4096;
 
 /// The format of an output by its extension; PLY for stdout and for devices.
 pub(crate) fn cloud_format_of(path: &Path) -> Outcome<CloudFormat> {
@@ -23,16 +28,30 @@ pub(crate) fn cloud_format_of(path: &Path) -> Outcome<CloudFormat> {
 /// Whether a file exists and holds a complete cloud, as far as its format shows: binary formats state their length,
 /// text formats only end with a line.
 pub(crate) fn cloud_is_complete(format: CloudFormat, path: &Path) -> bool {
-    let Ok(bytes) = fs::read(path) else { return false };
-    match format {
-        CloudFormat::Ply => read_ply(bytes.as_slice()).is_ok(),
-        CloudFormat::Pcd => pcd_length(&bytes) == Some(bytes.len()),
-        CloudFormat::Xyz | CloudFormat::Obj => bytes.ends_with(b"\n"),
-        CloudFormat::Glb => {
-            let length = bytes.get(8..12).and_then(|b| b.first_chunk()).map(|b| u32::from_le_bytes(*b));
-            bytes.starts_with(b"glTF") && length.map(|n| n as usize) == Some(bytes.len())
+    is_complete(format, path).unwrap_or(false)
+}
+
+fn is_complete(format: CloudFormat, path: &Path) -> std::io::Result<bool> {
+    let mut file = InputKind::Own.open(path)?;
+    let length = file.metadata()?.len();
+    let mut start = Vec::new();
+    Ok(match format {
+        CloudFormat::Ply => read_ply(file).is_ok(),
+        CloudFormat::Pcd => {
+            file.take(PCD_HEADER).read_to_end(&mut start)?;
+            pcd_length(&start) == usize::try_from(length).ok()
         }
-    }
+        CloudFormat::Xyz | CloudFormat::Obj => {
+            file.seek(SeekFrom::End(-1))?;
+            file.read_to_end(&mut start)?;
+            start == b"\n"
+        }
+        CloudFormat::Glb => {
+            file.take(12).read_to_end(&mut start)?;
+            let stated = start.get(8..12).and_then(|b| b.first_chunk()).map(|b| u32::from_le_bytes(*b));
+            start.starts_with(b"glTF") && stated.map(u64::from) == Some(length)
+        }
+    })
 }
 
 fn is_device(path: &Path) -> bool {

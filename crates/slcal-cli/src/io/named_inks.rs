@@ -39,7 +39,9 @@ pub(super) fn decode_named_inks(jpeg: &[u8]) -> Result<DynamicImage, String> {
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(jpeg), options);
     let planes = decoder.decode().map_err(|e| e.to_string())?;
     let size = decoder.dimensions().and_then(|(w, h)| Some([u32::try_from(w).ok()?, u32::try_from(h).ok()?]));
-    let pixels = planes.as_chunks::<4>().0.iter().flat_map(|pixel| light(*pixel)).collect();
+    let inks = planes.as_chunks::<4>().0;
+    let mut pixels = Vec::with_capacity(3 * inks.len());
+    pixels.extend(inks.iter().flat_map(|pixel| light(*pixel)));
     size.and_then(|[width, height]| RgbImage::from_raw(width, height, pixels))
         .map(DynamicImage::ImageRgb8)
         .ok_or_else(|| "its size is unknown".to_owned())

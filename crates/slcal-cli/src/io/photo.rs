@@ -4,14 +4,17 @@ use std::io::Cursor;
 use std::path::Path;
 
 use image::metadata::Orientation;
-use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use slcal_core::PhotoTags;
 use slcal_core::format::recognise;
 
+use super::alpha::{Opacity, without_alpha};
 use super::exif::read_tags;
+use super::input_kind::InputKind;
 use super::jpeg_segments::{START_OF_SCAN, segments};
 use super::named_inks::{are_inks_named, decode_named_inks};
 use super::photo_kind::{FORMATS, Foreign, format_of, what_it_is};
+use super::picture_memory::{Picture, decoder_limit, has_inks};
 use super::read::read_bytes;
 use super::sample_coding::{Coding, coding};
 use super::tiff_tag::tiff_tag;
@@ -23,9 +26,6 @@ use crate::output::{Printer, Remarks};
 /// Limit of the size of photographs, checked before decoding: above any camera, below a file that is made
 /// to exhaust the memory.
 pub(super) const MAX_PIXELS: u64 = 250_000_000;
-
-/// Limit of the memory of decoding: 16-bit RGB of [`MAX_PIXELS`].
-const MAX_DECODED_BYTES: u64 = MAX_PIXELS * 6;
 
 /// A picture of which more is fully transparent than this, %, has no content that can be trusted.
 const MOST_TRANSPARENT_PERCENT: f64 = 99.0;
@@ -88,7 +88,7 @@ pub(crate) fn read_photo(path: &Path, samples: Samples, remarks: &mut Remarks) -
 
 fn read_photo_and_file(path: &Path, samples: Samples, remarks: &mut Remarks) -> Outcome<(Decoded, Vec<u8>)> {
     let name = input_name(path);
-    let bytes = read_bytes(path, "a photograph")?;
+    let bytes = read_bytes(path, InputKind::Photo)?;
     let decoded = decode_photo_as(&bytes, &name, samples)?;
     let photo = &decoded.photo;
     if decoded.orientation != Orientation::NoTransforms {
@@ -128,7 +128,7 @@ pub(crate) fn decode_photo_as(bytes: &[u8], name: &str, samples: Samples) -> Out
         e => broken(name, format, e),
     };
     let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(MAX_DECODED_BYTES);
+    limits.max_alloc = Some(decoder_limit(format, bytes));
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.limits(limits);
     let mut decoder = reader.into_decoder().map_err(|e| undecoded(&e))?;
@@ -166,13 +166,30 @@ pub(crate) fn decode_photo_as(bytes: &[u8], name: &str, samples: Samples) -> Out
         // The decoder fills missing data with grey.
         return Err(broken(name, format, &"the data ends before the picture does"));
     }
-    let photo = if format == ImageFormat::Jpeg && are_inks_named(bytes) {
+    if matches!(decoder.color_type(), ColorType::Rgb32F | ColorType::Rgba32F) {
+        return Err(refused(name, "a picture of floating-point samples", "convert it to 16 bit"));
+    }
+    let named_inks = format == ImageFormat::Jpeg && are_inks_named(bytes);
+    let picture = Picture {
+        file: bytes,
+        format,
+        color: decoder.color_type(),
+        pixels: u64::from(width) * u64::from(height),
+        has_inks: named_inks || has_inks(&decoder),
+        is_converted: matches!(says, Coding::Curves { .. }),
+        is_turned: is_quarter(orientation),
+    };
+    if let Some(excess) = picture.excess() {
+        return Err(refused(name, &excess, "reduce the picture"));
+    }
+    let photo = if named_inks {
         decode_named_inks(bytes).map_err(|why| broken(name, format, &why))?
     } else {
         DynamicImage::from_decoder(decoder).map_err(|e| undecoded(&e))?
     };
     let mut decoded = Decoded { photo, orientation, converted: None, notes: Vec::new() };
     decoded.notes.extend(transparency(&decoded.photo, name)?);
+    decoded.photo = without_alpha(decoded.photo);
     match says {
         Coding::Curves { says, curves, narrow } => {
             decoded.photo = to_srgb(decoded.photo, &curves, narrow);
@@ -187,16 +204,7 @@ pub(crate) fn decode_photo_as(bytes: &[u8], name: &str, samples: Samples) -> Out
 
 /// What is said of pixels that are transparent; an error where nearly all are.
 fn transparency(photo: &DynamicImage, name: &str) -> Outcome<Option<String>> {
-    let counts = match photo {
-        DynamicImage::ImageLumaA8(i) => opacity(i.pixels().map(|p| (p.0[1] == 0, p.0[1] == u8::MAX))),
-        DynamicImage::ImageRgba8(i) => opacity(i.pixels().map(|p| (p.0[3] == 0, p.0[3] == u8::MAX))),
-        DynamicImage::ImageLumaA16(i) => opacity(i.pixels().map(|p| (p.0[1] == 0, p.0[1] == u16::MAX))),
-        DynamicImage::ImageRgba16(i) => opacity(i.pixels().map(|p| (p.0[3] == 0, p.0[3] == u16::MAX))),
-        _ => return Ok(None),
-    };
-    let percent =
-        |count: u64| 100.0 * count as f64 / (u64::from(photo.width()) * u64::from(photo.height())) as f64;
-    let [hidden, opaque] = counts.map(percent);
+    let Some(Opacity { hidden, opaque }) = Opacity::of(photo) else { return Ok(None) };
     if hidden > MOST_TRANSPARENT_PERCENT {
         let found = format!("a picture of which {hidden:.1} % is transparent");
         return Err(refused(name, &found, "give the photograph without an alpha channel"));
@@ -209,9 +217,10 @@ fn transparency(photo: &DynamicImage, name: &str) -> Outcome<Option<String>> {
     }))
 }
 
-/// The numbers of pixels that are fully transparent, and fully opaque.
-fn opacity(pixels: impl Iterator<Item = (bool, bool)>) -> [u64; 2] {
-    pixels.fold([0; 2], |[hidden, opaque], (h, o)| [hidden + u64::from(h), opaque + u64::from(o)])
+/// Whether an orientation exchanges width and height.
+fn is_quarter(orientation: Orientation) -> bool {
+    use Orientation::{Rotate90, Rotate90FlipH, Rotate270, Rotate270FlipH};
+    matches!(orientation, Rotate90 | Rotate270 | Rotate90FlipH | Rotate270FlipH)
 }
 
 /// Why these bytes are no photograph that is read.
@@ -428,7 +437,8 @@ mod tests {
         assert!(seen.notes[0].contains("transparent"), "{:?}", seen.notes);
         for deep in [DynamicImage::from(picture().to_rgba16()), picture().to_luma_alpha16().into()] {
             let seen = decode_photo(&encoded(&deep, ImageFormat::Png), "x.png").unwrap();
-            assert!(seen.photo == deep && PhotoView::try_from(&seen.photo).is_ok());
+            assert_eq!(seen.photo.to_rgb16(), deep.to_rgb16());
+            assert!(!seen.photo.color().has_alpha() && PhotoView::try_from(&seen.photo).is_ok());
         }
     }
 

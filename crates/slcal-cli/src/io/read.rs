@@ -1,15 +1,13 @@
 //! The bytes of inputs: files and stdin, up to a limit.
 
 use std::fs;
-use std::io::Read as _;
+use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
+use super::input_kind::{InputKind, read_input};
 use crate::exit::{Failure, Outcome};
 use crate::name::is_dash;
 use crate::similar::nearest;
-
-/// Limit of the size of inputs: above the largest accepted photographs, even uncompressed.
-const MAX_INPUT_MIB: u64 = 2048;
 
 /// Refuses a command line with several inputs from stdin.
 pub(crate) fn check_one_stdin<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>) -> Outcome {
@@ -17,11 +15,6 @@ pub(crate) fn check_one_stdin<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>)
         0 | 1 => Ok(()),
         _ => Err(Failure::usage("only one input can come from stdin (-); give the others as files")),
     }
-}
-
-/// The bytes of an input file, or of stdin for `-`. `kind` is the expected kind of file ("a photograph").
-pub(crate) fn read_bytes(path: &Path, kind: &str) -> Outcome<Vec<u8>> {
-    read_at_most(path, kind, MAX_INPUT_MIB)
 }
 
 /// Limit of the names in a folder that are compared with a missing one.
@@ -44,32 +37,43 @@ fn missing(path: &Path) -> String {
     }
 }
 
-/// The same with another limit, MiB.
-pub(crate) fn read_at_most(path: &Path, kind: &str, limit_mib: u64) -> Outcome<Vec<u8>> {
-    let unreadable = |e: &std::io::Error| {
-        let advice = match e.kind() {
-            std::io::ErrorKind::NotFound => missing(path),
-            std::io::ErrorKind::PermissionDenied => "no permission to read it".to_owned(),
-            std::io::ErrorKind::IsADirectory => "it is a folder; give a file".to_owned(),
-            _ => e.to_string(),
-        };
-        Failure::input(path, format!("expected {kind}: {advice}"))
-    };
-    let mut bytes = Vec::new();
-    let limit = (limit_mib << 20) + 1;
-    if is_dash(path) {
-        std::io::stdin().lock().take(limit).read_to_end(&mut bytes).map_err(|e| unreadable(&e))?;
+/// The bytes of an input file, or of stdin for `-`.
+pub(crate) fn read_bytes(path: &Path, kind: InputKind) -> Outcome<Vec<u8>> {
+    let bytes = if is_dash(path) { kind.read(std::io::stdin().lock()) } else { read_input(path, kind) };
+    let bytes = bytes.map_err(|e| unreadable(path, kind, &e))?;
+    if bytes.is_empty() { Err(nothing(path, kind)) } else { Ok(bytes) }
+}
+
+/// An input file, or stdin for `-`, to be read piece by piece: what is kept of it may be much smaller.
+pub(crate) fn open_stream(path: &Path, kind: InputKind) -> Outcome<impl BufRead> {
+    let source: Box<dyn Read> = if is_dash(path) {
+        Box::new(std::io::stdin().lock())
     } else {
-        let file = fs::File::open(path).map_err(|e| unreadable(&e))?;
-        file.take(limit).read_to_end(&mut bytes).map_err(|e| unreadable(&e))?;
-    }
-    if bytes.len() as u64 >= limit {
-        let expected = format!("expected {kind} of at most {limit_mib} MiB");
-        return Err(Failure::input(path, format!("{expected}, found a larger file; is it the right one?")));
-    }
-    if bytes.is_empty() {
-        let found = if is_dash(path) { "no data; use - for one input only" } else { "an empty file" };
-        return Err(Failure::input(path, format!("expected {kind}, found {found}")));
-    }
-    Ok(bytes)
+        Box::new(kind.open(path).map_err(|e| unreadable(path, kind, &e))?)
+    };
+    let mut stream = BufReader::new(kind.limited(source, 0));
+    let is_empty = stream.fill_buf().map_err(|e| unreadable(path, kind, &e))?.is_empty();
+    if is_empty { Err(nothing(path, kind)) } else { Ok(stream) }
+}
+
+fn unreadable(path: &Path, kind: InputKind, error: &std::io::Error) -> Failure {
+    let name = kind.name();
+    let advice = match error.kind() {
+        ErrorKind::NotFound => missing(path),
+        ErrorKind::PermissionDenied => "no permission to read it".to_owned(),
+        ErrorKind::IsADirectory => "it is a folder; give a file".to_owned(),
+        ErrorKind::FileTooLarge => {
+            let most = kind.most_mib();
+            let message =
+                format!("expected {name} of at most {most} MiB, found a larger file; is it the right one?");
+            return Failure::input(path, message);
+        }
+        _ => error.to_string(),
+    };
+    Failure::input(path, format!("expected {name}: {advice}"))
+}
+
+fn nothing(path: &Path, kind: InputKind) -> Failure {
+    let found = if is_dash(path) { "no data; use - for one input only" } else { "an empty file" };
+    Failure::input(path, format!("expected {}, found {found}", kind.name()))
 }

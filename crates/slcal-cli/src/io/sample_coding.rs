@@ -32,6 +32,10 @@ pub(super) fn coding(png: Option<&[u8]>, profile: Option<&[u8]>) -> Coding {
     }
     match chunks.gama.filter(|_| !chunks.srgb) {
         Some(gamma) => of_gamma(gamma),
+        // The decoder hands over no profile that is damaged, or too large for any use.
+        None if chunks.has_profile => {
+            Coding::Srgb(Some("its colour profile cannot be read; its samples are taken for sRGB".into()))
+        }
         None => Coding::Srgb(None),
     }
 }
@@ -42,6 +46,8 @@ struct Chunks {
     /// Primaries, transfer function, matrix, whether the range is full.
     cicp: Option<[u8; 4]>,
     srgb: bool,
+    /// An iCCP chunk.
+    has_profile: bool,
     /// 100,000 times the exponent from light to sample.
     gama: Option<u32>,
 }
@@ -57,6 +63,7 @@ impl Chunks {
                 b"IDAT" | b"IEND" => break,
                 b"cICP" if found.cicp.is_none() => found.cicp = content.try_into().ok(),
                 b"sRGB" => found.srgb = true,
+                b"iCCP" => found.has_profile = true,
                 b"gAMA" if found.gama.is_none() => {
                     found.gama = content.try_into().ok().map(u32::from_be_bytes);
                 }

@@ -10,36 +10,29 @@ use slcal_core::pattern::{CheckerPattern, Pattern, StripePattern};
 use slcal_core::simulate::TriangleMesh;
 use slcal_core::{Observations, PointCloud, Projector, Rig};
 
-use super::read::{read_at_most, read_bytes};
+use super::input_kind::InputKind;
+use super::read::{open_stream, read_bytes};
 use crate::exit::{Failure, InFile as _, Outcome};
 use crate::name::input_name;
 
 /// Reads a rig JSON.
 pub(crate) fn load_rig(path: &Path) -> Outcome<Rig> {
-    read_rig(read_bytes(path, "a rig JSON")?.as_slice()).in_file(path)
+    read_rig(read_bytes(path, InputKind::Rig)?.as_slice()).in_file(path)
 }
-
-/// Limit of camera files: they have a few kilobytes, rigs of hundreds of views a few megabytes.
-const MAX_CAMERA_MIB: u64 = 64;
 
 /// Reads the intrinsics of a camera from a file of any known format.
 pub(crate) fn load_camera(path: &Path) -> Outcome<KnownCamera> {
-    read_camera(read_at_most(path, "a camera file (OpenCV, ROS or rig JSON)", MAX_CAMERA_MIB)?.as_slice())
-        .in_file(path)
+    read_camera(read_bytes(path, InputKind::Camera)?.as_slice()).in_file(path)
 }
 
 /// The bytes of a file of another program with a rig or a part of one.
 pub(crate) fn read_exchange(path: &Path) -> Outcome<Vec<u8>> {
-    read_at_most(path, "a file of another program with a camera or a rig", MAX_CAMERA_MIB)
+    read_bytes(path, InputKind::Exchange)
 }
-
-/// Limit of observations: a million points take half of it.
-const MAX_OBSERVATIONS_MIB: u64 = 128;
 
 /// Reads an observations JSON.
 pub(crate) fn load_observations(path: &Path) -> Outcome<Observations> {
-    read_observations(read_at_most(path, "an observations JSON", MAX_OBSERVATIONS_MIB)?.as_slice())
-        .in_file(path)
+    read_observations(read_bytes(path, InputKind::Observations)?.as_slice()).in_file(path)
 }
 
 /// Reads a pattern JSON that must be of a checkerboard.
@@ -60,7 +53,7 @@ pub(crate) fn load_stripes(path: &Path) -> Outcome<StripePattern> {
 
 /// Reads a pattern JSON of either kind.
 pub(crate) fn load_pattern(path: &Path) -> Outcome<Pattern> {
-    let pattern = read_pattern(read_bytes(path, "a pattern JSON")?.as_slice()).in_file(path);
+    let pattern = read_pattern(read_bytes(path, InputKind::Pattern)?.as_slice()).in_file(path);
     // The picture was given instead of its description.
     let description = path.with_extension("json");
     let meant = if description != path && description.is_file() {
@@ -81,14 +74,14 @@ fn wrong_kind(path: &Path, expected: &str, found: &str) -> Failure {
 
 /// Reads a point cloud.
 pub(crate) fn load_cloud(path: &Path) -> Outcome<PointCloud> {
-    read_ply(read_bytes(path, "a point cloud as PLY")?.as_slice()).in_file(path)
+    read_ply(open_stream(path, InputKind::Cloud)?).in_file(path)
 }
 
 /// Reads a mesh, PLY or OBJ by its name, and multiplies its coordinates by `scale`.
 pub(crate) fn load_mesh(path: &Path, scale: f64) -> Outcome<TriangleMesh> {
     let is_obj = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-    let bytes = read_bytes(path, "a mesh as PLY or OBJ")?;
-    let cloud = if is_obj { read_obj(bytes.as_slice()) } else { read_ply(bytes.as_slice()) }.in_file(path)?;
+    let stream = open_stream(path, InputKind::Mesh)?;
+    let cloud = if is_obj { read_obj(stream) } else { read_ply(stream) }.in_file(path)?;
     let vertices = cloud.points.iter().map(|p| p.position * scale).collect();
     TriangleMesh::new(vertices, cloud.triangles).in_file(path)
 }

@@ -3,44 +3,15 @@
 use std::fs::{self, OpenOptions};
 use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicI32, Ordering};
-use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageFormat, RgbImage};
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
 
+use super::temporary::{Readable, temporary, while_they_exist};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::name::is_dash;
-use crate::output::{clear_on_interrupt, to_stdout};
-
-/// Held for reading while temporary files exist, so that an interrupt waits until they are gone.
-static TEMPORARIES: RwLock<()> = RwLock::new(());
-
-/// The exit code of a run that was interrupted; 130 is what shells report for Ctrl-C.
-static INTERRUPTED: AtomicI32 = AtomicI32::new(130);
-
-/// Makes an interrupt (Ctrl-C, a request to terminate) end the run between two files, so that nothing unfinished is
-/// left behind. Interrupts that are ignored, or handled by the embedding program, stay so.
-pub(crate) fn end_whole_on_interrupt() {
-    // Without the handler, an interrupt during writing may leave a hidden temporary file, which is no reason to
-    // refuse to run.
-    let _ = ctrlc::try_set_handler(|| {
-        let _alone = TEMPORARIES.write().unwrap_or_else(PoisonError::into_inner);
-        clear_on_interrupt();
-        std::process::exit(INTERRUPTED.load(Ordering::Relaxed));
-    });
-}
-
-/// An interrupt is the usual end of this run: its exit code is 0.
-#[cfg(feature = "studio")]
-pub(crate) fn end_normally_on_interrupt() {
-    INTERRUPTED.store(0, Ordering::Relaxed);
-}
-
-fn with_temporaries() -> RwLockReadGuard<'static, ()> {
-    TEMPORARIES.read().unwrap_or_else(PoisonError::into_inner)
-}
+use crate::output::to_stdout;
 
 /// The destination of a result, known to be writable.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -93,8 +64,8 @@ impl Destination {
             return Err(unwritable(&path, &why));
         }
         // The only portable test of permission; the file is removed at the end of the statement.
-        let _held = with_temporaries();
-        temporary(folder).map_err(|e| {
+        let _held = while_they_exist();
+        temporary(folder, Readable::AsUsual).map_err(|e| {
             unwritable(&path, &format!("nothing can be written into {} ({})", folder.display(), e.kind()))
         })?;
         Ok(Self::File { path, force })
@@ -179,41 +150,88 @@ pub(crate) fn check_spares<'a>(
     Ok(())
 }
 
-/// Writes all results or none: all temporary files are complete before the first gets its final name.
+/// Writes all results or none: all temporary files are complete before the first gets its final name, and if one cannot get it,
+/// those that have it lose it again.
 pub(crate) fn write_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
-    replace_all(files)?;
-    for (destination, bytes) in files {
-        match destination {
-            Destination::Stdout => to_stdout(|out| out.write_all(bytes))?,
-            Destination::Device(path) => OpenOptions::new()
-                .write(true)
-                .open(path)
-                .and_then(|mut f| f.write_all(bytes))
-                .map_err(|e| unwritable(path, &e.to_string()))?,
-            Destination::File { .. } => {}
-        }
-    }
-    Ok(())
-}
-
-/// The part of [`write_all`] for plain files.
-fn replace_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
     // Declared first, so that it is dropped after the temporary files.
-    let _held = with_temporaries();
+    let _held = while_they_exist();
     let mut ready = Vec::new();
     for (destination, bytes) in files {
         if let Destination::File { path, force } = destination {
-            let failed = |e: std::io::Error| unwritable(path, &e.to_string());
-            let mut file = temporary(folder_of(path)).map_err(failed)?;
-            file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(failed)?;
-            ready.push((file, path, *force));
+            ready.push((complete(path, bytes).map_err(|e| unwritable(path, &e.to_string()))?, path, *force));
         }
     }
+    // What is written in place cannot be taken back; a reader that has gone is no reason to withhold the rest.
+    let printed = match files.iter().try_for_each(|(place, bytes)| write_in_place(place, bytes)) {
+        Err(failure) if !matches!(failure, Failure::ClosedPipe) => return Err(failure),
+        printed => printed,
+    };
+    let mut replaced = Vec::new();
     for (file, path, force) in ready {
-        let done = if force { file.persist(path) } else { file.persist_noclobber(path) };
-        done.map_err(|e| unwritable(path, &e.error.to_string()))?;
+        match Replaced::by(file, path, force) {
+            Ok(done) => replaced.push(done),
+            Err(e) => {
+                replaced.into_iter().rev().for_each(Replaced::undo);
+                return Err(unwritable(path, &e.to_string()));
+            }
+        }
     }
-    Ok(())
+    printed
+}
+
+/// A temporary file with all of its bytes on the disk.
+fn complete(path: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
+    let mut file = temporary(folder_of(path), Readable::AsUsual)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    Ok(file)
+}
+
+fn write_in_place(destination: &Destination, bytes: &[u8]) -> Outcome {
+    match destination {
+        Destination::Stdout => to_stdout(|out| out.write_all(bytes)),
+        Destination::Device(path) => OpenOptions::new()
+            .write(true)
+            .open(path)
+            .and_then(|mut f| f.write_all(bytes))
+            .map_err(|e| unwritable(path, &e.to_string())),
+        Destination::File { .. } => Ok(()),
+    }
+}
+
+/// A file that has its final name, and what had it before.
+struct Replaced {
+    path: PathBuf,
+    /// A second name of the earlier file, where there was one and the file system can do this.
+    earlier: Option<TempPath>,
+    is_new: bool,
+}
+
+impl Replaced {
+    fn by(file: NamedTempFile, path: &Path, force: bool) -> std::io::Result<Self> {
+        let is_new = fs::symlink_metadata(path).is_err();
+        let earlier = if force && !is_new { second_name(path) } else { None };
+        let done = if force { file.persist(path) } else { file.persist_noclobber(path) };
+        done.map_err(|e| e.error)?;
+        Ok(Self { path: path.to_owned(), earlier, is_new })
+    }
+
+    /// As it was before, as far as possible.
+    fn undo(self) {
+        if let Some(earlier) = self.earlier {
+            let _ = earlier.persist(&self.path);
+        } else if self.is_new {
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// A second name for a file, beside it.
+fn second_name(path: &Path) -> Option<TempPath> {
+    let name = temporary(folder_of(path), Readable::AsUsual).ok()?.into_temp_path();
+    fs::remove_file(&name).ok()?;
+    fs::hard_link(path, &name).ok()?;
+    Some(name)
 }
 
 /// Writes or replaces one file completely or not at all; a device or a pipe is written in place.
@@ -226,8 +244,8 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let folder = folder_of(&path);
     // The error then names the folder, not the temporary file.
     fs::metadata(folder)?;
-    let _held = with_temporaries();
-    let mut file = temporary(folder)?;
+    let _held = while_they_exist();
+    let mut file = temporary(folder, Readable::AsUsual)?;
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
     file.persist(&path).map(|_| ()).map_err(|e| e.error)
@@ -236,9 +254,8 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 /// The same for a file that only this user can read.
 #[cfg(feature = "studio")]
 pub(crate) fn write_private(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let _held = with_temporaries();
-    // Temporary files are private.
-    let mut file = tempfile::Builder::new().prefix(".slcal-").suffix(".part").tempfile_in(folder_of(path))?;
+    let _held = while_they_exist();
+    let mut file = temporary(folder_of(path), Readable::ByUser)?;
     file.write_all(bytes)?;
     file.persist(path).map(|_| ()).map_err(|e| e.error)
 }
@@ -293,18 +310,6 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// A temporary file with the permissions of a plain new file (otherwise it would be private).
-fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".slcal-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -327,6 +332,23 @@ mod tests {
         assert!(failure.to_string().contains("does not exist"), "{failure}");
         assert_eq!(failure.code(), 1);
         assert!(Destination::prepare(folder.path(), true).is_err());
+    }
+
+    #[test]
+    fn a_result_that_cannot_appear_takes_the_others_with_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("old.txt"), "old").unwrap();
+        let places =
+            ["new.txt", "old.txt", "late.txt"].map(|n| Destination::prepare(&path(n), true).unwrap());
+        // The last one is taken by a folder while the work is done.
+        fs::create_dir_all(path("late.txt/inside")).unwrap();
+        let files: Vec<_> = places.into_iter().map(|place| (place, b"text".to_vec())).collect();
+        let failure = write_all(&files).unwrap_err();
+        assert!(failure.code() == 1 && failure.to_string().contains("late.txt"), "{failure}");
+        assert!(!path("new.txt").exists());
+        assert_eq!(fs::read(path("old.txt")).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 
     #[cfg(unix)]

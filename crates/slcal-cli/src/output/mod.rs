@@ -120,11 +120,18 @@ pub(crate) fn print_result(text: &str) -> Outcome {
     })
 }
 
-/// A result for programs, on stdout: one JSON object.
+/// A result for programs, on stdout: one JSON object. A program that does not read it to its end has not got the result, so that
+/// a closed pipe is an error here.
 pub(crate) fn print_json(value: &impl Serialize) -> Outcome {
     let text = serde_json::to_string_pretty(value)
         .map_err(|e| Failure::new(Exit::Other, format!("cannot write the result as JSON: {e}")))?;
-    to_stdout(|out| writeln!(out, "{text}"))
+    to_stdout(|out| writeln!(out, "{text}")).map_err(|failure| match failure {
+        Failure::ClosedPipe => {
+            let why = "expected stdout to be read until the end of the JSON, but its reader has closed it";
+            Failure::new(Exit::Other, why)
+        }
+        other => other,
+    })
 }
 
 /// Writes bytes to stdout; a closed pipe ends the run quietly.

@@ -53,9 +53,18 @@ pub(super) fn for_stderr(label: &str, message: &str) -> String {
     format!("{label}{}", lines.join("\n"))
 }
 
-/// A text from outside, such as a file's name, without control characters, which could move the terminal's cursor.
+/// A text from outside, such as a file's name or a message that quotes one, in one line: without control characters, which could
+/// move the terminal's cursor or pretend another message, and without marks that change the order in which it is read.
 pub(crate) fn sanitized(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() && c != '\n' { char::REPLACEMENT_CHARACTER } else { c }).collect()
+    text.chars().map(shown).collect()
+}
+
+/// A character, or what stands for one that a terminal would obey instead of showing it.
+fn shown(c: char) -> char {
+    // Marks, embeddings, overrides and isolates of bidirectional text; separators of lines and paragraphs.
+    let obeyed =
+        matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    if c.is_control() || obeyed { char::REPLACEMENT_CHARACTER } else { c }
 }
 
 /// A text without style sequences, for places other than a terminal.
@@ -306,6 +315,7 @@ mod tests {
 
     #[test]
     fn control_characters_do_not_reach_the_terminal() {
-        assert_eq!(sanitized("a\u{1b}[31m\r\u{7}b\n"), "a\u{fffd}[31m\u{fffd}\u{fffd}b\n");
+        assert_eq!(sanitized("a\u{1b}[31m\r\u{7}b\n"), "a\u{fffd}[31m\u{fffd}\u{fffd}b\u{fffd}");
+        assert_eq!(sanitized("gnp.\u{202e}png\u{2066}é"), "gnp.\u{fffd}png\u{fffd}é");
     }
 }

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::state::{CameraKind, Step};
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::write_whole;
+use crate::io::input_kind::read_input;
+use crate::io::{InputKind, write_whole};
 
 /// The settings that photographs and results do not tell.
 const SETTINGS: &str = "studio.json";
@@ -123,7 +124,7 @@ impl Project {
             }
             Err(TryLockError::Error(e)) => return Err(failed("cannot lock the folder", &e)),
         }
-        let settings = match fs::read(folder.join(SETTINGS)) {
+        let settings = match read_input(&folder.join(SETTINGS), InputKind::Own) {
             Ok(bytes) => serde_json::from_slice::<Settings>(&bytes)
                 .ok()
                 .filter(|s| s.schema == SETTINGS_SCHEMA)
@@ -166,7 +167,7 @@ impl Project {
     }
 
     pub(super) fn read(&self, name: &str) -> std::io::Result<Vec<u8>> {
-        fs::read(self.path(name))
+        read_input(&self.path(name), InputKind::Own)
     }
 
     /// Keeps the settings.

@@ -24,7 +24,9 @@ use super::watch_folder::WatchFolder;
 use super::worker::{Pictures, Worker};
 use crate::args::StudioArgs;
 use crate::exit::{Exit, Failure, Outcome};
-use crate::io::{Foreign, decode_photo, end_normally_on_interrupt, extension_of, input_name, read_bytes};
+use crate::io::{
+    Foreign, InputKind, decode_photo, end_normally_on_signals, extension_of, input_name, read_bytes,
+};
 use crate::output::{Printer, print_json, print_result, sanitized};
 
 /// The usual port, and how many after it are tried.
@@ -60,7 +62,7 @@ pub(crate) fn run(args: &StudioArgs, printer: Printer) -> Outcome {
     };
     let machine = Machine::new(&settings, options);
     let hub = Hub::new(machine, access, links.clone(), project.clone(), pictures.clone(), queue.clone());
-    end_normally_on_interrupt();
+    end_normally_on_signals();
     start_worker(Worker::new(project.clone(), pictures, args.demo), queue, hub.clone());
     if let Some(watched) = watched {
         start_watching(watched, project.clone(), hub.clone(), printer);
@@ -210,7 +212,7 @@ fn start_watching(mut watched: WatchFolder, project: Arc<Project>, hub: Arc<Hub>
 }
 
 fn take(path: &Path, purpose: Purpose, project: &Project, hub: &Hub) -> Outcome {
-    let bytes = read_bytes(path, "a photograph")?;
+    let bytes = read_bytes(path, InputKind::Photo)?;
     let name = input_name(path);
     let extension = extension_of(&bytes);
     // Cameras write other files beside their photographs.

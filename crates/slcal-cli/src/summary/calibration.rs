@@ -63,7 +63,7 @@ fn judgement(layout: &mut TextLayout, quality: &Quality, cause: &str) {
         },
     );
     if !cause.is_empty() {
-        layout.line("because", cause);
+        layout.line("because", sanitized(cause));
     }
     layout.line("", "(± and σ are one standard deviation)");
 }
@@ -321,11 +321,11 @@ fn remarks(rig: &Rig, report: &CalibrationReport) -> Vec<(anstyle::Style, &'stat
     let mut once = HashSet::new();
     let mut advise = |remarks: &mut Vec<_>, advice: &str| {
         if !advice.is_empty() && once.insert(advice.to_owned()) {
-            remarks.push((BOLD, "advice", advice.to_owned()));
+            remarks.push((BOLD, "advice", sanitized(advice)));
         }
     };
     for w in warnings {
-        remarks.push((FAIR, "warning", format!("{} ({})", w.message, w.code)));
+        remarks.push((FAIR, "warning", sanitized(&format!("{} ({})", w.message, w.code))));
         advise(&mut remarks, &w.advice);
     }
     advise(&mut remarks, &report.advice);

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use slcal_core::{PointCloud, Reconstruction};
 
 use super::decoding::{add_counts, add_remarks, decoded_percent};
-use crate::output::{BOLD, FAIR, TextLayout, unbroken};
+use crate::output::{BOLD, FAIR, TextLayout, sanitized, unbroken};
 use crate::quantile::Sorted;
 
 /// One cloud of many: points and decoding in one line, then warnings and notes.
@@ -41,10 +41,10 @@ pub(crate) fn reconstruction(result: &Reconstruction) -> String {
 fn add_warnings(layout: &mut TextLayout, result: &Reconstruction) {
     let warnings = result.warnings();
     for w in &warnings {
-        layout.styled_line(FAIR, "warning", format!("{} ({})", w.message, w.code));
+        layout.styled_line(FAIR, "warning", sanitized(&format!("{} ({})", w.message, w.code)));
     }
     for w in &warnings {
-        layout.styled_line(BOLD, "advice", w.advice.clone());
+        layout.styled_line(BOLD, "advice", sanitized(&w.advice));
     }
     if let Some(report) = result.decode() {
         add_remarks(layout, report);

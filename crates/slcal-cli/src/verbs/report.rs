@@ -1,5 +1,6 @@
 //! `slcal report`: a rig, and a cloud reconstructed with it, as one HTML file.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
@@ -10,8 +11,8 @@ use slcal_core::{Observations, Rig, ViewResiduals, residuals};
 use crate::args::ReportArgs;
 use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{
-    Destination, check_image_size, check_one_stdin, check_panel, check_spares, input_name, load_checker,
-    load_cloud, load_observations, load_photo, load_rig, write_all,
+    Destination, check_image_size, check_one_stdin, check_panel, check_spares, input_name, is_dash,
+    load_checker, load_cloud, load_observations, load_photo, load_rig, write_all,
 };
 use crate::output::Printer;
 use crate::picture::for_display;
@@ -74,13 +75,19 @@ fn photos(args: &ReportArgs, rig: &Rig, printer: Printer) -> Outcome<Vec<Option<
     let mut photos = Vec::new();
     for (i, view) in rig.views.iter().enumerate() {
         let given = args.photo.get(i);
-        let Some(path) = given.cloned().or_else(|| at_hand(&args.rig, view.photo.as_deref()?)) else {
-            let name = view.photo.as_deref().unwrap_or("without a name");
-            printer.note(format!(
-                "photograph {name}: not found, so it is not shown; name its file with --photo"
-            ));
-            photos.push(None);
-            continue;
+        let found = match (given, view.photo.as_deref()) {
+            (Some(path), _) => Ok(path.clone()),
+            (None, Some(name)) => at_hand(&args.rig, name, args.allow_paths),
+            (None, None) => Err(NOT_FOUND),
+        };
+        let path = match found {
+            Ok(path) => path,
+            Err(why) => {
+                let name = view.photo.as_deref().unwrap_or("without a name");
+                printer.note(format!("photograph {name}: {why}"));
+                photos.push(None);
+                continue;
+            }
         };
         let loaded = load_photo(&path, args.gamma.samples(), printer)
             .and_then(|picture| check_image_size(&path, &picture, &args.rig, rig).map(|()| picture));
@@ -102,14 +109,34 @@ fn photos(args: &ReportArgs, rig: &Rig, printer: Printer) -> Outcome<Vec<Option<
     Ok(photos)
 }
 
-/// The path of a photograph by its name: beside the rig, or in the current folder.
-fn at_hand(rig: &Path, name: &str) -> Option<PathBuf> {
+const NOT_FOUND: &str = "not found, so it is not shown; name its file with --photo";
+const ELSEWHERE: &str = "the rig names a place outside of its own folder, which is not read, so it is not shown; name its file with --photo, or \
+                         trust the rig with --allow-paths";
+
+/// The path of a photograph by its name, or why there is none: beside the rig; anywhere that the name leads to if that is allowed.
+/// A rig may come from a stranger, and a report is made to be passed on: it must not carry what only its reader could see.
+fn at_hand(rig: &Path, name: &str, anywhere: bool) -> Result<PathBuf, &'static str> {
     let name = Path::new(name);
-    let beside = rig.parent().unwrap_or(Path::new(""));
-    let file = name.file_name()?;
-    [beside.join(name), name.to_owned(), beside.join(file), PathBuf::from(file)]
+    let folder = rig.parent().filter(|_| !is_dash(rig));
+    let file = name.file_name().map(Path::new);
+    let beside: Vec<PathBuf> = folder
         .into_iter()
-        .find(|p| p.is_file())
+        .flat_map(|f| [Some(name), file].into_iter().flatten().map(move |n| f.join(n)))
+        .collect();
+    let elsewhere = [Some(name), file].into_iter().flatten().map(Path::to_owned);
+    if anywhere {
+        return beside.into_iter().chain(elsewhere).find(|p| p.is_file()).ok_or(NOT_FOUND);
+    }
+    let here = beside.iter().find(|p| p.is_file() && folder.is_some_and(|f| is_within(p, f)));
+    let leads_out = || beside.iter().cloned().chain(elsewhere).any(|p| p.is_file());
+    here.cloned().ok_or_else(|| if leads_out() { ELSEWHERE } else { NOT_FOUND })
+}
+
+/// Whether a file lies in a folder or below it, links resolved.
+fn is_within(file: &Path, folder: &Path) -> bool {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let resolved = fs::canonicalize(file).and_then(|file| Ok((file, fs::canonicalize(folder)?)));
+    resolved.is_ok_and(|(file, folder)| file.starts_with(folder))
 }
 
 /// The residuals, or why they are unknown.

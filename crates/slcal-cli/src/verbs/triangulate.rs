@@ -7,8 +7,8 @@ use super::reconstruct::cloud_config;
 use crate::args::TriangulateArgs;
 use crate::exit::{InFile as _, Outcome};
 use crate::io::{
-    Destination, bytes_of, check_projector, check_spares, cloud_format_of, input_name, load_rig, read_bytes,
-    write_all,
+    Destination, InputKind, bytes_of, check_projector, check_spares, cloud_format_of, input_name, load_rig,
+    open_stream, write_all,
 };
 use crate::output::Printer;
 use crate::summary;
@@ -20,8 +20,7 @@ pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
     let rig = load_rig(&args.rig)?;
     check_projector(&args.rig, &rig)?;
     let busy = printer.busy(format!("triangulating {}", input_name(&args.matches)));
-    let matches =
-        read_matches(read_bytes(&args.matches, "matches as CSV")?.as_slice()).in_file(&args.matches)?;
+    let matches = read_matches(open_stream(&args.matches, InputKind::Matches)?).in_file(&args.matches)?;
     let config = cloud_config(&args.shape, args.cull, &rig, &args.rig)?;
     let result = cloud_from_matches(&rig, &matches, &config).in_file(&args.matches)?;
     write_all(&[(output.clone(), bytes_of(|out| format.write(&result.cloud, out))?)])?;

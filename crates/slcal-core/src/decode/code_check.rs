@@ -18,13 +18,21 @@ const MIN_OVER_DECOY: f32 = 1.5;
 /// without the pattern have 0.2, and clutter among the crossings lowers it.
 const MIN_FIT: f32 = 0.35;
 
+/// What else there is to check: finer stripes blur into each other, and their colours with them.
+const WIDE_ENOUGH: &str =
+    "that its stripes are 3 px wide or more in the photograph (nearer, sharper, fewer slits)";
+
 /// What to do with a camera without colour.
 pub(super) const GREY_CAMERA: &str = "With a camera that sees no colour, calibrate as usual, show stripes without colour (Gray code), \
                                       decode them with another program, and triangulate its matches";
 
 /// The error for stripes of another pattern.
 pub(super) fn another_pattern(what: ErrorSubject, seen: String) -> Error {
-    Error::NotFound { what, seen, advice: "check that the pattern file is the one that was projected".into() }
+    Error::NotFound {
+        what,
+        seen,
+        advice: format!("check that the pattern file is the one that was projected, and {WIDE_ENOUGH}"),
+    }
 }
 
 /// Refuses photographs without colour, such as a grey picture stored as RGB.
@@ -123,7 +131,9 @@ pub(super) fn try_pattern(
                 "{tried} stripe crossings on {LINES} lines; their colours fit the pattern with {fit:.2} nats each, another code with {:.2}",
                 decoy / tried.max(1) as f32
             ),
-            advice: "check that the pattern file is the one that was projected, and that the photograph's colours are not clipped".into(),
+            advice: format!(
+                "check that the pattern file is the one that was projected, that the photograph's colours are not clipped, and {WIDE_ENOUGH}"
+            ),
         });
     }
     Ok((back > ahead, f64::from(fit)))

@@ -66,6 +66,10 @@ pub fn decode<'a>(
     Ok(decoder.out)
 }
 
+/// Stripes that are finer than this are told by the colours of a few pixels, which blur, a Bayer mosaic and compression mix: refusals
+/// are then likely a matter of resolution. Photographs with demosaicing, JPEG and blur were refused up to 2.1 px, and read from 2.6 px on.
+const FINEST_PX: f32 = 3.0;
+
 /// Decodes one photograph after another with the same pattern. After the first few its buffers do not grow.
 #[derive(Debug, Clone)]
 pub struct Decoder {
@@ -206,10 +210,16 @@ impl Decoder {
         let (first, second) = if columns_first { (b, a) } else { (a, b) };
         let Some((reader, scale)) = first else { return Err(no_stripes()) };
         let Err(error) = self.decode_lines(&reader, &scale) else { return Ok(()) };
-        match second {
-            Some((reader, scale)) => self.decode_lines(&reader, &scale).map_err(|_| error),
-            None => Err(error),
+        if let Some((reader, scale)) = &second
+            && self.decode_lines(reader, scale).is_ok()
+        {
+            return Ok(());
         }
+        // The direction that sees more of the picture covered with stripes.
+        let scales = [Some(&scale), second.as_ref().map(|s| &s.1)].into_iter().flatten();
+        let most = scales.max_by(|a, b| a.covered_px.total_cmp(&b.covered_px));
+        let width_px = most.map_or(f32::INFINITY, |s| s.half_period_px);
+        Err(if width_px < FINEST_PX { too_fine(error, width_px) } else { error })
     }
 
     fn decode_lines(&mut self, reader: &ScanlineReader<'_>, scale: &StripeScale) -> Result<()> {
@@ -432,6 +442,22 @@ fn exchanged<'a>(input: &DecodeInput<'a>) -> Option<DecodeInput<'a>> {
     let exchange = |frame: Option<PhotoView<'a>>| frame.map(|f| f.with_red_and_blue_exchanged().unwrap_or(f));
     let photo = input.photo.with_red_and_blue_exchanged()?;
     Some(DecodeInput { photo, black: exchange(input.black), white: exchange(input.white) })
+}
+
+/// A refusal with its likely reason.
+fn too_fine(error: Error, width_px: f32) -> Error {
+    match error {
+        Error::NotFound { what, seen, .. } => Error::NotFound {
+            what,
+            seen: format!(
+                "{seen}; the stripes are only about {width_px:.1} px wide, too fine to tell their colours"
+            ),
+            advice: format!(
+                "move nearer, photograph with more pixels or a sharper focus, or project fewer slits: a stripe of {FINEST_PX} px or more is safe"
+            ),
+        },
+        other => other,
+    }
 }
 
 fn no_stripes() -> Error {

@@ -124,12 +124,15 @@ fn bands_that_are_no_sinusoid_are_fitted_with_harmonics() {
     assert!(left < 0.04, "{left}");
 }
 
+/// The light at a place.
+type Light<'a> = &'a dyn Fn(f64, f64) -> f64;
+
 #[test]
 fn pictures_without_flicker_have_none() {
     let one = |_: f64, _: usize| 1.0;
     let checker = |x: f64, y: f64| if ((x / 40.0) as i32 + (y / 40.0) as i32) % 2 == 0 { 0.1 } else { 0.6 };
     let blinds = |y: f64| 0.25 + 0.1 * (2.0 * PI * y / 30.0).sin();
-    let scenes: [(&str, &dyn Fn(f64, f64) -> f64); 7] = [
+    let scenes: [(&str, Light<'_>); 7] = [
         ("a sheet", &sheet),
         ("squares along the rows", &checker),
         ("a ruled sheet", &|x, y| {

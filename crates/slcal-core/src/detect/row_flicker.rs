@@ -194,7 +194,9 @@ impl Gain {
                 by[1 + 2 * i] = cos;
                 by[2 + 2 * i] = sin;
             }
-            by.iter_mut().for_each(|d| *d /= gain);
+            for d in &mut by {
+                *d /= gain;
+            }
             (gain > 0.0).then(|| (gain.ln(), by))
         };
         (0..count).map(of_block).collect()

@@ -29,7 +29,8 @@ pub(super) struct Columns {
     pub(super) block: usize,
     /// Number of blocks.
     pub(super) count: usize,
-    columns: usize,
+    /// Number of columns.
+    width: usize,
     /// Block by block; NaN where samples are too dark or at the end of the range.
     light: Vec<f32>,
     /// The step between code values as a share of the light, the mean of all samples.
@@ -73,14 +74,14 @@ impl Columns {
             light.iter_mut().filter(|l| !comparable.contains(&(gain * **l))).for_each(|l| *l = f32::NAN);
         }
         let quantum = steps / f64::from(compared.max(1));
-        Self { block, count, columns, light, quantum }
+        Self { block, count, width: columns, light, quantum }
     }
 
     /// The same in blocks of twice as many rows.
     pub(super) fn halved(&self) -> Self {
-        let pairs = self.light.chunks_exact(2 * self.columns.max(1));
+        let pairs = self.light.chunks_exact(2 * self.width.max(1));
         let mean = |pair: &[f32]| {
-            let (a, b) = pair.split_at(self.columns);
+            let (a, b) = pair.split_at(self.width);
             a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect::<Vec<_>>()
         };
         let light = pairs.flat_map(mean).collect();
@@ -89,11 +90,11 @@ impl Columns {
 
     /// The changes in each strip of columns alone.
     pub(super) fn strips(&self) -> Vec<Option<Profile>> {
-        let width = self.columns / STRIPS;
+        let width = self.width / STRIPS;
         let strip = |s: usize| {
-            let rows = self.light.chunks_exact(self.columns.max(1));
+            let rows = self.light.chunks_exact(self.width.max(1));
             let light = rows.flat_map(|row| &row[s * width..(s + 1) * width]).copied().collect();
-            Self { columns: width, light, ..*self }.profile()
+            Self { width, light, ..*self }.profile()
         };
         (0..STRIPS).map(strip).collect()
     }
@@ -102,22 +103,24 @@ impl Columns {
     pub(super) fn profile(&self) -> Option<Profile> {
         /// Fewer changes than this hold no period.
         const MIN_CHANGES: usize = 16;
-        if self.count < MIN_CHANGES || self.columns < STRIPS {
+        if self.count < MIN_CHANGES || self.width < STRIPS {
             return None;
         }
         let logs: Vec<f32> = self.light.iter().map(|l| l.ln()).collect();
-        let rows: Vec<&[f32]> = logs.chunks_exact(self.columns).collect();
+        let rows: Vec<&[f32]> = logs.chunks_exact(self.width).collect();
         let changes = |pair: &[&[f32]]| pair[1].iter().zip(pair[0]).map(|(b, a)| b - a).collect::<Vec<_>>();
         let changes: Vec<Vec<f32>> = rows.windows(2).map(changes).collect();
-        let mut scratch = Vec::with_capacity(self.columns);
+        let mut scratch = Vec::with_capacity(self.width);
         let mut starts = Vec::with_capacity(changes.len());
         for row in &changes {
             scratch.clear();
             scratch.extend(row.iter().filter(|d| d.is_finite()));
-            let seen = scratch.len() as f64 >= MIN_SHARE * self.columns as f64;
+            let seen = scratch.len() as f64 >= MIN_SHARE * self.width as f64;
             let middle = median_f32(&mut scratch).filter(|_| seen);
             starts.push(middle.map(|m| {
-                scratch.iter_mut().for_each(|d| *d = (*d - m).abs());
+                for d in &mut scratch {
+                    *d = (*d - m).abs();
+                }
                 let mad = median_f32(&mut scratch).unwrap_or(0.0);
                 (f64::from(m), robust_scale(std::iter::once(f64::from(mad))))
             }));
@@ -132,9 +135,9 @@ impl Columns {
                 })
             })
             .collect();
-        let few = MIN_SHARE * self.columns as f64;
+        let few = MIN_SHARE * self.width as f64;
         found.iter_mut().filter(|c| c.agreeing < few).for_each(|c| c.variance = None);
-        let rounding = self.quantum.powi(2) / (12.0 * self.columns as f64);
+        let rounding = self.quantum.powi(2) / (12.0 * self.width as f64);
         let usual = median_of(found.iter().filter_map(|c| c.variance))?.max(rounding);
         let weights: Vec<f64> = found.iter().map(|c| c.variance.map_or(0.0, |v| 1.0 / (v + usual))).collect();
         (weights.iter().filter(|w| **w > 0.0).count() >= MIN_CHANGES).then(|| Profile {

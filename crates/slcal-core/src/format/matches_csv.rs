@@ -4,12 +4,17 @@ use std::io::{BufRead as _, BufReader, Read, Write};
 
 use nalgebra::Point2;
 
+use super::budget::{Budget, Metered};
 use super::recognise::refuse_others;
+use crate::cloud::CloudPoint;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::matches::{Match, Matches};
 
 /// The columns that are read.
 const COLUMNS: [&str; 7] = ["u", "v", "projector_column", "projector_row", "slit", "confidence", "sigma_px"];
+
+/// Columns of a file; those of other programs are ignored.
+const MOST_COLUMNS: usize = 1000;
 
 fn malformed(detail: impl Into<String>) -> Error {
     Error::malformed(ErrorSubject::MatchesFile, detail)
@@ -54,11 +59,16 @@ fn short(x: f64) -> String {
 /// # Errors
 /// [`Error::Malformed`] naming the line and the column.
 pub fn read_matches(input: impl Read) -> Result<Matches> {
-    let mut input = BufReader::new(input);
-    let start = input.fill_buf().map_err(|e| Error::reading(ErrorSubject::MatchesFile, e))?;
+    let budget = Budget::of_stream(ErrorSubject::MatchesFile);
+    let mut input = BufReader::new(Metered::of_lines(input, &budget));
+    let start = input.fill_buf().map_err(unreadable)?;
     refuse_others(start, ErrorSubject::MatchesFile, &["a file of matches"])?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(input);
     let headers = reader.headers().map_err(|e| broken(&e))?.clone();
+    if headers.len() > MOST_COLUMNS {
+        let found = headers.len();
+        return Err(malformed(format!("expected at most {MOST_COLUMNS} columns, found {found}")));
+    }
     let bare = |h: &str| h.trim_start_matches('\u{feff}').to_owned();
     let names: Vec<String> = headers.iter().map(bare).collect();
     let place = |name: &str| names.iter().position(|n| n == name);
@@ -123,6 +133,7 @@ pub fn read_matches(input: impl Read) -> Result<Matches> {
             )));
         }
         let camera = Point2::new(given(u)?, given(v)?);
+        budget.keep(size_of::<Match>() + size_of::<CloudPoint>())?;
         let found = Match::at(camera, projector_column, projector_row);
         items.push(Match { slit, confidence, sigma_px, ..found });
     }
@@ -131,10 +142,16 @@ pub fn read_matches(input: impl Read) -> Result<Matches> {
 
 fn broken(e: &csv::Error) -> Error {
     if let csv::ErrorKind::Io(io) = e.kind() {
-        let io = std::io::Error::new(io.kind(), io.to_string());
-        return Error::reading(ErrorSubject::MatchesFile, io);
+        return unreadable(std::io::Error::new(io.kind(), io.to_string()));
     }
     malformed(e.to_string())
+}
+
+fn unreadable(e: std::io::Error) -> Error {
+    if e.kind() == std::io::ErrorKind::InvalidData {
+        return malformed(e.to_string());
+    }
+    Error::reading(ErrorSubject::MatchesFile, e)
 }
 
 #[cfg(test)]
@@ -182,6 +199,20 @@ mod tests {
         let m = read_matches(text.as_bytes()).unwrap().items[0];
         assert_eq!((m.camera, m.projector_row, m.projector_column), (Point2::new(1.5, 2.0), Some(5.0), None));
         assert_eq!((m.confidence, m.sigma_px, m.slit), (1.0, 0.1, None));
+    }
+
+    #[test]
+    fn columns_lines_and_rows_are_limited() {
+        let says = |text: String, what: &str| {
+            let message = read_matches(text.as_bytes()).map(drop).unwrap_err().to_string();
+            assert!(message.contains(what), "{message}");
+        };
+        let header = "u,v,projector_column";
+        assert!(read_matches(format!("{header}{}\n", ",x".repeat(997)).as_bytes()).is_ok());
+        says(format!("{header}{}\n", ",x".repeat(998)), "at most 1000 columns, found 1001");
+        says(format!("{header}{}", ",x".repeat(1 << 20)), "lines of at most 1048576 bytes");
+        says(format!("{header}\n{}", "0,0,0\n".repeat(2_000_000)), "MB of memory");
+        assert!(read_matches(format!("{header}\n{}", "612.5,100,333\n".repeat(500_000)).as_bytes()).is_ok());
     }
 
     #[test]

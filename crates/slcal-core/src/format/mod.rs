@@ -1,5 +1,6 @@
 //! Rigs, observations, patterns, matches and clouds as text and binary files, on any `Read` and `Write`.
 
+mod budget;
 mod buffered;
 #[cfg(feature = "exchange")]
 mod camera;
@@ -7,6 +8,7 @@ mod cloud_format;
 #[cfg(feature = "exchange")]
 mod exchange;
 mod glb;
+mod json;
 mod matches_csv;
 mod obj;
 mod obj_reader;

@@ -4,12 +4,10 @@ use std::io::{BufRead, BufReader, Read};
 
 use nalgebra::Point3;
 
+use super::budget::{Budget, LONGEST_LINE, Metered};
 use super::recognise::refuse_others;
 use crate::cloud::{CloudPoint, PointCloud};
 use crate::error::{Error, ErrorSubject, Result};
-
-/// A longer line means that the file is not an OBJ.
-const LONGEST_LINE: u64 = 1 << 20;
 
 fn malformed(line: usize, detail: impl std::fmt::Display) -> Error {
     Error::malformed(ErrorSubject::Obj, format!("line {line}: {detail}"))
@@ -21,26 +19,34 @@ fn malformed(line: usize, detail: impl std::fmt::Display) -> Error {
 /// # Errors
 /// [`Error::Malformed`] naming the line; [`Error::Io`] when the stream fails.
 pub fn read_obj(input: impl Read) -> Result<PointCloud> {
-    let mut input = BufReader::new(input);
+    let budget = Budget::of_stream(ErrorSubject::Obj);
+    let mut input = BufReader::new(Metered::new(input, &budget));
     let start = input.fill_buf().map_err(|e| Error::reading(ErrorSubject::Obj, e))?;
     refuse_others(start, ErrorSubject::Obj, &["an OBJ"])?;
     let mut cloud = PointCloud::default();
     let mut bytes = Vec::new();
     for line in 1.. {
         bytes.clear();
-        let read = (&mut input).take(LONGEST_LINE).read_until(b'\n', &mut bytes);
+        let read = (&mut input).take(LONGEST_LINE as u64).read_until(b'\n', &mut bytes);
         let read = read.map_err(|e| Error::reading(ErrorSubject::Obj, e))?;
         if read == 0 {
             break;
         }
-        if read as u64 == LONGEST_LINE {
+        if read == LONGEST_LINE {
             return Err(malformed(line, format!("more than {LONGEST_LINE} bytes")));
         }
         let text = String::from_utf8_lossy(&bytes);
         let mut words = text.split_whitespace();
         match words.next() {
-            Some("v") => cloud.points.push(vertex(words, line)?),
-            Some("f") => face(words, line, &mut cloud)?,
+            Some("v") => {
+                budget.keep_list::<CloudPoint>(1)?;
+                cloud.points.push(vertex(words, line)?);
+            }
+            Some("f") => {
+                let before = cloud.triangles.len();
+                face(words, line, &mut cloud)?;
+                budget.keep_list::<[u32; 3]>(cloud.triangles.len() - before)?;
+            }
             _ => {}
         }
     }
@@ -103,6 +109,13 @@ mod tests {
     fn polygons_slashes_and_numbers_from_the_end() {
         let text = "# a square\no thing\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1/1 2/1/1 3/1/1 4//1\nf -4 -3 -2\n";
         assert_eq!(read_obj(text.as_bytes()).unwrap().triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
+    }
+
+    #[test]
+    fn long_lines_are_refused() {
+        let error =
+            read_obj(format!("v 0 0 0\n#{}", "x".repeat(1 << 20)).as_bytes()).unwrap_err().to_string();
+        assert!(error.contains("line 2: more than 1048576 bytes"), "{error}");
     }
 
     #[test]

@@ -64,8 +64,8 @@ pub fn read_pattern(input: impl Read) -> Result<Pattern> {
         e => e,
     };
     match tag("kind") {
-        Some("checker") => checker(value.clone()).map_err(broken).map(Pattern::Checker),
-        Some("stripes") => stripes(value.clone()).map_err(broken).map(Pattern::Stripes),
+        Some("checker") => checker(value).map_err(broken).map(Pattern::Checker),
+        Some("stripes") => stripes(value).map_err(broken).map(Pattern::Stripes),
         _ => {
             let found = value.get("kind").map_or("none".into(), Value::to_string);
             Err(malformed(format!("expected \"kind\": \"checker\" or \"stripes\", found {found}")))

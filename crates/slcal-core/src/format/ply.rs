@@ -4,6 +4,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 
 use nalgebra::Point3;
 
+use super::budget::{Budget, LONGEST_LINE, Metered};
 use super::buffered::buffered;
 use super::recognise::refuse_others;
 use crate::cloud::{CloudPoint, Frame, PointCloud};
@@ -11,6 +12,10 @@ use crate::error::{Error, ErrorSubject, Result};
 
 /// Largest number of vertices or faces; more means a broken header.
 const MAX_COUNT: usize = 1 << 31;
+
+/// Bytes of the header and of one of its lines.
+const LONGEST_HEADER: usize = 1 << 20;
+const LONGEST_HEADER_LINE: usize = 4096;
 
 fn malformed(detail: impl Into<String>) -> Error {
     Error::malformed(ErrorSubject::Ply, detail)
@@ -147,15 +152,16 @@ struct Header {
 /// # Errors
 /// [`Error::Malformed`] saying where the file departs from the format; [`Error::Io`] when the stream fails.
 pub fn read_ply(input: impl Read) -> Result<PointCloud> {
-    let mut input = BufReader::new(input);
+    let budget = Budget::of_stream(ErrorSubject::Ply);
+    let mut input = BufReader::new(Metered::new(input, &budget));
     refuse_others(input.fill_buf().map_err(io)?, ErrorSubject::Ply, &["a PLY"])?;
     let header = read_header(&mut input)?;
     let mut values = Values { input, encoding: header.encoding, line: Vec::new() };
     let mut cloud = PointCloud { frame: header.frame, camera_centre: header.camera, ..PointCloud::default() };
     for element in &header.elements {
         match element.name.as_str() {
-            "vertex" => read_vertices(&mut values, element, &mut cloud)?,
-            "face" => read_faces(&mut values, element, &mut cloud)?,
+            "vertex" => read_vertices(&mut values, element, &mut cloud, &budget)?,
+            "face" => read_faces(&mut values, element, &mut cloud, &budget)?,
             // A record without properties takes no bytes: the size of the file would not bound their number.
             _ if element.properties.is_empty() => {}
             _ => {
@@ -179,8 +185,13 @@ fn read_header(input: &mut impl BufRead) -> Result<Header> {
         camera: Point3::origin(),
     };
     let (mut formatted, mut first) = (false, true);
+    let mut left = LONGEST_HEADER;
     loop {
-        let line = text_line(input, 4096)?.ok_or_else(|| malformed("the file ends within the header"))?;
+        let line = text_line(input, LONGEST_HEADER_LINE)?
+            .ok_or_else(|| malformed("the file ends within the header"))?;
+        left = left
+            .checked_sub(line.len() + 1)
+            .ok_or_else(|| malformed(format!("a header of more than {LONGEST_HEADER} bytes")))?;
         let words: Vec<&str> = line.split_whitespace().collect();
         if std::mem::take(&mut first) {
             if words != ["ply"] {
@@ -237,10 +248,10 @@ fn element_of<'h>(header: &'h mut Header, line: &str) -> Result<&'h mut Element>
 }
 
 /// A line of at most `limit` bytes; `None` at the end of the file.
-fn text_line(input: &mut impl BufRead, limit: u64) -> Result<Option<String>> {
+fn text_line(input: &mut impl BufRead, limit: usize) -> Result<Option<String>> {
     let mut bytes = Vec::new();
-    let read = input.take(limit).read_until(b'\n', &mut bytes).map_err(io)?;
-    if read as u64 == limit {
+    let read = input.take(limit as u64).read_until(b'\n', &mut bytes).map_err(io)?;
+    if read == limit {
         return Err(malformed(format!("a line of more than {limit} bytes where text is expected")));
     }
     Ok((read > 0).then(|| String::from_utf8_lossy(&bytes).trim_end().to_owned()))
@@ -264,7 +275,7 @@ impl<R: BufRead> Values<R> {
     fn next(&mut self, kind: Type) -> Result<f64> {
         if self.encoding == Encoding::Ascii {
             while self.line.is_empty() {
-                let Some(text) = text_line(&mut self.input, 1 << 20)? else {
+                let Some(text) = text_line(&mut self.input, LONGEST_LINE)? else {
                     return Err(malformed(
                         "the file ends before the last of the elements that its header announces",
                     ));
@@ -306,6 +317,7 @@ fn read_vertices<R: BufRead>(
     values: &mut Values<R>,
     element: &Element,
     cloud: &mut PointCloud,
+    budget: &Budget,
 ) -> Result<()> {
     let find = |names: &[&str]| element.properties.iter().position(|p| names.contains(&p.name.as_str()));
     let place = |name: &str| {
@@ -333,31 +345,47 @@ fn read_vertices<R: BufRead>(
                 p.noise_mm = v;
             }
         })?;
+        budget.keep_list::<CloudPoint>(1)?;
         cloud.points.push(p);
     }
     Ok(())
 }
 
 /// Splits polygons into triangle fans.
-fn read_faces<R: BufRead>(values: &mut Values<R>, element: &Element, cloud: &mut PointCloud) -> Result<()> {
+fn read_faces<R: BufRead>(
+    values: &mut Values<R>,
+    element: &Element,
+    cloud: &mut PointCloud,
+    budget: &Budget,
+) -> Result<()> {
     let is_index = |p: &Property| matches!(p.name.as_str(), "vertex_indices" | "vertex_index");
     let Some(indices) = element.properties.iter().position(is_index) else {
         return Err(malformed("the faces have no list \"vertex_indices\""));
     };
-    let mut polygon = Vec::new();
+    let count = cloud.points.len();
     for _ in 0..element.count {
-        polygon.clear();
-        values.record(element, |i, _, v| {
-            if i == indices {
-                polygon.push(v);
+        let (mut first, mut last, mut missing) = (0, 0, None);
+        let before = cloud.triangles.len();
+        values.record(element, |i, k, v| {
+            if i != indices {
+                return;
             }
+            if !(v >= 0.0 && v < count as f64) {
+                missing.get_or_insert(v);
+                return;
+            }
+            let corner = v as u32;
+            match k {
+                0 => first = corner,
+                1 => {}
+                _ => cloud.triangles.push([first, last, corner]),
+            }
+            last = corner;
         })?;
-        if let Some(v) = polygon.iter().find(|&&v| !(v >= 0.0 && v < cloud.points.len() as f64)) {
-            return Err(malformed(format!("a face refers to vertex {v} of {}", cloud.points.len())));
+        if let Some(v) = missing {
+            return Err(malformed(format!("a face refers to vertex {v} of {count}")));
         }
-        for k in 2..polygon.len() {
-            cloud.triangles.push([polygon[0], polygon[k - 1], polygon[k]].map(|v| v as u32));
-        }
+        budget.keep_list::<[u32; 3]>(cloud.triangles.len() - before)?;
     }
     Ok(())
 }
@@ -443,6 +471,20 @@ mod tests {
         says(face.as_bytes(), "vertex 1 of 1");
         let list = face.replace("uchar int", "int int").replace("3 0 1 2", "-1");
         says(list.as_bytes(), "a list \"vertex_indices\" of -1 numbers");
+    }
+
+    #[test]
+    fn headers_and_tiny_vertices_are_limited() {
+        let of = |bytes: &[u8]| read_ply(bytes).map(|c| c.points.len()).map_err(|e| e.to_string());
+        let comments = format!("ply\n{}", "comment\n".repeat(140_000));
+        assert!(of(comments.as_bytes()).unwrap_err().contains("header of more than 1048576 bytes"));
+        let xyz = "property uchar x\nproperty uchar y\nproperty uchar z\nend_header\n";
+        let tiny = |n: usize| {
+            let header = format!("ply\nformat binary_little_endian 1.0\nelement vertex {n}\n{xyz}");
+            [header.as_bytes(), &vec![0; 3 * n]].concat()
+        };
+        assert_eq!(of(&tiny(400_000)), Ok(400_000));
+        assert!(of(&tiny(3_000_000)).unwrap_err().contains("MB of memory"));
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 use std::io::Read;
 
+use super::budget::Budget;
+use super::json::json;
 use crate::error::{Error, ErrorSubject, Result};
 
 /// First bytes of files, and their kind.
@@ -84,7 +86,7 @@ pub(super) fn read_json(mut input: impl Read, what: ErrorSubject, wanted: &str) 
     let mut text = Vec::new();
     input.read_to_end(&mut text).map_err(|e| Error::reading(what, e))?;
     refuse_others(&text, what, &[wanted])?;
-    serde_json::from_slice(&text).map_err(|e| Error::unparsable(what, "JSON", e))
+    json(&text, what, &Budget::new(what, text.len()))
 }
 
 #[cfg(test)]

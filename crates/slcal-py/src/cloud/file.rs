@@ -2,6 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use slcal_cli::files::InputKind;
 use slcal_core::format::{CloudFormat, read_ply};
 
 use super::PointCloud;
@@ -82,7 +83,7 @@ impl PointCloud {
             let wanted = "a PLY file; the other formats are written only";
             return Err(errors::invalid(py, "file", wanted, &path.display().to_string()));
         }
-        let contents = files::read(file)?;
+        let contents = files::read(file, InputKind::Cloud)?;
         let name = contents.name.as_deref();
         let read = py.detach(|| read_ply(contents.bytes.as_slice()));
         read.map(Self::from).map_err(|e| raised_from(py, &e, Stage::Decode, name))

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nalgebra::{Matrix3, Point2, Point3};
 use pyo3::prelude::*;
+use slcal_cli::files::InputKind;
 use slcal_core::format::read_camera;
 use slcal_core::geometry::{self, Distortion, Intrinsics};
 use slcal_core::{Device, DeviceSigma};
@@ -89,7 +90,7 @@ impl Camera {
     #[staticmethod]
     fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = file.py();
-        let contents = files::read(file)?;
+        let contents = files::read(file, InputKind::Camera)?;
         let name = contents.name.as_deref();
         let known =
             read_camera(contents.bytes.as_slice()).map_err(|e| raised_from(py, &e, Stage::Detect, name))?;

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
+use slcal_cli::files::InputKind;
 use slcal_core::format::{read_matches, write_matches};
 
 pub(crate) use arrays::{MatchArrays, matches_of, sigma_of};
@@ -197,7 +198,7 @@ impl Matches {
     #[staticmethod]
     fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = file.py();
-        let contents = files::read(file)?;
+        let contents = files::read(file, InputKind::Matches)?;
         let name = contents.name.as_deref();
         let read = py.detach(|| read_matches(contents.bytes.as_slice()));
         read.map(Self::from).map_err(|e| raised_from(py, &e, Stage::Decode, name))

@@ -7,6 +7,7 @@ use std::path::Path;
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 use serde_json::Value;
+use slcal_cli::files::InputKind;
 use slcal_core::format::{read_observations, write_observations};
 
 use crate::convert::object::{self, Argument};
@@ -152,7 +153,7 @@ impl Observations {
     ///     When it does not follow its schema; the message names the view, the field and the point.
     #[staticmethod]
     fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let contents = files::read(file)?;
+        let contents = files::read(file, InputKind::Observations)?;
         let name = contents.name.as_deref();
         read_observations(contents.bytes.as_slice())
             .map(Self)

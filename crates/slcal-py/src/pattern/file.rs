@@ -1,6 +1,7 @@
 //! Pattern files, and drawn patterns as arrays.
 
 use pyo3::prelude::*;
+use slcal_cli::files::InputKind;
 use slcal_core::format::{read_pattern, write_pattern};
 use slcal_core::pattern::Pattern;
 
@@ -29,6 +30,6 @@ pub(super) fn parse(py: Python<'_>, bytes: &[u8], name: Option<&str>) -> PyResul
 }
 
 pub(super) fn from_file(file: &Bound<'_, PyAny>) -> PyResult<Pattern> {
-    let contents = files::read(file)?;
+    let contents = files::read(file, InputKind::Pattern)?;
     parse(file.py(), &contents.bytes, contents.name.as_deref())
 }

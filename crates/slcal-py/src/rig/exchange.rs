@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
+use slcal_cli::files::{InputKind, read_input};
 use slcal_core::Rig as CoreRig;
 use slcal_core::format::{ExchangeFormat, ExportConfig, ImportConfig, NamedBytes, export_rig, import_rig};
 
@@ -63,7 +64,7 @@ fn import_from(
             .collect::<PyResult<_>>()?,
     };
     let found = slcal_cli::files::import_paths(&given).raise(py, Stage::Detect)?;
-    let read = |path: &PathBuf| std::fs::read(path).map_err(|e| files::os_error(&e, path));
+    let read = |path: &PathBuf| read_input(path, InputKind::Exchange).map_err(|e| files::os_error(&e, path));
     let contents = py.detach(|| found.iter().map(read).collect::<PyResult<Vec<_>>>())?;
     let name = |p: &PathBuf| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let names: Vec<String> = found.iter().map(name).collect();

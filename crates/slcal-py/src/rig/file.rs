@@ -2,6 +2,7 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use slcal_cli::files::InputKind;
 use slcal_core::format::{read_rig, write_rig};
 
 use super::Rig;
@@ -51,7 +52,7 @@ impl Rig {
     ///     When it does not follow its schema; the message names the field.
     #[staticmethod]
     fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let contents = files::read(file)?;
+        let contents = files::read(file, InputKind::Rig)?;
         Self::parse(file.py(), &contents.bytes, contents.name.as_deref())
     }
 

@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use slcal_cli::files::InputKind;
 use slcal_core::PointCloud as CoreCloud;
 use slcal_core::format::{read_obj, read_ply};
 use slcal_core::pattern::Pattern;
@@ -231,7 +232,7 @@ fn mesh(value: &Bound<'_, PyAny>, scale: f64) -> PyResult<TriangleMesh> {
             return Err(errors::invalid(py, "surface", wanted, &option::repr_of(value)));
         }
     };
-    let contents = files::read(value)?;
+    let contents = files::read(value, InputKind::Mesh)?;
     let read = || {
         let bytes = contents.bytes.as_slice();
         of_cloud(&if is_obj { read_obj(bytes) } else { read_ply(bytes) }?)

@@ -27,7 +27,8 @@ pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -
     let places = Places::prepare(args)?;
     let pictured = places.overlay.is_some() || places.report.is_some();
     let mut gallery = pictured.then(|| Gallery::new(args.photos.len()));
-    let done = calibrate(args, &places, gallery.as_mut(), printer);
+    let mut files = Vec::new();
+    let done = calibrate(args, &places, gallery.as_mut(), &mut files, printer);
     let misses = match &done {
         Ok(c) if pictured => residuals(&c.rig, &c.observations).map_err(|e| e.to_string()),
         _ => Ok(Vec::new()),
@@ -35,18 +36,25 @@ pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -
     let drawn = match (places.overlay.as_ref(), &gallery) {
         (Some(place), Some(gallery)) => {
             let shown = done.as_ref().ok();
-            gallery.write(place, shown, misses.as_deref().unwrap_or_default(), done.as_ref().err())
+            let picture = gallery.picture(shown, misses.as_deref().unwrap_or_default(), done.as_ref().err());
+            picture.map(|bytes| bytes.map(|bytes| (place.clone(), bytes)))
         }
-        _ => Ok(()),
+        _ => Ok(None),
     };
-    // The failure of the calibration matters more than that of the picture.
-    let calibration = done?;
-    drawn?;
-    let report = match places.report.as_ref().zip(gallery) {
-        Some((place, gallery)) => Some((place.clone(), report(args, &calibration, misses, &gallery, typed)?)),
-        None => None,
+    let calibration = match done {
+        Ok(calibration) => calibration,
+        // What was found is most useful now. The failure of the calibration matters more than that of its picture.
+        Err(failure) => {
+            files.extend(drawn.ok().flatten());
+            let _ = write_all(&files);
+            return Err(failure);
+        }
     };
-    finish(args, &calibration, places, report, printer)
+    files.extend(drawn?);
+    if let Some((place, gallery)) = places.report.as_ref().zip(gallery) {
+        files.push((place.clone(), report(args, &calibration, misses, &gallery, typed)?));
+    }
+    finish(args, &calibration, places, files, printer)
 }
 
 /// The report on a calibration.
@@ -75,11 +83,12 @@ fn report(
     Ok(rig_html(&page))
 }
 
-/// The calibration.
+/// The calibration; the observations join the files to write.
 fn calibrate(
     args: &CalibrateArgs,
     places: &Places,
     mut gallery: Option<&mut Gallery>,
+    files: &mut Vec<(Destination, Vec<u8>)>,
     printer: Printer,
 ) -> Outcome<Calibration> {
     let inputs = args.observations.iter().chain(&args.photos).map(|p| input_name(p)).collect::<Vec<_>>();
@@ -114,8 +123,7 @@ fn calibrate(
         }
     }
     if let Some(place) = &places.observations {
-        // Written before the calibration, because measurements are most useful when it fails.
-        write_all(&[(place.clone(), bytes_of(|out| write_observations(&observations, out))?)])?;
+        files.push((place.clone(), bytes_of(|out| write_observations(&observations, out))?));
     }
     let busy = printer.busy("calibrating");
     let done = match &from_photographs {
@@ -208,18 +216,18 @@ fn config(args: &CalibrateArgs) -> Outcome<CalibrateConfig> {
     Ok(config)
 }
 
-/// Writes the rig and its report, both or none, and prints the summary.
+/// Writes the rig and what belongs to it, all or nothing, and prints the summary.
 fn finish(
     args: &CalibrateArgs,
     calibration: &Calibration,
     places: Places,
-    report: Option<(Destination, Vec<u8>)>,
+    mut files: Vec<(Destination, Vec<u8>)>,
     printer: Printer,
 ) -> Outcome {
     let bytes = bytes_of(|out| write_rig(&calibration.rig, out))?;
     let to_stdout = places.rig == Some(Destination::Stdout);
-    let rig = places.rig.map(|place| (place, bytes.clone()));
-    write_all(&rig.into_iter().chain(report).collect::<Vec<_>>())?;
+    files.extend(places.rig.map(|place| (place, bytes.clone())));
+    write_all(&files)?;
     if args.json {
         let rig: serde_json::Value = serde_json::from_slice(&bytes)
             .map_err(|e| Failure::new(Exit::Other, format!("the rig is not valid JSON: {e}")))?;

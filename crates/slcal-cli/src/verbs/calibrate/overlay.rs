@@ -8,7 +8,7 @@ use slcal_core::detect::Detection;
 use slcal_core::{Calibration, Calibrator, Quality, Rig, ViewResiduals};
 
 use crate::exit::{Failure, Outcome};
-use crate::io::{Destination, input_name, png_bytes, write_all};
+use crate::io::{input_name, png_bytes};
 use crate::name::{name_among, short};
 use crate::picture::Drawing;
 use crate::picture::contact_sheet::{self, Tile};
@@ -80,21 +80,20 @@ impl Gallery {
         self.shots.iter().map(|s| &s.photo)
     }
 
-    /// Draws and writes the picture; `misses` are the residuals, `failed` is why there is no rig.
-    pub(super) fn write(
+    /// The picture as PNG, `None` without photographs; `misses` are the residuals, `failed` is why there is no rig.
+    pub(super) fn picture(
         &self,
-        place: &Destination,
         calibrated: Option<&Calibration>,
         misses: &[ViewResiduals],
         failed: Option<&Failure>,
-    ) -> Outcome {
+    ) -> Outcome<Option<Vec<u8>>> {
         let fits = calibrated.map_or_else(Vec::new, |c| fits(c, misses));
         let picture = match self.shots.as_slice() {
-            [] => return Ok(()),
+            [] => return Ok(None),
             [one] => one.drawing(fits.first().copied(), calibrated, failed).over(&one.photo)?,
             all => sheet_of(all, self.expected, &fits, calibrated, failed)?,
         };
-        write_all(&[(place.clone(), png_bytes(&picture)?)])
+        png_bytes(&picture).map(Some)
     }
 }
 

@@ -4,6 +4,9 @@ use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
 
 use slcal_core::format::CloudFormat;
 
@@ -117,18 +120,23 @@ impl OutputFolder {
         files.first().map_or(Ok(()), |file| Destination::prepare(file, false).map(|_| ()))
     }
 
-    /// The frames of a stream on stdin until its end; a truncated frame ends it with an error.
-    pub(super) fn frames(self, format: RawFormat) -> impl Iterator<Item = Frame> + Send {
+    /// The frames of a stream on stdin until its end; a truncated frame ends it with an error, and one that takes longer than
+    /// `patience`.
+    pub(super) fn frames(
+        self,
+        format: RawFormat,
+        patience: Option<Duration>,
+    ) -> impl Iterator<Item = Frame> + Send {
         let mut number = 0;
         let mut over = false;
+        let mut read = reader(format, patience);
         std::iter::from_fn(move || {
             if over {
                 return None;
             }
-            let name = stream_name(number);
-            let read = match RawFrame::read(&mut std::io::stdin().lock(), format, &name) {
+            let read = match read(number) {
                 Ok(None) if number > 0 => return None,
-                Ok(None) => Err(empty_stream(&name)),
+                Ok(None) => Err(empty_stream(&stream_name(number))),
                 Ok(Some(frame)) => Ok(frame),
                 Err(failure) => Err(failure),
             };
@@ -141,6 +149,29 @@ impl OutputFolder {
             Some(Frame { image: PathBuf::from("-"), number: Some(number - 1), raw, place })
         })
     }
+}
+
+type ReadFrame = Box<dyn FnMut(usize) -> Outcome<Option<RawFrame>> + Send>;
+
+/// What reads the next frame from stdin, given its number.
+fn reader(format: RawFormat, patience: Option<Duration>) -> ReadFrame {
+    let read = move |number| RawFrame::read(&mut std::io::stdin().lock(), format, &stream_name(number));
+    let Some(patience) = patience else { return Box::new(read) };
+    // A read cannot be given up. It goes on in a thread that ends with the process.
+    let (send, receive) = mpsc::sync_channel(0);
+    thread::spawn(move || (0..).map(read).try_for_each(|frame| send.send(frame)));
+    Box::new(move |number| receive.recv_timeout(patience).unwrap_or_else(|_| Err(stalled(number, patience))))
+}
+
+fn stalled(number: usize, patience: Duration) -> Failure {
+    Failure::new(
+        crate::exit::Exit::Input,
+        format!(
+            "{}: expected a frame within {} s (--timeout), found a stream that stalls; check the program that writes it",
+            stream_name(number),
+            patience.as_secs_f64()
+        ),
+    )
 }
 
 fn empty_stream(name: &str) -> Failure {

@@ -58,7 +58,7 @@ pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer)
     };
     let config = ReconstructConfig { decode: job.scene.config(), ..config };
     if let (Some(folder), Some(raw)) = (OutputFolder::of(args), args.raw) {
-        return job.run(&config, folder.frames(raw), None, printer);
+        return job.run(&config, folder.frames(raw, args.timeout), None, printer);
     }
     let of_file = |(image, place): (&PathBuf, Place)| Frame {
         image: image.clone(),

@@ -16,6 +16,14 @@ pub(in crate::format) struct Names {
     height: &'static [&'static str],
 }
 
+impl Names {
+    /// All of them.
+    #[cfg(feature = "npz")]
+    pub(in crate::format) fn all(&self) -> impl Iterator<Item = &'static str> {
+        [self.matrix, self.coefficients, self.size, self.width, self.height].into_iter().flatten().copied()
+    }
+}
+
 /// A camera, or the first one of a pair.
 pub(in crate::format) const FIRST: Names =
     Names { matrix: &MATRIX, coefficients: &COEFFICIENTS, size: &SIZE, width: &WIDTH, height: &HEIGHT };
@@ -79,7 +87,11 @@ const COUNTS: [usize; 6] = [0, 4, 5, 8, 12, 14];
 /// Names of lens models whose first five coefficients are those of `plumb_bob` while the rest is zero.
 const MODELS: [&str; 6] = ["plumb_bob", "rational_polynomial", "radtan", "opencv", "none", ""];
 
-fn first<'a>(root: &'a Node, names: &'static [&'static str]) -> Option<(&'static str, &'a Node)> {
+/// Names of the lens model, and of the flag of a fisheye lens.
+const MODEL_NAMES: [&str; 2] = ["distortion_model", "distortionModel"];
+pub(in crate::format) const FISHEYE: &str = "fisheye_model";
+
+fn first<'n, 'a>(root: &'n Node<'a>, names: &'static [&'static str]) -> Option<(&'static str, &'n Node<'a>)> {
     names.iter().find_map(|name| root.get(name).map(|node| (*name, node)))
 }
 
@@ -91,7 +103,7 @@ fn number(text: &str, place: &str, expecting: Expecting) -> Result<f64> {
 }
 
 /// The numbers of a matrix: {rows, cols, data}, rows in a list, or a plain list.
-pub(in crate::format) fn numbers(node: &Node, place: &str, expecting: Expecting) -> Result<Vec<f64>> {
+pub(in crate::format) fn numbers(node: &Node<'_>, place: &str, expecting: Expecting) -> Result<Vec<f64>> {
     let data = match node {
         Node::Map(_) => node.get("data").ok_or_else(|| {
             expecting.malformed(format!("{place}: expected rows, cols and data, found no data"))
@@ -111,7 +123,7 @@ pub(in crate::format) fn numbers(node: &Node, place: &str, expecting: Expecting)
     Ok(values)
 }
 
-fn count(node: &Node, name: &str, place: &str, expecting: Expecting) -> Result<Option<u64>> {
+fn count(node: &Node<'_>, name: &str, place: &str, expecting: Expecting) -> Result<Option<u64>> {
     let Some(value) = node.get(name) else { return Ok(None) };
     let words = value.words();
     let parsed = words.first().and_then(|w| w.parse().ok());
@@ -119,13 +131,13 @@ fn count(node: &Node, name: &str, place: &str, expecting: Expecting) -> Result<O
 }
 
 /// The camera of a file.
-pub(super) fn camera(root: &Node, expecting: Expecting) -> Result<KnownCamera> {
+pub(super) fn camera(root: &Node<'_>, expecting: Expecting) -> Result<KnownCamera> {
     let Some(mut camera) = device(root, &FIRST, expecting)? else {
         let Node::Map(fields) = root else {
             return Err(expecting
                 .malformed("expected named values (camera_matrix, distortion_coefficients, …), found none"));
         };
-        let names: Vec<&str> = fields.iter().take(8).map(|(n, _)| n.as_str()).collect();
+        let names: Vec<&str> = fields.iter().take(8).map(|(n, _)| n.as_ref()).collect();
         return Err(expecting.malformed(format!(
             "expected a camera matrix (camera_matrix, cameraMatrix, K or M1), found {}",
             if names.is_empty() {
@@ -144,7 +156,7 @@ pub(super) fn camera(root: &Node, expecting: Expecting) -> Result<KnownCamera> {
 
 /// The device that goes by these names; `None` when the file has no such matrix.
 pub(in crate::format) fn device(
-    root: &Node,
+    root: &Node<'_>,
     names: &Names,
     expecting: Expecting,
 ) -> Result<Option<KnownCamera>> {
@@ -187,9 +199,9 @@ pub(in crate::format) fn distortion(values: &[f64], place: &str, expecting: Expe
 }
 
 /// Refuses lens models whose coefficients mean something else.
-fn check_model(root: &Node, distortion: Distortion, expecting: Expecting) -> Result<()> {
-    let fisheye = root.get("fisheye_model").is_some_and(|n| n.words().first().is_some_and(|w| *w != "0"));
-    let named = first(root, &["distortion_model", "distortionModel"]);
+fn check_model(root: &Node<'_>, distortion: Distortion, expecting: Expecting) -> Result<()> {
+    let fisheye = root.get(FISHEYE).is_some_and(|n| n.words().first().is_some_and(|w| *w != "0"));
+    let named = first(root, &MODEL_NAMES);
     let name = match named {
         Some((_, Node::Scalar(name))) => name.trim(),
         _ => "",
@@ -206,7 +218,7 @@ fn check_model(root: &Node, distortion: Distortion, expecting: Expecting) -> Res
     Ok(())
 }
 
-fn size(root: &Node, names: &Names, expecting: Expecting) -> Result<Option<[u32; 2]>> {
+fn size(root: &Node<'_>, names: &Names, expecting: Expecting) -> Result<Option<[u32; 2]>> {
     let side = |text: &str, place: &str| {
         let number = number(text, place, expecting)?;
         if (1.0..=1e6).contains(&number) && number.fract() == 0.0 {

@@ -10,15 +10,18 @@ use std::io::Read;
 
 pub use known_camera::KnownCamera;
 
+#[cfg(feature = "npz")]
+pub(super) use fields::FISHEYE;
 pub(super) use fields::{FIRST, SECOND, device, distortion, numbers};
 
+use super::budget::Budget;
 use super::recognise::refuse_others;
-use super::tree::{Expecting, parse};
+use super::rig_json::rig_of_value;
+use super::tree::{Expecting, from_json, parse};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Camera;
 
-/// Camera files have a few dozen values, four levels deep.
-const CAMERA_FILE: Expecting = Expecting { what: ErrorSubject::CameraFile, most_nodes: 10_000 };
+const CAMERA_FILE: Expecting = Expecting(ErrorSubject::CameraFile);
 
 /// Reads a camera file. From a rig file it takes the camera without its σ: a known camera is held fixed.
 ///
@@ -41,12 +44,16 @@ pub fn read_camera(mut input: impl Read) -> Result<KnownCamera> {
     input.read_to_end(&mut bytes).map_err(|e| Error::reading(ErrorSubject::CameraFile, e))?;
     refuse_others(&bytes, ErrorSubject::CameraFile, &["a camera", "a rig", "YAML", "XML"])?;
     let text = CAMERA_FILE.text(&bytes)?;
-    if text.starts_with('{') && CAMERA_FILE.json(text)?.get("schema").is_some() {
-        let rig = super::read_rig(bytes.as_slice())?;
-        let Camera { width, height, intrinsics, distortion } = rig.camera.model;
-        return Ok(KnownCamera { intrinsics, distortion, size: Some([width, height]), notes: Vec::new() });
+    let budget = Budget::new(ErrorSubject::CameraFile, bytes.len());
+    if !text.starts_with('{') {
+        return fields::camera(&parse(text, CAMERA_FILE, &budget)?, CAMERA_FILE);
     }
-    fields::camera(&parse(text, CAMERA_FILE)?, CAMERA_FILE)
+    let value = CAMERA_FILE.json(text, &budget)?;
+    if value.get("schema").is_none() {
+        return fields::camera(&from_json(value, &budget)?, CAMERA_FILE);
+    }
+    let Camera { width, height, intrinsics, distortion } = rig_of_value(value)?.camera.model;
+    Ok(KnownCamera { intrinsics, distortion, size: Some([width, height]), notes: Vec::new() })
 }
 
 #[cfg(test)]

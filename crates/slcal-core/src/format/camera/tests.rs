@@ -168,11 +168,9 @@ fn texts_made_to_exhaust_are_refused() {
     refused(&"[".repeat(200_000), &["camera file"]);
     refused(&"- ".repeat(2000), &["levels"]);
     refused(&"a: {".repeat(2000), &["camera file"]);
-    refused(&format!("x: [{}]", "1, ".repeat(200_000)), &["10000"]);
     let deep = format!("<opencv_storage>{}{}</opencv_storage>", "<a>".repeat(4000), "</a>".repeat(4000));
     refused(&deep, &["levels"]);
     refused("<!DOCTYPE x [<!ENTITY a \"b\">]><opencv_storage>&a;</opencv_storage>", &["XML"]);
-    refused(&format!("<opencv_storage>{}</opencv_storage>", "<a/>".repeat(20_000)), &["XML"]);
 }
 
 #[test]

@@ -13,7 +13,6 @@
 use nalgebra::{Matrix3, Matrix4, Point2, Point3, Vector3};
 use std::fmt::Write as _;
 
-use super::devices::expecting;
 use super::extras;
 use super::files::ExportedFile;
 use super::losses::Losses;
@@ -24,7 +23,7 @@ use crate::format::{read_rig, write_rig};
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose};
 use crate::rig::{Device, Rig};
 
-const FILE: Expecting = expecting(ErrorSubject::BlenderScript);
+const FILE: Expecting = Expecting(ErrorSubject::BlenderScript);
 const MM_PER_METRE: f64 = 1000.0;
 /// Of a full frame; only its ratio to the focal length counts.
 const SENSOR_MM: f64 = 36.0;

@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 
 use nalgebra::{Matrix3, Point2, Point3, Quaternion, UnitQuaternion, Vector3};
 
-use super::devices::{expecting, plain_rig};
+use super::devices::plain_rig;
 use super::files::{ExchangeFormat, ExportedFile, NamedBytes};
 use super::losses::{Holds, Losses};
 use super::text::{joined, number};
@@ -21,7 +21,7 @@ use crate::format::tree::Expecting;
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize};
 use crate::rig::{Device, Rig, View};
 
-const FILE: Expecting = expecting(ErrorSubject::ColmapModel);
+const FILE: Expecting = Expecting(ErrorSubject::ColmapModel);
 /// From pixel centres at integers to pixel centres at .5.
 const HALF_PIXEL: f64 = 0.5;
 /// Stands in points3D.txt when its points are the corners of sheets.

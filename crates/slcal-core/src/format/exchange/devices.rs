@@ -10,13 +10,6 @@ use crate::format::tree::Expecting;
 use crate::geometry::{Camera, Pose};
 use crate::rig::{Device, Projector, Rig};
 
-/// Files of hundreds of views have some hundred thousand numbers, most of them in the covariance.
-const MOST_NODES: usize = 4_000_000;
-
-pub(super) const fn expecting(what: ErrorSubject) -> Expecting {
-    Expecting { what, most_nodes: MOST_NODES }
-}
-
 /// An imported device. Its size comes from `given` where the file does not state it.
 pub(super) fn device(
     known: KnownCamera,

@@ -4,6 +4,7 @@
 use serde_json::{Map, Value};
 
 use crate::error::{Error, Result};
+use crate::format::budget::Budget;
 use crate::format::rig_json::{rig_of_value, rig_value};
 use crate::format::tree::{Expecting, Node};
 use crate::rig::Rig;
@@ -57,12 +58,12 @@ pub(super) fn of_rig(rig: &Rig) -> Result<Map<String, Value>> {
 }
 
 /// The rig with the values read beside its devices.
-pub(super) fn added_to(rig: &Rig, extras: &Map<String, Value>, expecting: Expecting) -> Result<Rig> {
+pub(super) fn added_to(rig: &Rig, mut extras: Map<String, Value>, expecting: Expecting) -> Result<Rig> {
     let mut value = rig_value(rig)?;
     for (place, name) in PLACES {
         let Some((parent, field)) = place.rsplit_once('/') else { continue };
-        if let (Some(part), Some(Value::Object(fields))) = (extras.get(name), value.pointer_mut(parent)) {
-            let part = if name == MIRRORED { Value::Bool(part.as_f64() == Some(1.0)) } else { part.clone() };
+        if let (Some(part), Some(Value::Object(fields))) = (extras.remove(name), value.pointer_mut(parent)) {
+            let part = if name == MIRRORED { Value::Bool(part.as_f64() == Some(1.0)) } else { part };
             fields.insert(field.to_owned(), part);
         }
     }
@@ -78,39 +79,51 @@ pub(super) fn renamed(error: Error, expecting: Expecting) -> Error {
 }
 
 /// Named values of a text: numbers, words where the name says so, matrices as their rows.
-pub(super) fn from_node(node: &Node, name: &str, expecting: Expecting) -> Result<Value> {
-    let each = |items: &[Node]| -> Result<Vec<Value>> {
-        items.iter().map(|i| from_node(i, name, expecting)).collect()
+pub(super) fn from_node(node: &Node<'_>, name: &str, expecting: Expecting, budget: &Budget) -> Result<Value> {
+    let list = |numbers: &[f64]| -> Result<Value> {
+        budget.keep_list::<Value>(numbers.len())?;
+        Ok(Value::from(numbers))
     };
     Ok(match node {
-        Node::Scalar(text) if WORDS.contains(&name) => Value::String(text.clone()),
+        Node::Scalar(text) if WORDS.contains(&name) => Value::String(kept(text, budget)?),
         Node::Scalar(text) => match numbers(node, name, expecting).as_deref() {
             Ok([one]) => Value::from(*one),
-            Ok(many) => Value::from(many),
-            Err(_) => Value::String(text.clone()),
+            Ok(many) => list(many)?,
+            Err(_) => Value::String(kept(text, budget)?),
         },
-        Node::List(items) => Value::Array(each(items)?),
-        Node::Map(fields) => match node.get("data") {
-            Some(_) => matrix(node, name, expecting)?,
-            None => Value::Object(
-                fields
-                    .iter()
-                    .map(|(n, v)| Ok((n.clone(), from_node(v, n, expecting)?)))
-                    .collect::<Result<_>>()?,
-            ),
-        },
+        Node::List(items) => {
+            budget.keep_list::<Value>(items.len())?;
+            let values = items.iter().map(|i| from_node(i, name, expecting, budget));
+            Value::Array(values.collect::<Result<_>>()?)
+        }
+        Node::Map(_) if node.get("data").is_some() => matrix(node, name, expecting, budget)?,
+        Node::Map(fields) => {
+            let mut values = Map::new();
+            for (name, value) in fields {
+                budget.push_name(values.len())?;
+                values.insert(kept(name, budget)?, from_node(value, name, expecting, budget)?);
+            }
+            Value::Object(values)
+        }
     })
 }
 
-fn matrix(node: &Node, name: &str, expecting: Expecting) -> Result<Value> {
+/// A copy of a word.
+fn kept(text: &str, budget: &Budget) -> Result<String> {
+    budget.keep_text(text)?;
+    Ok(text.to_owned())
+}
+
+fn matrix(node: &Node<'_>, name: &str, expecting: Expecting, budget: &Budget) -> Result<Value> {
     let values = numbers(node, name, expecting)?;
     let columns = node.get("cols").and_then(|c| c.words().first()?.parse::<usize>().ok());
     let Some(columns) = columns.filter(|c| *c > 0) else {
         return Err(expecting.malformed(format!("{name}: expected a matrix with rows, cols and data")));
     };
+    budget.keep_list::<Value>(values.len().saturating_add(values.len() / columns))?;
     Ok(values.chunks(columns).map(Value::from).collect())
 }
 
-fn numbers(node: &Node, name: &str, expecting: Expecting) -> Result<Vec<f64>> {
+fn numbers(node: &Node<'_>, name: &str, expecting: Expecting) -> Result<Vec<f64>> {
     crate::format::camera::numbers(node, name, expecting)
 }

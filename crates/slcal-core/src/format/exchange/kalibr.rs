@@ -7,17 +7,19 @@ use std::fmt::Write as _;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::devices::{expecting, plain_rig, pose_of};
+use super::devices::{plain_rig, pose_of};
 use super::files::{ExchangeFormat, ExportedFile};
+use super::guess::Source;
 use super::losses::{Holds, Losses};
 use super::text::joined;
 use crate::error::{ErrorSubject, Result};
+use crate::format::budget::Budget;
 use crate::format::camera::{distortion, numbers};
-use crate::format::tree::{Expecting, Node, parse};
+use crate::format::tree::{Expecting, Node};
 use crate::geometry::{Camera, Distortion, Intrinsics, Pose};
 use crate::rig::{Device, Rig};
 
-const FILE: Expecting = expecting(ErrorSubject::KalibrFile);
+const FILE: Expecting = Expecting(ErrorSubject::KalibrFile);
 const MM_PER_METRE: f64 = 1000.0;
 
 pub(super) fn export(rig: &Rig, losses: &mut Losses) -> Result<Vec<ExportedFile>> {
@@ -57,8 +59,8 @@ fn chained(text: &mut String, i: usize, name: &str, device: &Device, losses: &mu
     Ok(())
 }
 
-pub(super) fn import(bytes: &[u8], notes: &mut Vec<String>) -> Result<Rig> {
-    let root = parse(FILE.text(bytes)?, FILE)?;
+pub(super) fn import(source: Source<'_>, notes: &mut Vec<String>, budget: &Budget) -> Result<Rig> {
+    let root = source.tree(FILE, budget)?;
     let Some(first) = root.get("cam0") else {
         return Err(FILE.malformed("expected cam0, found none"));
     };
@@ -74,7 +76,7 @@ pub(super) fn import(bytes: &[u8], notes: &mut Vec<String>) -> Result<Rig> {
 }
 
 /// Numbers of one camera of the chain.
-fn values(cam: &Node, place: &str, name: &str, count: usize) -> Result<Vec<f64>> {
+fn values(cam: &Node<'_>, place: &str, name: &str, count: usize) -> Result<Vec<f64>> {
     let Some(node) = cam.get(name) else {
         return Err(FILE.malformed(format!("{place}: expected {name}, found none")));
     };
@@ -86,7 +88,7 @@ fn values(cam: &Node, place: &str, name: &str, count: usize) -> Result<Vec<f64>>
     Ok(values)
 }
 
-fn device(cam: &Node, place: &str) -> Result<Device> {
+fn device(cam: &Node<'_>, place: &str) -> Result<Device> {
     let word = |name: &str| cam.get(name).and_then(|n| n.words().first().copied()).unwrap_or_default();
     if word("camera_model") != "pinhole" {
         let found: String = word("camera_model").chars().take(40).collect();
@@ -123,7 +125,7 @@ fn device(cam: &Node, place: &str) -> Result<Device> {
     Ok(Device { model: Camera { width, height, intrinsics, distortion: lens }, sigma: None })
 }
 
-fn pose(cam: &Node) -> Result<Pose> {
+fn pose(cam: &Node<'_>) -> Result<Pose> {
     let m = values(cam, "cam1", "T_cn_cnm1", 16)?;
     let rotation = Matrix3::from_fn(|i, j| m[4 * i + j]);
     let translation = Vector3::from_fn(|i, _| m[4 * i + 3] * MM_PER_METRE);

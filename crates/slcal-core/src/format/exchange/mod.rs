@@ -22,7 +22,9 @@ mod ros;
 mod storage;
 mod text;
 
+use self::guess::Source;
 use self::losses::Losses;
+use super::budget::Budget;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Intrinsics;
 use crate::rig::Rig;
@@ -93,19 +95,27 @@ pub fn import_rig(
     if files.is_empty() {
         return Err(Error::invalid(ErrorSubject::Import, "one at least", "none"));
     }
-    let format = match format {
-        Some(format) => format,
-        None => guess::format_of(files)?,
+    let length = files.iter().map(|f| f.bytes.len()).sum();
+    let budget = Budget::new(ErrorSubject::ImportFile, length);
+    let (format, mut first_tree) = match format {
+        Some(format) => (format, None),
+        None => guess::format_of(files, &budget)?,
     };
+    let mut source = |bytes| first_tree.take().map_or(Source::Bytes(bytes), Source::Tree);
     let mut notes = Vec::new();
     let rig = match format {
-        ExchangeFormat::OpenCv => opencv::import(one_of(files, "an OpenCV file")?, config, &mut notes)?,
-        ExchangeFormat::Ros => ros::import(files, config, &mut notes)?,
+        ExchangeFormat::OpenCv => {
+            opencv::import(source(one_of(files, "an OpenCV file")?), config, &mut notes, &budget)?
+        }
+        ExchangeFormat::Ros => {
+            let sources = files.iter().map(|f| source(f.bytes)).collect();
+            ros::import(sources, config, &mut notes, &budget)?
+        }
         ExchangeFormat::Colmap => colmap::import(files, &mut notes)?,
-        ExchangeFormat::Kalibr => kalibr::import(one_of(files, "a camchain")?, &mut notes)?,
+        ExchangeFormat::Kalibr => kalibr::import(source(one_of(files, "a camchain")?), &mut notes, &budget)?,
         ExchangeFormat::Blender => blender::import(one_of(files, "a script for Blender")?)?,
         #[cfg(feature = "npz")]
-        ExchangeFormat::Npz => npz::import(one_of(files, "an npz file")?, config, &mut notes)?,
+        ExchangeFormat::Npz => npz::import(one_of(files, "an npz file")?, config, &mut notes, &budget)?,
         #[cfg(not(feature = "npz"))]
         ExchangeFormat::Npz => return Err(without_npz()),
     };

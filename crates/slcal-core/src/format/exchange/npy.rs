@@ -1,13 +1,19 @@
 //! One array of NumPy as the bytes of a .npy file: a line that describes it, then its values.
 
-use super::devices::expecting;
 use crate::error::{Error, ErrorSubject, Result};
+use crate::format::budget::Budget;
 use crate::format::tree::Expecting;
 
-pub(super) const FILE: Expecting = expecting(ErrorSubject::NpzFile);
+pub(super) const FILE: Expecting = Expecting(ErrorSubject::NpzFile);
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// The values begin at a multiple of this.
 const ALIGNMENT: usize = 64;
+/// NumPy has no arrays of more.
+const MOST_AXES: usize = 64;
+/// Bytes of a description; those of records may have more, but records are not read.
+const LONGEST_HEADER: usize = 1 << 16;
+/// Memory that an allocation takes at least, bytes.
+const LEAST_ALLOCATION: usize = 32;
 
 /// An array; a scalar has no shape.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +59,7 @@ impl Array {
     }
 
     /// From the bytes of a .npy file: numbers of any width, or words.
-    pub(super) fn decoded(bytes: &[u8], name: &str) -> Result<Self> {
+    pub(super) fn decoded(bytes: &[u8], name: &str, budget: &Budget) -> Result<Self> {
         let wrong = |what: &str| FILE.malformed(format!("{name}: expected an array of NumPy, found {what}"));
         let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| wrong("other bytes"))?;
         let (length, rest) = match rest {
@@ -61,6 +67,9 @@ impl Array {
             [2 | 3, _, a, b, c, d, rest @ ..] => (u32::from_le_bytes([*a, *b, *c, *d]) as usize, rest),
             _ => return Err(wrong("an unknown version")),
         };
+        if length > LONGEST_HEADER {
+            return Err(wrong("a description of more than 64 KiB"));
+        }
         let (header, data) = rest.split_at_checked(length).ok_or_else(|| wrong("a part of one"))?;
         let header = std::str::from_utf8(header).map_err(|_| wrong("an unreadable description"))?;
         let kind = between(header, "'descr':", &[',', '}']).ok_or_else(|| wrong("a record"))?;
@@ -70,10 +79,16 @@ impl Array {
             s.split(',').map(str::trim).filter(|s| !s.is_empty()).map(|s| s.parse().ok()).collect()
         });
         let shape = shape.ok_or_else(|| wrong("an unreadable shape"))?;
+        if shape.len() > MOST_AXES {
+            return Err(wrong(&format!("one of {} axes, where {MOST_AXES} are the most", shape.len())));
+        }
         let count =
             shape.iter().try_fold(1usize, |n, s| n.checked_mul(*s)).ok_or_else(|| wrong("a huge shape"))?;
         let by_columns =
             header.split_once("'fortran_order':").is_some_and(|(_, s)| s.trim_start().starts_with("True"));
+        for _ in 0..if by_columns { 2 } else { 1 } {
+            budget.keep(memory(kind, data, count))?;
+        }
         let array = values(kind, data, count).ok_or_else(|| refused(kind, name))??;
         Ok(match array {
             Values::Numbers(values) if by_columns => Self::Numbers(shape.clone(), by_rows(&shape, &values)),
@@ -87,6 +102,14 @@ impl Array {
 enum Values {
     Numbers(Vec<f64>),
     Words(Vec<String>),
+}
+
+/// What the values take at most when they are read, bytes.
+fn memory(kind: &str, data: &[u8], count: usize) -> usize {
+    if kind.chars().nth(1) == Some('U') {
+        return count.saturating_mul(size_of::<String>() + LEAST_ALLOCATION).saturating_add(data.len());
+    }
+    count.saturating_mul(size_of::<f64>())
 }
 
 fn refused(kind: &str, name: &str) -> Error {
@@ -146,18 +169,29 @@ fn values(kind: &str, data: &[u8], count: usize) -> Option<Result<Values>> {
 
 /// From the order of Fortran to that of C.
 fn by_rows<T: Clone>(shape: &[usize], values: &[T]) -> Vec<T> {
+    // Axes of one move nothing; without them, the last axis that is left takes a step in half of all cases at least.
+    let sides: Vec<usize> = shape.iter().copied().filter(|side| *side != 1).collect();
+    let steps: Vec<usize> = sides
+        .iter()
+        .scan(1, |step, side| {
+            let own = *step;
+            *step *= side;
+            Some(own)
+        })
+        .collect();
     let mut ordered = Vec::with_capacity(values.len());
-    for i in 0..values.len() {
-        let (mut rest, mut at) = (i, vec![0; shape.len()]);
-        for (place, side) in at.iter_mut().zip(shape).rev() {
-            *place = rest % side;
-            rest /= side;
-        }
-        let mut index = 0;
-        for (place, side) in at.iter().zip(shape).rev() {
-            index = index * side + place;
-        }
+    let (mut at, mut index) = (vec![0; sides.len()], 0);
+    for _ in 0..values.len() {
         ordered.push(values[index].clone());
+        for ((place, side), step) in at.iter_mut().zip(&sides).zip(&steps).rev() {
+            *place += 1;
+            index += step;
+            if *place < *side {
+                break;
+            }
+            index -= step * side;
+            *place = 0;
+        }
     }
     ordered
 }
@@ -165,6 +199,16 @@ fn by_rows<T: Clone>(shape: &[usize], values: &[T]) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn decoded(bytes: &[u8]) -> Result<Array> {
+        Array::decoded(bytes, "x", &Budget::new(ErrorSubject::NpzFile, bytes.len()))
+    }
+
+    fn npy(kind: &str, order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+        let header = format!("{{'descr': '{kind}', 'fortran_order': {order}, 'shape': ({shape}), }}\n");
+        let size = (header.len() as u32).to_le_bytes();
+        [MAGIC, &[2, 0], &size, header.as_bytes(), data].concat()
+    }
 
     #[test]
     fn the_bytes_are_those_of_numpy() {
@@ -180,30 +224,29 @@ mod tests {
             String::from_utf8_lossy(&bytes)
                 .contains("'descr': '<U2', 'fortran_order': False, 'shape': (), }")
         );
-        assert_eq!(Array::decoded(&bytes, "word").unwrap(), word);
+        assert_eq!(decoded(&bytes).unwrap(), word);
         let line = Array::Wholes(vec![3], vec![1, -2, 1 << 40]);
         assert!(String::from_utf8_lossy(&line.encoded()).contains("'shape': (3,), }"));
-        let read = Array::decoded(&line.encoded(), "line").unwrap();
+        let read = decoded(&line.encoded()).unwrap();
         assert_eq!(read, Array::Numbers(vec![3], vec![1.0, -2.0, f64::from(1 << 20) * f64::from(1 << 20)]));
     }
 
     #[test]
     fn other_types_and_orders_are_read() {
-        let npy = |kind: &str, order: &str, shape: &str, data: &[u8]| {
-            let header = format!("{{'descr': '{kind}', 'fortran_order': {order}, 'shape': ({shape}), }}\n");
-            [MAGIC, &[1, 0], &(header.len() as u16).to_le_bytes(), header.as_bytes(), data].concat()
-        };
-        let read = |bytes: &[u8]| Array::decoded(bytes, "x");
         let numbers = |shape: &[usize], values: &[f64]| Array::Numbers(shape.to_vec(), values.to_vec());
         assert_eq!(
-            read(&npy(">i2", "False", "2,", &[0xFF, 0xFE, 0, 3])).unwrap(),
+            decoded(&npy(">i2", "False", "2,", &[0xFF, 0xFE, 0, 3])).unwrap(),
             numbers(&[2], &[-2.0, 3.0])
         );
         assert_eq!(
-            read(&npy("|u1", "True", "2, 3", &[1, 2, 3, 4, 5, 6])).unwrap(),
+            decoded(&npy("|u1", "True", "2, 3", &[1, 2, 3, 4, 5, 6])).unwrap(),
             numbers(&[2, 3], &[1.0, 3.0, 5.0, 2.0, 4.0, 6.0])
         );
-        assert_eq!(read(&npy("<f4", "False", "", &1.5f32.to_le_bytes())).unwrap(), numbers(&[], &[1.5]));
+        assert_eq!(
+            decoded(&npy("|u1", "True", "1, 2, 1, 3, 2", &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11])).unwrap(),
+            numbers(&[1, 2, 1, 3, 2], &[0.0, 6.0, 2.0, 8.0, 4.0, 10.0, 1.0, 7.0, 3.0, 9.0, 5.0, 11.0])
+        );
+        assert_eq!(decoded(&npy("<f4", "False", "", &1.5f32.to_le_bytes())).unwrap(), numbers(&[], &[1.5]));
         for bad in [
             npy("|O", "False", "1,", &[0; 8]),
             npy("<f8", "False", "2,", &[0; 8]),
@@ -217,7 +260,26 @@ mod tests {
             b"\x93NUMPY\x01\x00\xff\xff{".to_vec(),
             Vec::new(),
         ] {
-            assert!(matches!(read(&bad), Err(Error::Malformed { .. })), "{}", String::from_utf8_lossy(&bad));
+            assert!(
+                matches!(decoded(&bad), Err(Error::Malformed { .. })),
+                "{}",
+                String::from_utf8_lossy(&bad)
+            );
         }
+    }
+
+    #[test]
+    fn many_axes_and_many_words_are_refused() {
+        let said = |bytes: &[u8]| decoded(bytes).unwrap_err().to_string();
+        assert!(decoded(&npy("|u1", "True", &"1, ".repeat(64), &[7])).is_ok());
+        let many = said(&npy("|u1", "True", &"1, ".repeat(20_000), &[7]));
+        assert!(many.contains("one of 20000 axes, where 64 are the most"), "{many}");
+        let long = said(&npy("|u1", "True", &"1, ".repeat(30_000), &[7]));
+        assert!(long.contains("more than 64 KiB"), "{long}");
+        let words = npy("<U1", "False", "1000000", &vec![0; 4_000_000]);
+        let budget = Budget::new(ErrorSubject::NpzFile, 1000);
+        let said = Array::decoded(&words, "x", &budget).unwrap_err().to_string();
+        assert!(said.contains("MB of memory"), "{said}");
+        assert!(decoded(&words).is_ok());
     }
 }

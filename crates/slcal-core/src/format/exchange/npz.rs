@@ -36,15 +36,43 @@ use super::npy::{Array, FILE};
 use super::text::rows;
 use super::{extras, opencv};
 use crate::error::{Error, ErrorSubject, Result};
+use crate::format::budget::Budget;
+use crate::format::camera::{FIRST, FISHEYE, SECOND};
 use crate::format::rig_json::rig_value;
 use crate::format::tree::Node;
 use crate::rig::{DeviceSigma, Rig, StereoPose};
 
-/// Entries and bytes of an entry that are read; a covariance of a hundred views has 3 MB.
+/// Entries of the archive.
 const MOST_ENTRIES: usize = 1000;
-const LARGEST_ENTRY: u64 = 256 << 20;
-/// Arrays of devices are not larger.
+/// Values of an array of a device, and bytes of its file: a description may have 64 KiB.
 const MOST_OF_A_DEVICE: usize = 64;
+const LARGEST_OF_A_DEVICE: u64 = 66_000;
+/// Memory of a view as values of JSON, with all that it may have, bytes.
+const VIEW_MEMORY: usize = 8000;
+/// Memory of a warning as values of JSON, beside its words, bytes.
+const WARNING_MEMORY: usize = 1000;
+
+/// The other arrays that are read, beside those of views.
+const OTHERS: [&str; 18] = [
+    "camera_sigma",
+    "camera_aspect_sigma",
+    "projector_sigma",
+    "projector_aspect_sigma",
+    "sigma_t_mm",
+    "sigma_r_rad",
+    extras::MIRRORED,
+    "method",
+    "view_photo",
+    "verdict",
+    "verdict_cause",
+    "verdict_advice",
+    "focal_sigma_percent",
+    "expected_point_sigma_mm",
+    "depth_sigma_percent",
+    "warnings",
+    "covariance",
+    "covariance_parameters",
+];
 
 type Named = Vec<(&'static str, Array)>;
 
@@ -163,51 +191,64 @@ fn zipped(arrays: &Named) -> Result<Vec<u8>> {
     zip.finish().map(Cursor::into_inner).map_err(|e| failed(e.into()))
 }
 
-/// All arrays by their names.
-fn unzipped(bytes: &[u8]) -> Result<Vec<(String, Array)>> {
-    let wrong = |e: &dyn std::fmt::Display| FILE.malformed(format!("this is not a whole zip archive: {e}"));
-    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|e| wrong(&e))?;
-    if zip.len() > MOST_ENTRIES {
-        return Err(FILE.malformed(format!("expected at most {MOST_ENTRIES} arrays, found {}", zip.len())));
-    }
-    let mut arrays = Vec::new();
-    for i in 0..zip.len() {
-        let entry = zip.by_index(i).map_err(|e| wrong(&e))?;
-        let entry_name = entry.name().map_err(|e| wrong(&e))?.into_owned();
-        let Some(name) = entry_name.strip_suffix(".npy").map(str::to_owned) else { continue };
-        let mut data = Vec::new();
-        entry.take(LARGEST_ENTRY + 1).read_to_end(&mut data).map_err(|e| wrong(&e))?;
-        if data.len() as u64 > LARGEST_ENTRY {
-            return Err(FILE.malformed(format!("{name}: expected at most {} MiB", LARGEST_ENTRY >> 20)));
+/// The names that the values of devices and their pose go by.
+fn names_of_devices() -> impl Iterator<Item = &'static str> {
+    let of_poses = opencv::ROTATION.into_iter().chain(opencv::TRANSLATION);
+    FIRST.all().chain(SECOND.all()).chain(of_poses).chain([FISHEYE])
+}
+
+/// The arrays that are asked for, by their names. Others are not unpacked: they are nobody's business, and may be large.
+struct Arrays<'b> {
+    /// Of the devices.
+    devices: Vec<(&'static str, Array)>,
+    others: Vec<(&'static str, Array)>,
+    budget: &'b Budget,
+}
+
+impl<'b> Arrays<'b> {
+    fn unzipped(bytes: &[u8], budget: &'b Budget) -> Result<Self> {
+        let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|e| broken(&e))?;
+        if zip.len() > MOST_ENTRIES {
+            let found = zip.len();
+            return Err(FILE.malformed(format!("expected at most {MOST_ENTRIES} arrays, found {found}")));
         }
-        arrays.push((name.clone(), Array::decoded(&data, &name)?));
+        let mut unpacked = |name: &'static str, largest: u64| -> Result<Option<(&'static str, Array)>> {
+            let Some(index) = zip.index_for_name(&format!("{name}.npy")) else { return Ok(None) };
+            let entry = zip.by_index(index).map_err(|e| broken(&e))?;
+            let size = entry.size();
+            if size > largest {
+                return Ok(None);
+            }
+            budget.unpack(size)?;
+            budget.keep(usize::try_from(size).unwrap_or(usize::MAX))?;
+            let mut data = Vec::new();
+            entry.take(size).read_to_end(&mut data).map_err(|e| broken(&e))?;
+            Ok(Some((name, Array::decoded(&data, name, budget)?)))
+        };
+        let mut arrays = Self { devices: Vec::new(), others: Vec::new(), budget };
+        for name in names_of_devices() {
+            arrays.devices.extend(unpacked(name, LARGEST_OF_A_DEVICE)?);
+        }
+        for name in OTHERS.into_iter().chain(OF_VIEWS.iter().map(|(name, ..)| *name)) {
+            arrays.others.extend(unpacked(name, u64::MAX)?);
+        }
+        Ok(arrays)
     }
-    Ok(arrays)
-}
 
-pub(super) fn import(bytes: &[u8], config: &ImportConfig, notes: &mut Vec<String>) -> Result<Rig> {
-    let arrays = unzipped(bytes)?;
-    let root = Node::Map(
-        arrays
-            .iter()
-            .filter_map(|(name, array)| match array {
-                Array::Numbers(_, values) if values.len() <= MOST_OF_A_DEVICE => {
-                    let words = values.iter().map(|v| Node::Scalar(v.to_string())).collect();
-                    Some((name.clone(), Node::List(words)))
-                }
-                _ => None,
-            })
-            .collect(),
-    );
-    let rig = opencv::devices(&root, config, ExchangeFormat::Npz, FILE, notes)?;
-    extras::added_to(&rig, &read_extras(&Arrays(&arrays))?, FILE)
-}
+    /// The devices, as a text would have them.
+    fn of_devices(&self) -> Node<'static> {
+        let numbers = self.devices.iter().filter_map(|(name, array)| match array {
+            Array::Numbers(_, values) if values.len() <= MOST_OF_A_DEVICE => {
+                let words = values.iter().map(|v| Node::Scalar(v.to_string().into())).collect();
+                Some(((*name).into(), Node::List(words)))
+            }
+            _ => None,
+        });
+        Node::Map(numbers.collect())
+    }
 
-struct Arrays<'a>(&'a [(String, Array)]);
-
-impl Arrays<'_> {
     fn get(&self, name: &str) -> Option<&Array> {
-        self.0.iter().find(|(n, _)| n == name).map(|(_, array)| array)
+        self.others.iter().find(|(n, _)| *n == name).map(|(_, array)| array)
     }
 
     /// The numbers of the array of this name, which must have this shape; `None` where there is no such array.
@@ -225,19 +266,42 @@ impl Arrays<'_> {
         }
     }
 
-    fn words(&self, name: &str, each: usize) -> Result<Option<Vec<Vec<String>>>> {
+    /// The numbers of that array as lists of lists.
+    fn lists(&self, name: &str, shape: &[usize]) -> Result<Option<Value>> {
+        let Some(values) = self.numbers(name, shape)? else { return Ok(None) };
+        self.budget.keep_list::<Value>(values.len())?;
+        Ok(Some(nested(values, shape)))
+    }
+
+    /// The words of the array of this name, which belong together in groups of `each`.
+    fn words(&self, name: &str, each: usize) -> Result<Option<&[String]>> {
         match self.get(name) {
             None => Ok(None),
-            Some(Array::Words(_, words)) if words.len() % each == 0 => {
-                Ok(Some(words.chunks_exact(each).map(<[String]>::to_vec).collect()))
-            }
+            Some(Array::Words(_, words)) if words.len() % each == 0 => Ok(Some(words)),
             Some(_) => Err(FILE.malformed(format!("{name}: expected words, {each} together"))),
         }
     }
 
     fn word(&self, name: &str) -> Result<Option<String>> {
-        Ok(self.words(name, 1)?.and_then(|w| w.into_iter().flatten().next()))
+        Ok(self.words(name, 1)?.and_then(|w| w.first().cloned()))
     }
+}
+
+fn broken(e: &dyn std::fmt::Display) -> Error {
+    FILE.malformed(format!("this is not a whole zip archive: {e}"))
+}
+
+pub(super) fn import(
+    bytes: &[u8],
+    config: &ImportConfig,
+    notes: &mut Vec<String>,
+    budget: &Budget,
+) -> Result<Rig> {
+    let arrays = Arrays::unzipped(bytes, budget)?;
+    let rig = opencv::devices(&arrays.of_devices(), config, ExchangeFormat::Npz, FILE, notes)?;
+    let extras = read_extras(&arrays)?;
+    drop(arrays);
+    extras::added_to(&rig, extras, FILE)
 }
 
 /// Numbers as lists of lists; null when all of them are NaN.
@@ -258,9 +322,7 @@ fn nested(values: &[f64], shape: &[usize]) -> Value {
 /// The values beside the devices, as in rig.json.
 fn read_extras(arrays: &Arrays<'_>) -> Result<Map<String, Value>> {
     let mut found = Map::new();
-    let one = |name: &str, shape: &[usize]| -> Result<Option<Value>> {
-        Ok(arrays.numbers(name, shape)?.map(|v| nested(v, shape)))
-    };
+    let one = |name: &str, shape: &[usize]| arrays.lists(name, shape);
     for name in ["camera_sigma", "projector_sigma"] {
         if let Some(Value::Array(s)) = one(name, &[8])? {
             let aspect = one(&name.replace("_sigma", "_aspect_sigma"), &[])?;
@@ -276,12 +338,14 @@ fn read_extras(arrays: &Arrays<'_>) -> Result<Map<String, Value>> {
     }
     found.extend(arrays.word("method")?.map(|m| ("method".to_owned(), Value::from(m))));
     if let Some(photos) = arrays.words("view_photo", 1)? {
-        found.insert("views".to_owned(), read_views(arrays, &photos.concat())?);
+        found.insert("views".to_owned(), read_views(arrays, photos)?);
     }
     if let (Some(verdict), Some(focal)) = (arrays.word("verdict")?, one("focal_sigma_percent", &[2])?) {
         let warnings = arrays.words("warnings", 3)?.unwrap_or_default();
+        arrays.budget.keep(warnings.len().saturating_mul(WARNING_MEMORY))?;
+        let warnings = warnings.chunks_exact(3);
         let warnings: Value =
-            warnings.iter().map(|w| json!({"code": w[0], "message": w[1], "advice": w[2]})).collect();
+            warnings.map(|w| json!({"code": w[0], "message": w[1], "advice": w[2]})).collect();
         let quality = json!({
             "verdict": verdict,
             "cause": arrays.word("verdict_cause")?.unwrap_or_default(),
@@ -293,7 +357,7 @@ fn read_extras(arrays: &Arrays<'_>) -> Result<Map<String, Value>> {
         });
         found.insert("quality".to_owned(), quality);
     }
-    if let Some(names) = arrays.words("covariance_parameters", 1)?.map(|w| w.concat()) {
+    if let Some(names) = arrays.words("covariance_parameters", 1)? {
         let matrix = one("covariance", &[names.len(), names.len()])?;
         found.insert("covariance".to_owned(), json!({"parameters": names, "matrix": matrix}));
     }
@@ -301,6 +365,7 @@ fn read_extras(arrays: &Arrays<'_>) -> Result<Map<String, Value>> {
 }
 
 fn read_views(arrays: &Arrays<'_>, photos: &[String]) -> Result<Value> {
+    arrays.budget.keep(photos.len().saturating_mul(VIEW_MEMORY))?;
     let mut views: Vec<Value> =
         photos.iter().map(|p| json!({"photo": Some(p).filter(|p| !p.is_empty())})).collect();
     for (name, shape, places) in OF_VIEWS {
@@ -331,11 +396,53 @@ fn read_views(arrays: &Arrays<'_>, photos: &[String]) -> Result<Value> {
 mod tests {
     use super::*;
 
+    fn budget(bytes: usize) -> Budget {
+        Budget::new(ErrorSubject::NpzFile, bytes)
+    }
+
+    /// An archive of files, compressed.
+    fn archive(files: &[(&str, &[u8])]) -> Vec<u8> {
+        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, bytes) in files {
+            zip.start_file(*name, SimpleFileOptions::default()).unwrap();
+            zip.write_all(bytes).unwrap();
+        }
+        zip.finish().unwrap().into_inner()
+    }
+
+    fn refusal(bytes: &[u8]) -> String {
+        Arrays::unzipped(bytes, &budget(bytes.len())).err().map_or(String::new(), |e| e.to_string())
+    }
+
     #[test]
     fn arrays_of_another_shape_are_refused() {
-        let arrays = [("corners_px".to_owned(), Array::Numbers(vec![1, 2, 4], vec![0.0; 8]))];
-        assert!(Arrays(&arrays).numbers("corners_px", &[1, 2, 4]).unwrap().is_some());
-        let said = Arrays(&arrays).numbers("corners_px", &[1, 4, 2]).unwrap_err().to_string();
+        let others = vec![("corners_px", Array::Numbers(vec![1, 2, 4], vec![0.0; 8]))];
+        let budget = budget(0);
+        let arrays = Arrays { devices: Vec::new(), others, budget: &budget };
+        assert!(arrays.numbers("corners_px", &[1, 2, 4]).unwrap().is_some());
+        let said = arrays.numbers("corners_px", &[1, 4, 2]).unwrap_err().to_string();
         assert!(said.contains("[1, 4, 2]") && said.contains("[1, 2, 4]"), "{said}");
+    }
+
+    #[test]
+    fn only_arrays_that_are_asked_for_are_unpacked() {
+        let large = vec![0; 70_000];
+        let bytes = archive(&[("images.npy", b"no array"), ("camera_K.npy", &large), ("notes.txt", b"?")]);
+        assert_eq!(refusal(&bytes), "");
+        assert!(refusal(&archive(&[("covariance.npy", &large)])).contains("covariance: expected an array"));
+    }
+
+    #[test]
+    fn what_is_unpacked_is_limited_in_all() {
+        let bytes = archive(&[("view_photo.npy", &vec![0; 3_000_000])]);
+        let nearly_spent = budget(bytes.len());
+        nearly_spent.unpack(254_000_000).unwrap();
+        let said = Arrays::unzipped(&bytes, &nearly_spent).err().unwrap().to_string();
+        assert!(said.contains("at most 256 MB when it is unpacked, found 257 MB"), "{said}");
+        let words = Array::Words(vec![100_000], vec![String::new(); 100_000]).encoded();
+        let bytes = archive(&[("view_photo.npy", &words)]);
+        let own = budget(bytes.len());
+        let said = read_extras(&Arrays::unzipped(&bytes, &own).unwrap()).unwrap_err().to_string();
+        assert!(said.contains("MB of memory"), "{said}");
     }
 }

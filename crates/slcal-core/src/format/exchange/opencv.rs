@@ -9,21 +9,27 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use serde_json::Value;
 
-use super::devices::{expecting, plain_rig};
+use super::devices::plain_rig;
 use super::extras;
 use super::files::{ExchangeFormat, ExportedFile, ImportConfig, StorageText};
+use super::guess::Source;
 use super::losses::Losses;
 use super::storage::{Item, named, written};
 use super::text::rows;
 use crate::error::{ErrorSubject, Result};
+use crate::format::budget::Budget;
 use crate::format::camera::{FIRST, SECOND, device, numbers};
-use crate::format::tree::{Expecting, Node, parse};
+use crate::format::rig_json::rig_of_value;
+use crate::format::tree::{Expecting, Node, from_json, parse};
 use crate::geometry::Pose;
 use crate::rig::{Device, Projector, Rig, StereoPose};
 
-const FILE: Expecting = expecting(ErrorSubject::OpenCvFile);
+const FILE: Expecting = Expecting(ErrorSubject::OpenCvFile);
 /// The map of all that has no name in other programs.
 const EXTRAS: &str = "slcal";
+/// Names of the pose of the second device.
+pub(super) const ROTATION: [&str; 3] = ["R", "rotation", "rotation_matrix"];
+pub(super) const TRANSLATION: [&str; 3] = ["T", "t", "translation"];
 const COMMENT: &str = "Lengths in mm, pixel centres at integers; X_projector = R X_camera + T.";
 
 pub(super) fn export(rig: &Rig, storage: StorageText, losses: &mut Losses) -> Result<Vec<ExportedFile>> {
@@ -70,14 +76,16 @@ pub(super) fn export(rig: &Rig, storage: StorageText, losses: &mut Losses) -> Re
     Ok(vec![ExportedFile { name, bytes: text.into_bytes() }])
 }
 
-pub(super) fn import(bytes: &[u8], config: &ImportConfig, notes: &mut Vec<String>) -> Result<Rig> {
-    let text = FILE.text(bytes)?;
-    if text.starts_with('{') && FILE.json(text)?.get("schema").is_some() {
-        // Says what is wrong with it, if anything: the schema of a newer version, for instance.
-        super::super::read_rig(text.as_bytes())?;
-        return Err(FILE.malformed("this is a rig file already; use it as it is"));
-    }
-    let root = parse(text, FILE)?;
+pub(super) fn import(
+    source: Source<'_>,
+    config: &ImportConfig,
+    notes: &mut Vec<String>,
+    budget: &Budget,
+) -> Result<Rig> {
+    let root = match source {
+        Source::Tree(root) => root,
+        Source::Bytes(bytes) => root_of(FILE.text(bytes)?, budget)?,
+    };
     let rig = devices(&root, config, ExchangeFormat::OpenCv, FILE, notes)?;
     let Some(node) = root.get(EXTRAS) else {
         if rig.projector.is_some() {
@@ -85,15 +93,28 @@ pub(super) fn import(bytes: &[u8], config: &ImportConfig, notes: &mut Vec<String
         }
         return Ok(rig);
     };
-    match extras::from_node(node, EXTRAS, FILE)? {
-        Value::Object(found) => extras::added_to(&rig, &found, FILE),
+    match extras::from_node(node, EXTRAS, FILE, budget)? {
+        Value::Object(found) => extras::added_to(&rig, found, FILE),
         _ => Ok(rig),
     }
 }
 
+fn root_of<'a>(text: &'a str, budget: &Budget) -> Result<Node<'a>> {
+    if !text.starts_with('{') {
+        return parse(text, FILE, budget);
+    }
+    let value = FILE.json(text, budget)?;
+    if value.get("schema").is_none() {
+        return from_json(value, budget);
+    }
+    // Says what is wrong with it, if anything: the schema of a newer version, for instance.
+    rig_of_value(value)?;
+    Err(FILE.malformed("this is a rig file already; use it as it is"))
+}
+
 /// The devices of a text or of named arrays.
 pub(super) fn devices(
-    root: &Node,
+    root: &Node<'_>,
     config: &ImportConfig,
     format: ExchangeFormat,
     expecting: Expecting,
@@ -114,8 +135,8 @@ pub(super) fn devices(
     Ok(plain_rig(camera, projector.as_ref(), format))
 }
 
-fn pose(root: &Node, expecting: Expecting) -> Result<Pose> {
-    let get = |names: [&'static str; 3]| {
+fn pose(root: &Node<'_>, expecting: Expecting) -> Result<Pose> {
+    let get = |names: &[&'static str]| {
         names.iter().find_map(|n| root.get(n).map(|node| (*n, node))).ok_or_else(|| {
             expecting.malformed(format!(
                 "expected {} (X_projector = R X_camera + T, mm) beside the second matrix, found none",
@@ -123,7 +144,7 @@ fn pose(root: &Node, expecting: Expecting) -> Result<Pose> {
             ))
         })
     };
-    let (name, node) = get(["R", "rotation", "rotation_matrix"])?;
+    let (name, node) = get(&ROTATION)?;
     let r = numbers(node, name, expecting)?;
     let rotation = match r.len() {
         9 => Matrix3::from_row_slice(&r),
@@ -134,7 +155,7 @@ fn pose(root: &Node, expecting: Expecting) -> Result<Pose> {
             );
         }
     };
-    let (name, node) = get(["T", "t", "translation"])?;
+    let (name, node) = get(&TRANSLATION)?;
     let t = numbers(node, name, expecting)?;
     if t.len() != 3 {
         return Err(expecting.malformed(format!("{name}: expected 3 numbers, found {}", t.len())));

@@ -7,17 +7,19 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::devices::{expecting, plain_rig, pose_of};
-use super::files::{ExchangeFormat, ExportedFile, ImportConfig, NamedBytes};
+use super::devices::{plain_rig, pose_of};
+use super::files::{ExchangeFormat, ExportedFile, ImportConfig};
+use super::guess::Source;
 use super::losses::{Holds, Losses};
 use super::text::{joined, number, rows};
 use crate::error::{Error, ErrorSubject, Result};
+use crate::format::budget::Budget;
 use crate::format::camera::{FIRST, device, numbers};
-use crate::format::tree::{Expecting, Node, parse};
+use crate::format::tree::{Expecting, Node};
 use crate::geometry::{Camera, Intrinsics, Pose};
 use crate::rig::{Device, Projector, Rig};
 
-const FILE: Expecting = expecting(ErrorSubject::RosFile);
+const FILE: Expecting = Expecting(ErrorSubject::RosFile);
 const POSE: &str = "projector_from_camera";
 const ROTATION: &str = "rotation_matrix";
 const TRANSLATION: &str = "translation_mm";
@@ -80,19 +82,20 @@ fn placed(projector_from_camera: &Pose) -> String {
 }
 
 pub(super) fn import(
-    files: &[NamedBytes<'_>],
+    files: Vec<Source<'_>>,
     config: &ImportConfig,
     notes: &mut Vec<String>,
+    budget: &Budget,
 ) -> Result<Rig> {
     if files.len() > 2 {
         let found = format!("{} files", files.len());
         return Err(Error::invalid(ErrorSubject::Import, "the camera's file and the projector's", found));
     }
-    let mut roots = files.iter().map(|f| parse(FILE.text(f.bytes)?, FILE)).collect::<Result<Vec<Node>>>()?;
+    let mut roots = files.into_iter().map(|f| f.tree(FILE, budget)).collect::<Result<Vec<_>>>()?;
     if roots.len() == 2 && of_projector(&roots[0]) && !of_projector(&roots[1]) {
         roots.swap(0, 1);
     }
-    let known = |root: &Node| {
+    let known = |root: &Node<'_>| {
         device(root, &FIRST, FILE)?.ok_or_else(|| FILE.malformed("expected camera_matrix, found none"))
     };
     let camera = super::devices::device(known(&roots[0])?, config.camera_size, "camera", notes)?;
@@ -110,12 +113,12 @@ pub(super) fn import(
     Ok(plain_rig(camera, projector.as_ref(), ExchangeFormat::Ros))
 }
 
-fn of_projector(root: &Node) -> bool {
+fn of_projector(root: &Node<'_>) -> bool {
     let named = root.get("camera_name").and_then(|n| n.words().first().map(|w| w.contains("projector")));
     root.get(POSE).is_some() || named == Some(true)
 }
 
-fn pose(root: &Node) -> Result<Pose> {
+fn pose(root: &Node<'_>) -> Result<Pose> {
     let missing = || {
         FILE.malformed(format!(
             "expected {POSE} with {ROTATION} and {TRANSLATION} in the projector's file (camera_info itself does not say where the \

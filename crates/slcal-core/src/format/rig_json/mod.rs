@@ -33,7 +33,7 @@ pub fn read_rig(input: impl Read) -> Result<Rig> {
 
 /// The rig of the values that [`read_rig`] reads.
 pub(super) fn rig_of_value(value: Value) -> Result<Rig> {
-    let Some(object) = value.as_object() else {
+    let Value::Object(mut object) = value else {
         return Err(malformed("expected an object with \"schema\": \"slcal-rig/1\""));
     };
     // Absent `Value` fields would read as null: distinguish "missing" from "null" first.
@@ -42,7 +42,28 @@ pub(super) fn rig_of_value(value: Value) -> Result<Rig> {
             return Err(malformed(format!("missing field `{field}`")));
         }
     }
-    let dto: RigDto = read::parse(value, "the rig")?;
+    // Moved rather than read by serde, which would build them again beside those that are there.
+    let views = match object.remove("views") {
+        None => Vec::new(),
+        Some(Value::Array(views)) => views,
+        Some(_) => return Err(malformed("views: expected a list with one entry per photograph")),
+    };
+    let mut moved = |name: &str| object.remove(name).unwrap_or_default();
+    let [camera, projector, projector_from_camera] =
+        ["camera", "projector", "projector_from_camera"].map(&mut moved);
+    let [quality, covariance, channel_registration] =
+        ["quality", "covariance", "channel_registration"].map(&mut moved);
+    let dto: RigDto = read::parse(Value::Object(object), "the rig")?;
+    let dto = RigDto {
+        camera,
+        projector,
+        projector_from_camera,
+        views,
+        quality,
+        covariance,
+        channel_registration,
+        ..dto
+    };
     read::expect(&dto.schema, SCHEMA, "schema")?;
     read::expect(&dto.units, UNITS, "units")?;
     read::expect(&dto.pixel_centre, PIXEL_CENTRE, "pixel_centre")?;

@@ -16,23 +16,27 @@ pub(super) const PIXEL_CENTRE: &str = "integer";
 
 pub(super) type Rows3 = [[f64; 3]; 3];
 
+/// The fields, of which those of several values are moved and not read.
 #[derive(Deserialize)]
 pub(super) struct RigDto {
     pub(super) schema: String,
     pub(super) units: String,
     pub(super) pixel_centre: String,
-    pub(super) camera: Value,
-    pub(super) projector: Value,
-    pub(super) projector_from_camera: Value,
-    #[serde(default)]
-    pub(super) views: Vec<Value>,
     #[serde(default)]
     pub(super) method: Option<String>,
-    #[serde(default)]
+    #[serde(skip)]
+    pub(super) camera: Value,
+    #[serde(skip)]
+    pub(super) projector: Value,
+    #[serde(skip)]
+    pub(super) projector_from_camera: Value,
+    #[serde(skip)]
+    pub(super) views: Vec<Value>,
+    #[serde(skip)]
     pub(super) quality: Value,
-    #[serde(default)]
+    #[serde(skip)]
     pub(super) covariance: Value,
-    #[serde(default)]
+    #[serde(skip)]
     pub(super) channel_registration: Value,
 }
 

@@ -1,26 +1,20 @@
-//! The kind of text that is read, its limits, and its messages.
+//! The kind of text that is read, and its messages.
 
 use crate::error::{Error, ErrorSubject, Result};
+use crate::format::budget::{Budget, DEEPEST};
+use crate::format::json::json;
 
-/// Maximum nesting of values; camera files need four levels.
-pub(super) const DEEPEST: usize = 32;
-
-/// The expected kind of text, and its maximum size.
+/// The expected kind of text.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::format) struct Expecting {
-    /// The kind of file.
-    pub(in crate::format) what: ErrorSubject,
-    /// Maximum number of values.
-    pub(in crate::format) most_nodes: usize,
-}
+pub(in crate::format) struct Expecting(pub(in crate::format) ErrorSubject);
 
 impl Expecting {
     pub(in crate::format) fn malformed(self, detail: impl Into<String>) -> Error {
-        Error::malformed(self.what, detail)
+        Error::malformed(self.0, detail)
     }
 
     pub(super) fn too_deep(self) -> Error {
-        self.malformed(format!("expected few levels of values, found more than {DEEPEST}"))
+        self.malformed(format!("expected at most {DEEPEST} levels of values, found more"))
     }
 
     /// The text in these bytes, without a byte order mark.
@@ -31,7 +25,7 @@ impl Expecting {
     }
 
     /// The value of a text of JSON.
-    pub(in crate::format) fn json(self, text: &str) -> Result<serde_json::Value> {
-        serde_json::from_str(text).map_err(|e| Error::unparsable(self.what, "JSON", e))
+    pub(in crate::format) fn json(self, text: &str, budget: &Budget) -> Result<serde_json::Value> {
+        json(text.as_bytes(), self.0, budget)
     }
 }

@@ -102,6 +102,7 @@ impl TriangleMesh {
                 most = most.sup(&corner(t, k));
             }
         }
+        let triangles = self.distinct(triangles);
         let here = self.nodes.len();
         let leaf = Node { least, most, start: start as u32, count: triangles.len() as u32 };
         if triangles.len() <= LEAF {
@@ -117,6 +118,34 @@ impl TriangleMesh {
         self.build(left, start);
         self.nodes[here].start = self.nodes.len() as u32;
         self.build(right, start + half);
+    }
+
+    /// The triangles without those that repeat another one, where all have the same middle: no box divides them, and every ray
+    /// would test all of them.
+    fn distinct<'t>(&self, triangles: &'t mut [[u32; 3]]) -> &'t mut [[u32; 3]] {
+        let corners = |t: &[u32; 3]| t.map(|i| self.vertices[i as usize]);
+        let middle = |t: &[u32; 3]| corners(t).iter().fold(Vector3::zeros(), |sum, c| sum + c.coords);
+        let Some(first) = triangles.first().map(middle).filter(|_| triangles.len() > LEAF) else {
+            return triangles;
+        };
+        if triangles.iter().any(|t| middle(t) != first) {
+            return triangles;
+        }
+        triangles.sort_unstable_by_key(|t| corners(t).map(|c| [c.x, c.y, c.z].map(f64::to_bits)));
+        let mut kept = 1;
+        for i in 1..triangles.len() {
+            if corners(&triangles[i]) != corners(&triangles[kept - 1]) {
+                triangles.swap(i, kept);
+                kept += 1;
+            }
+        }
+        &mut triangles[..kept]
+    }
+
+    /// Triangles in the largest leaf.
+    #[cfg(test)]
+    pub(super) fn largest_leaf(&self) -> u32 {
+        self.nodes.iter().map(|node| node.count).max().unwrap_or(0)
     }
 
     /// The nearest triangle on a ray.

@@ -100,3 +100,19 @@ fn meshes_without_a_surface_are_refused() {
         assert!(TriangleMesh::new(vertices, triangles).is_err());
     }
 }
+
+#[test]
+fn triangles_that_repeat_another_one_are_tested_once() {
+    let mesh = soup(2);
+    let [a, b] = [0, 1].map(|i| mesh.triangles[i]);
+    let repeated = [vec![a; 1000], vec![b; 300], vec![a; 7]].concat();
+    let repeated = TriangleMesh::new(mesh.vertices.clone(), repeated).unwrap();
+    assert!(repeated.largest_leaf() <= 4, "{}", repeated.largest_leaf());
+    for triangle in [a, b] {
+        let middle = triangle.iter().map(|i| mesh.vertices[*i as usize].coords).sum::<Vector3<f64>>() / 3.0;
+        let ray = Ray { origin: Point3::origin(), direction: middle };
+        let [hit, expected] =
+            [&repeated, &mesh].map(|m| m.meet(&ray, [0.0, f64::INFINITY]).unwrap().distance);
+        assert_eq!(hit, expected);
+    }
+}
