@@ -241,14 +241,10 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if fs::metadata(&path).is_ok_and(|m| !m.is_file()) {
         return OpenOptions::new().write(true).open(&path).and_then(|mut f| f.write_all(bytes));
     }
-    let folder = folder_of(&path);
     // The error then names the folder, not the temporary file.
-    fs::metadata(folder)?;
+    fs::metadata(folder_of(&path))?;
     let _held = while_they_exist();
-    let mut file = temporary(folder, Readable::AsUsual)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(&path).map(|_| ()).map_err(|e| e.error)
+    complete(&path, bytes)?.persist(&path).map(|_| ()).map_err(|e| e.error)
 }
 
 /// The same for a file that only this user can read.

@@ -276,15 +276,12 @@ fn search(mut columns: Columns) -> Option<(usize, f64)> {
         let last = columns.count / 2 < MIN_BLOCKS;
         let shortest = if halvings == 0 { SHORTEST } else { COARSEST };
         let longest = if last { MIN_PERIODS / columns.count.max(1) as f64 } else { FINEST };
-        if let Some(profile) = columns.profile() {
-            let weights = &profile.weights;
-            let count = profile.changes.len();
-            let Some((_, without)) =
-                least_squares(|j| SVector::from(trend(j, count)), &profile.changes, weights)
-            else {
-                continue;
-            };
-            let known = weights.iter().filter(|w| **w > 0.0).count() as f64;
+        if let Some(profile) = columns.profile()
+            && let count = profile.changes.len()
+            && let Some((_, without)) =
+                least_squares(|j| SVector::from(trend(j, count)), &profile.changes, &profile.weights)
+        {
+            let known = profile.weights.iter().filter(|w| **w > 0.0).count() as f64;
             let independent = (shortest - longest).max(0.0) * columns.count as f64;
             let steps = (OVERSAMPLING * independent).ceil().max(1.0);
             for i in 0..=steps as usize {
