@@ -5,11 +5,14 @@ use std::io::Cursor;
 use exif::{Exif, In, Reader, Tag, Value};
 use slcal_core::{Orientation, PhotoTags};
 
+use super::contained::contained;
+
 /// The tags in the bytes of a photograph's file; the error says why there are none that can be read.
 ///
 /// Tags of the wrong kind count as missing.
 pub(crate) fn read_tags(bytes: &[u8]) -> Result<PhotoTags, String> {
-    let tags = Reader::new().read_from_container(&mut Cursor::new(bytes)).map_err(|e| e.to_string())?;
+    let read = contained(|| Reader::new().read_from_container(&mut Cursor::new(bytes)))?;
+    let tags = read.map_err(|e| e.to_string())?;
     let number = |tag| number(&tags, tag);
     let whole = |tag| number(tag).filter(|n| (0.0..=f64::from(u32::MAX)).contains(n));
     let mut read = PhotoTags::default();

@@ -3,6 +3,7 @@
 mod alpha;
 mod cloud;
 mod color_profile;
+mod contained;
 pub(crate) mod exchange;
 mod exif;
 mod folder;

@@ -9,6 +9,7 @@ use slcal_core::PhotoTags;
 use slcal_core::format::recognise;
 
 use super::alpha::{Opacity, without_alpha};
+use super::contained::contained;
 use super::exif::read_tags;
 use super::input_kind::InputKind;
 use super::jpeg_segments::{START_OF_SCAN, segments};
@@ -131,7 +132,9 @@ pub(crate) fn decode_photo_as(bytes: &[u8], name: &str, samples: Samples) -> Out
     limits.max_alloc = Some(decoder_limit(format, bytes));
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.limits(limits);
-    let mut decoder = reader.into_decoder().map_err(|e| undecoded(&e))?;
+    // The decoders are other crates': where one panics, its file is broken.
+    let gave_up = |why: String| broken(name, format, &format_args!("its decoder gave up: {why}"));
+    let mut decoder = contained(|| reader.into_decoder()).map_err(gave_up)?.map_err(|e| undecoded(&e))?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
         return Err(broken(name, format, &format_args!("it has {width}x{height} pixels")));
@@ -143,13 +146,14 @@ pub(crate) fn decode_photo_as(bytes: &[u8], name: &str, samples: Samples) -> Out
             "reduce the picture",
         ));
     }
-    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let orientation = contained(|| decoder.orientation()).map_err(gave_up)?;
+    let orientation = orientation.unwrap_or(Orientation::NoTransforms);
     let says = match samples {
         // A profile that cannot be read is one that says nothing.
         Samples::AsFileSays => {
             let profile = match format {
                 ImageFormat::Tiff => tiff_tag(bytes, ICC_PROFILE).map(<[u8]>::to_vec),
-                _ => decoder.icc_profile().ok().flatten(),
+                _ => contained(|| decoder.icc_profile()).map_err(gave_up)?.ok().flatten(),
             };
             coding((format == ImageFormat::Png).then_some(bytes), profile.as_deref())
         }
@@ -183,9 +187,11 @@ pub(crate) fn decode_photo_as(bytes: &[u8], name: &str, samples: Samples) -> Out
         return Err(refused(name, &excess, "reduce the picture"));
     }
     let photo = if named_inks {
-        decode_named_inks(bytes).map_err(|why| broken(name, format, &why))?
+        let decoded = contained(|| decode_named_inks(bytes)).map_err(gave_up)?;
+        decoded.map_err(|why| broken(name, format, &why))?
     } else {
-        DynamicImage::from_decoder(decoder).map_err(|e| undecoded(&e))?
+        let decoded = contained(|| DynamicImage::from_decoder(decoder)).map_err(gave_up)?;
+        decoded.map_err(|e| undecoded(&e))?
     };
     let mut decoded = Decoded { photo, orientation, converted: None, notes: Vec::new() };
     decoded.notes.extend(transparency(&decoded.photo, name)?);
