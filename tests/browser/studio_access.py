@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import http.client
 import io
 import socket
@@ -288,9 +289,47 @@ def loopback_alone_is_served(bench: Bench) -> None:
             assert knock.connect_ex((address, studio.port)) != 0, f"answers at {address}"
 
 
+def slow_heads_lock_nobody_out(bench: Bench) -> None:
+    with bench.real("slow") as studio:
+        slow = [socket.socket() for _ in range(200)]
+        try:
+            for one in slow:
+                # Another machine, as far as the server can tell.
+                one.bind(("127.0.0.2", 0))
+                one.connect((HOST, studio.port))
+                one.sendall(b"GET / HTTP/1.1\r\nHost: ")
+                one.setblocking(False)
+            begin, left = time.monotonic(), slow
+            while left:
+                assert time.monotonic() - begin < 30, f"{len(left)} heads that never end are still open"
+                asked = time.monotonic()
+                assert studio.request("GET", "/api/state", role="operator").status == 200
+                assert time.monotonic() - asked < 5, "a page waits for the heads of others"
+                left = [one for one in left if drips(one)]
+                time.sleep(0.5)
+        except OSError as unbound:
+            if unbound.errno == errno.EADDRNOTAVAIL:
+                raise Skipped("this machine has one loopback address") from None
+            raise
+        finally:
+            for one in slow:
+                one.close()
+
+
+def drips(connection: socket.socket) -> bool:
+    """Sends one byte more of a head; whether the other side is still there."""
+    try:
+        connection.send(b"x")
+        return connection.recv(1024) != b""
+    except BlockingIOError:
+        return True
+    except (BrokenPipeError, ConnectionResetError):
+        return False
+
+
 CHECKS = (
     no_token_or_a_wrong_one_opens_nothing, answers_carry_what_keeps_browsers_safe, foreign_hosts_and_origins_are_refused,
     every_role_keeps_to_what_it_may, the_phone_uploads_and_nothing_else, nothing_changes_by_get, large_uploads_are_refused,
     what_is_no_photograph_is_refused, names_of_uploads_never_become_paths, photographs_are_served_without_what_the_camera_wrote,
-    loopback_alone_is_served,
+    loopback_alone_is_served, slow_heads_lock_nobody_out,
 )

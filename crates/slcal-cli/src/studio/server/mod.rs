@@ -2,6 +2,7 @@
 
 pub(super) mod access;
 mod answer;
+mod connections;
 pub(super) mod hub;
 pub(super) mod links;
 mod pages;
@@ -25,15 +26,12 @@ pub(super) fn serve(hub: &Arc<Hub>, listener: TcpListener) -> std::io::Result<()
     runtime.block_on(async {
         listener.set_nonblocking(true)?;
         let listener = tokio::net::TcpListener::from_std(listener)?;
-        let server = axum::serve(listener, routes::router(hub.clone())).into_future();
-        tokio::pin!(server);
+        tokio::spawn(connections::serve(listener, routes::router(hub.clone())));
         let mut interval = tokio::time::interval(TICK);
         interval.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
         loop {
-            tokio::select! {
-                _ = interval.tick() => hub.tick(),
-                ended = &mut server => return ended,
-            }
+            interval.tick().await;
+            hub.tick();
         }
     })
 }
