@@ -1,15 +1,23 @@
 #!/usr/bin/env bash
 # Fuzzes the targets of fuzz/, all of them or those that are named, for some seconds each:
 #
-#     scripts/fuzz.sh [--seconds 60] [TARGET ...]
+#     scripts/fuzz.sh [--seconds 60] [--seed N] [TARGET ...]
 #
+# With a seed, and without what earlier runs learned, every run goes through the same inputs in the same order.
 # Needs a C++ compiler; no cargo-fuzz and no nightly compiler. What it learns stays in fuzz/corpus, inputs that break something are
 # written to fuzz/artifacts and named at the end.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../fuzz"
 
 seconds=60
-if [ "${1:-}" = --seconds ]; then seconds=$2; shift 2; fi
+seed=0
+while true; do
+    case "${1:-}" in
+        --seconds) seconds=$2; shift 2 ;;
+        --seed) seed=$2; shift 2 ;;
+        *) break ;;
+    esac
+done
 if [ $# = 0 ]; then set -- $(ls fuzz_targets/*.rs | xargs -n1 basename -s .rs); fi
 
 # The instrumentation that cargo-fuzz asks for. A target is named so that build scripts do without it.
@@ -24,7 +32,7 @@ broken=()
 for target in "$@"; do
     mkdir -p "corpus/$target" "artifacts/$target"
     echo "== $target"
-    "target/$host/release/$target" "corpus/$target" "seeds/$target" -max_total_time="$seconds" -timeout=10 \
+    "target/$host/release/$target" "corpus/$target" "seeds/$target" -max_total_time="$seconds" -seed="$seed" -timeout=10 \
         -rss_limit_mb=2048 -max_len=16384 -artifact_prefix="artifacts/$target/" -print_final_stats=1 \
         >"artifacts/$target.log" 2>&1 || broken+=("$target")
     grep -E "number_of_executed_units|^SUMMARY|panicked at|Test unit written" "artifacts/$target.log" || true

@@ -39,7 +39,7 @@ pub(crate) fn load_observations(path: &Path) -> Outcome<Observations> {
 pub(crate) fn load_checker(path: &Path) -> Outcome<CheckerPattern> {
     match load_pattern(path)? {
         Pattern::Checker(pattern) => Ok(pattern),
-        Pattern::Stripes(_) => Err(wrong_kind(path, "checker", "stripes")),
+        other => Err(wrong_kind(path, "checker", other.kind())),
     }
 }
 
@@ -47,7 +47,7 @@ pub(crate) fn load_checker(path: &Path) -> Outcome<CheckerPattern> {
 pub(crate) fn load_stripes(path: &Path) -> Outcome<StripePattern> {
     match load_pattern(path)? {
         Pattern::Stripes(pattern) => Ok(pattern),
-        Pattern::Checker(_) => Err(wrong_kind(path, "stripes", "checker")),
+        other => Err(wrong_kind(path, "stripes", other.kind())),
     }
 }
 

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::recognise::read_json;
 use crate::error::{Error, ErrorSubject, Result};
-use crate::pattern::{Axis, CheckerPattern, Pattern, StripePattern, unique_window};
+use crate::pattern::{Axis, CheckerPattern, Pattern, SequencePattern, StripePattern, unique_window};
 
 const SCHEMA: &str = "slcal-pattern/1";
 
@@ -43,7 +43,7 @@ fn malformed(detail: impl Into<String>) -> Error {
     Error::malformed(ErrorSubject::PatternFile, detail)
 }
 
-/// Reads a pattern of either kind. `axis`, `width_px` and `order` of stripes may be left out by other programs
+/// Reads a pattern of any kind. `axis`, `width_px` and `order` of stripes may be left out by other programs
 /// (columns, half the period, the shortest window that is unique); unknown fields are ignored.
 ///
 /// # Errors
@@ -66,9 +66,12 @@ pub fn read_pattern(input: impl Read) -> Result<Pattern> {
     match tag("kind") {
         Some("checker") => checker(value).map_err(broken).map(Pattern::Checker),
         Some("stripes") => stripes(value).map_err(broken).map(Pattern::Stripes),
+        Some("sequence") => sequence(value).map_err(broken).map(Pattern::Sequence),
         _ => {
             let found = value.get("kind").map_or("none".into(), Value::to_string);
-            Err(malformed(format!("expected \"kind\": \"checker\" or \"stripes\", found {found}")))
+            Err(malformed(format!(
+                "expected \"kind\": \"checker\", \"stripes\" or \"sequence\", found {found}"
+            )))
         }
     }
 }
@@ -76,6 +79,13 @@ pub fn read_pattern(input: impl Read) -> Result<Pattern> {
 fn checker(value: Value) -> Result<CheckerPattern> {
     let pattern: CheckerPattern =
         serde_json::from_value(value).map_err(|e| malformed(format!("checker: {e}")))?;
+    pattern.validate()?;
+    Ok(pattern)
+}
+
+fn sequence(value: Value) -> Result<SequencePattern> {
+    let pattern: SequencePattern =
+        serde_json::from_value(value).map_err(|e| malformed(format!("sequence: {e}")))?;
     pattern.validate()?;
     Ok(pattern)
 }
@@ -112,7 +122,7 @@ fn stripes(value: Value) -> Result<StripePattern> {
     Ok(pattern)
 }
 
-/// Writes a pattern of either kind.
+/// Writes a pattern of any kind.
 ///
 /// # Errors
 /// [`Error::Io`] when the stream fails.
@@ -128,7 +138,9 @@ pub fn write_pattern(pattern: &Pattern, mut output: impl Write) -> Result<()> {
 mod tests {
     use super::*;
     use crate::for_tests::rendered_scenes;
-    use crate::pattern::{CheckerConfig, StripeConfig};
+    use crate::pattern::{
+        CheckerConfig, FrameLight, SequenceAxes, SequenceConfig, SinusoidConfig, StripeConfig,
+    };
     use serde_json::json;
 
     fn text(pattern: &Pattern) -> Value {
@@ -153,7 +165,13 @@ mod tests {
     fn what_is_written_is_read() {
         let config = CheckerConfig { marks: true, ..CheckerConfig::default() };
         let marked = Pattern::Checker(CheckerPattern::new([1024, 768], &config).unwrap());
-        for pattern in [default_checker(), default_stripes(), marked] {
+        let both = SequenceConfig {
+            axes: SequenceAxes::Both,
+            sinusoid: Some(SinusoidConfig::default()),
+            ..SequenceConfig::default()
+        };
+        let sequence = Pattern::Sequence(SequencePattern::new([1024, 768], &both).unwrap());
+        for pattern in [default_checker(), default_stripes(), marked, sequence] {
             assert_eq!(read(&text(&pattern)).unwrap(), pattern);
         }
         assert!(text(&default_checker()).get("marks").is_none());
@@ -185,6 +203,25 @@ mod tests {
         file["squares"] = json!([10, 8]);
         let Pattern::Checker(p) = read(&file).unwrap() else { panic!("checker") };
         assert!(p.half_turn_ambiguous());
+    }
+
+    #[test]
+    fn a_sequence_from_elsewhere_needs_neither_files_nor_axes() {
+        let bit = |bit, inverted| json!({"is": "bit", "bit": bit, "inverted": inverted});
+        let mut file = json!({"schema": SCHEMA, "kind": "sequence", "projector": [4, 3], "by": "another program",
+            "frames": [bit(1, false), bit(1, true), bit(0, true), {"is": "bit", "bit": 0, "note": 7}]});
+        let Pattern::Sequence(p) = read(&file).unwrap() else { panic!("sequence") };
+        assert_eq!(p.frames[2].light, FrameLight::Bit { axis: Axis::Columns, bit: 0, inverted: true });
+        for (frame, word) in [
+            (json!({"is": "bit"}), "bit"),
+            (json!({"is": "dots"}), "dots"),
+            (json!({"is": "sinusoid", "period_px": 8, "step": 9, "of": 4}), "frames[1]"),
+            (json!(7), "sequence"),
+        ] {
+            file["frames"][1] = frame;
+            let message = read(&file).unwrap_err();
+            assert!(message.contains(word), "{word}: {message}");
+        }
     }
 
     #[test]

@@ -1,13 +1,14 @@
-//! Projected patterns: checkerboards and De Bruijn stripes, and their rendering.
+//! Projected patterns: checkerboards, De Bruijn stripes, sequences of Gray code and sinusoids, and their rendering.
 
 mod checker;
 mod de_bruijn;
 mod draw;
 mod marks;
 mod panel;
+mod sequence;
 mod stripes;
 
-use image::RgbImage;
+use image::{DynamicImage, RgbImage};
 use serde::Serialize;
 
 use crate::error::Result;
@@ -16,9 +17,14 @@ pub use checker::{CheckerConfig, CheckerPattern, SquareColor};
 public_with! { "stages": pub use de_bruijn::{de_bruijn, unique_window}; }
 pub(crate) use draw::warp_image;
 pub use marks::PanelMarks;
+pub(crate) use sequence::gray_code;
+pub use sequence::{
+    AxisCode, FrameLight, SequenceAxes, SequenceConfig, SequenceFrame, SequencePattern, SequencePreset,
+    SinusoidConfig,
+};
 pub use stripes::{Axis, StripeConfig, StripePattern};
 
-/// Either kind of pattern.
+/// A pattern of any kind.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Pattern {
@@ -26,6 +32,8 @@ pub enum Pattern {
     Checker(CheckerPattern),
     /// Stripes, for reconstruction.
     Stripes(StripePattern),
+    /// Pictures that are shown one after another, for both.
+    Sequence(SequencePattern),
 }
 
 impl Pattern {
@@ -35,17 +43,29 @@ impl Pattern {
         match self {
             Self::Checker(p) => p.projector,
             Self::Stripes(p) => p.projector,
+            Self::Sequence(p) => p.projector,
         }
     }
 
-    /// The picture to project.
+    /// Its kind, as files name it.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Checker(_) => "checker",
+            Self::Stripes(_) => "stripes",
+            Self::Sequence(_) => "sequence",
+        }
+    }
+
+    /// The picture to project; of a sequence, the first one.
     ///
     /// # Errors
-    /// As [`CheckerPattern::image`] and [`StripePattern::image`].
+    /// As [`CheckerPattern::image`], [`StripePattern::image`] and [`SequencePattern::image`].
     pub fn image(&self) -> Result<RgbImage> {
         match self {
             Self::Checker(p) => p.image(),
             Self::Stripes(p) => p.image(),
+            Self::Sequence(p) => Ok(DynamicImage::ImageLuma8(p.image(0)?).into_rgb8()),
         }
     }
 }

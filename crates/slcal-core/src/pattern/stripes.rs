@@ -20,6 +20,17 @@ pub enum Axis {
 
 named!(Axis, "axis", { Columns => "columns", Rows => "rows" });
 
+impl Axis {
+    /// 0 for columns, which are counted along x, 1 for rows.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        match self {
+            Self::Columns => 0,
+            Self::Rows => 1,
+        }
+    }
+}
+
 /// A multi-slit pattern: coloured slits between black bands (paper, section 3; J. Pagès, J. Salvi, C. Collewet,
 /// J. Forest, "Optimised De Bruijn patterns for one-shot shape acquisition", Image and Vision Computing 23:707-720, 2005).
 #[derive(Debug, Clone, PartialEq, Serialize)]

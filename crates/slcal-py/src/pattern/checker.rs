@@ -15,6 +15,7 @@ use crate::files;
 fn checker(py: Python<'_>, pattern: Pattern) -> PyResult<CheckerPattern> {
     match pattern {
         Pattern::Checker(p) => Ok(CheckerPattern(p)),
+        Pattern::Sequence(_) => Err(errors::invalid(py, "pattern", "a checkerboard", "a sequence")),
         Pattern::Stripes(_) => {
             Err(errors::invalid(py, "pattern", "a checkerboard", "stripes; StripePattern.load reads them"))
         }

@@ -7,6 +7,8 @@ mod stripes;
 use pyo3::prelude::*;
 use slcal_core::pattern::Pattern;
 
+use crate::errors;
+
 pub(crate) use checker::CheckerPattern;
 pub(crate) use stripes::StripePattern;
 
@@ -39,5 +41,8 @@ fn load_pattern<'py>(file: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     Ok(match file::from_file(file)? {
         Pattern::Checker(p) => Bound::new(py, CheckerPattern(p))?.into_any(),
         Pattern::Stripes(p) => Bound::new(py, StripePattern(p))?.into_any(),
+        Pattern::Sequence(_) => {
+            return Err(errors::invalid(py, "pattern", "a checkerboard or stripes", "a sequence"));
+        }
     })
 }

@@ -16,6 +16,7 @@ use crate::files;
 fn stripes(py: Python<'_>, pattern: Pattern) -> PyResult<StripePattern> {
     match pattern {
         Pattern::Stripes(p) => Ok(StripePattern(p)),
+        Pattern::Sequence(_) => Err(errors::invalid(py, "pattern", "stripes", "a sequence")),
         Pattern::Checker(_) => {
             Err(errors::invalid(py, "pattern", "stripes", "a checkerboard; CheckerPattern.load reads it"))
         }

@@ -8,6 +8,7 @@ use crate::cloud::PointCloud;
 use crate::convert::array::shaped;
 use crate::convert::image::array_of;
 use crate::convert::report::LazyReport;
+use crate::errors;
 use crate::matches::Matches;
 use crate::pattern::{CheckerPattern, StripePattern};
 use crate::rig::Rig;
@@ -49,6 +50,9 @@ impl Scene {
         Ok(match self.scene.pattern.clone() {
             Pattern::Checker(p) => Bound::new(py, CheckerPattern(p))?.into_any(),
             Pattern::Stripes(p) => Bound::new(py, StripePattern(p))?.into_any(),
+            Pattern::Sequence(_) => {
+                return Err(errors::invalid(py, "pattern", "a checkerboard or stripes", "a sequence"));
+            }
         })
     }
 

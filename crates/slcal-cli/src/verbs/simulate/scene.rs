@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use slcal_core::Rig;
-use slcal_core::pattern::Pattern;
 use slcal_core::simulate::{PatternKind, RenderConfig, RigConfig, SceneSetup, SurfaceKind, WallKind};
 
 use super::outputs::{SceneOutputs, contents, names};
@@ -168,10 +167,7 @@ fn pattern(args: &SceneArgs, known_rig: Option<&Rig>) -> Outcome<PatternKind> {
         (Some(path), _) => path,
     };
     let pattern = load_pattern(path)?;
-    let panel = match &pattern {
-        Pattern::Checker(p) => p.projector,
-        Pattern::Stripes(p) => p.projector,
-    };
+    let panel = pattern.projector();
     let projector = args.of_rig.projector;
     match (known_rig, &args.rig) {
         (Some(rig), Some(file)) => check_panel(path, panel, file, rig)?,

@@ -11,6 +11,7 @@ use super::sheet_object::SheetObject;
 use super::simulated::SimulatedScene;
 use super::surface::Surface;
 use crate::error::{Error, ErrorSubject, Result};
+use crate::matches::Matches;
 use crate::pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
 use crate::rig::Rig;
 use crate::simulate::bend::BendReport;
@@ -224,11 +225,7 @@ impl SceneSetup {
             (rig, Some(square))
         };
         if let PatternKind::Known(pattern) = &self.pattern {
-            let panel = match pattern {
-                Pattern::Checker(p) => p.projector,
-                Pattern::Stripes(p) => p.projector,
-            };
-            rig.projector_for(ErrorSubject::Pattern, panel)?;
+            rig.projector_for(ErrorSubject::Pattern, pattern.projector())?;
             return Ok((rig, pattern.clone()));
         }
         let projector = rig.require_projector()?.device.model;
@@ -299,6 +296,7 @@ impl PreparedScene {
         let matches = match &self.pattern {
             Pattern::Stripes(stripes) => photographer.stripe_matches(stripes),
             Pattern::Checker(checker) => photographer.corner_matches(checker),
+            Pattern::Sequence(_) => Matches::default(),
         };
         let PreparedScene { rig, pattern, picture, bend, thickness_mm, .. } = self;
         let report = SceneReport { bend, thickness_mm, ..photographer.report(&matches) };
