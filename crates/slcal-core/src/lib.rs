@@ -114,6 +114,7 @@ pub mod verify;
 mod assumption;
 mod channel_registration;
 mod cloud;
+mod dense_matches;
 mod error;
 #[cfg(test)]
 mod for_tests;
@@ -134,6 +135,7 @@ pub use channel_registration::{
     ChannelDisplacements, ChannelRegistration, LateralColor, PanelDisplacement, RedBlue, RegistrationSource,
 };
 pub use cloud::{CloudPoint, Frame, PointCloud};
+pub use dense_matches::DenseMatches;
 pub use error::{Cause, Error, ErrorClass, ErrorSubject, Result};
 pub use geometry::{Camera, Distortion, Intrinsics, Pose, RectangleSize, SheetBend, SheetSize};
 pub use matches::{Match, Matches};
@@ -141,7 +143,9 @@ pub use observations::{
     ChannelOffset, CornerPair, EdgePoint, Observations, PanelPoint, SheetObservation, ViewObservation,
 };
 pub use parameter::{LensParameter, Parameter, PoseParameter};
-pub use pattern::{CheckerConfig, CheckerPattern, Pattern, StripeConfig, StripePattern};
+pub use pattern::{
+    CheckerConfig, CheckerPattern, Pattern, SequenceConfig, SequencePattern, StripeConfig, StripePattern,
+};
 pub use photo::{Encoding, PhotoView};
 #[cfg(feature = "report")]
 pub use pipeline::CloudReport;

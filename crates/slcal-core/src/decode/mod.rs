@@ -1,4 +1,5 @@
-//! Photograph of stripes → [`crate::Matches`]: which slit illuminates which pixel.
+//! Photograph of stripes → [`crate::Matches`]: which slit illuminates which pixel. Photographs of a sequence →
+//! [`crate::DenseMatches`]: which panel pixel does (`sequence`).
 //!
 //! A few scanlines give the direction of the stripes, their width and their sharpness (`stripe_scale`, `noise`), and what
 //! looks like stripes in the dark (`unlit_noise`).
@@ -29,6 +30,7 @@ mod rgb;
 mod row_parity;
 mod running_mean;
 mod scanlines;
+mod sequence;
 mod sequence_alignment;
 mod slit_layout;
 mod stripe_centers;
@@ -45,3 +47,4 @@ pub use config::{DecodeConfig, DecodeInput};
 public_with! { "report": pub use config::{ChannelShift, DecodeReport, Rejected, ScanDirection}; }
 public_with! { "stages": pub use config::Decoding; }
 public_with! { "stages": pub use decoder::{Decoder, decode}; }
+pub use sequence::{SequenceDecodeConfig, SequenceDecodeReport, SequenceDecoder, SequenceDecoding};

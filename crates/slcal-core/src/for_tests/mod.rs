@@ -7,5 +7,5 @@ mod rig;
 
 pub(crate) use cloud::test_cloud;
 pub(crate) use layouts::layouts;
-pub(crate) use rendered_scenes::rendered_scenes;
+pub(crate) use rendered_scenes::{rendered_scenes, shared_data};
 pub(crate) use rig::test_rig;

@@ -49,8 +49,9 @@ pub fn write_matches(matches: &Matches, output: impl Write) -> Result<()> {
 
 /// At most five decimals (1e-5 px is far below any measurement), without trailing zeros.
 fn short(x: f64) -> String {
-    let rounded = (x * 1e5).round() / 1e5;
-    format!("{}", if rounded.is_finite() { rounded } else { x })
+    // Larger numbers have fewer decimals; rounded, they would change every time that they are written.
+    const LARGE: f64 = 1e9;
+    format!("{}", if x.abs() < LARGE { (x * 1e5).round() / 1e5 } else { x })
 }
 
 /// Reads matches: `u`, `v` and at least one of `projector_column` and `projector_row`, in any order of columns; `slit`,
@@ -167,6 +168,15 @@ mod tests {
             confidence: 0.9,
             sigma_px: 0.05,
             color: [255; 3],
+        }
+    }
+
+    #[test]
+    fn rounding_twice_is_rounding_once() {
+        for x in [0.1234567, -885.463_025, 1e9 - 0.123_456, 3.914_638_888_888_888_9e55, 0.711_111e70, f64::MAX] {
+            let once = short(x);
+            assert_eq!(short(once.parse().unwrap()), once);
+            assert!((once.parse::<f64>().unwrap() - x).abs() <= 5.1e-6 * x.abs().max(1.0));
         }
     }
 

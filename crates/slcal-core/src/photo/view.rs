@@ -258,6 +258,20 @@ impl<'a> PhotoView<'a> {
         }
     }
 
+    /// The samples of a row, of the slice that holds all.
+    #[inline]
+    pub(crate) fn row_of<'s, T>(&self, samples: &'s [T], y: usize) -> &'s [T] {
+        let start = y * self.row_stride;
+        &samples[start..start + self.width * self.layout.channels()]
+    }
+
+    /// Red, green and blue of the pixels of a row.
+    #[inline]
+    pub(crate) fn pixels_of<'s, T: Copy>(&self, row: &'s [T]) -> impl Iterator<Item = [T; 3]> + use<'s, T> {
+        let [r, g, b] = self.layout.rgb_offsets();
+        row.chunks_exact(self.layout.channels()).map(move |p| [p[r], p[g], p[b]])
+    }
+
     /// Where the samples of a pixel lie. (Channels are written out in this file: a closure mapped over an array of three
     /// is not always inlined.)
     #[inline]

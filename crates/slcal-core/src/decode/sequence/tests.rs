@@ -1,0 +1,166 @@
+//! Sequences against truth: frames that follow from a formula, and a real stack.
+
+use image::DynamicImage;
+
+use super::*;
+use crate::error::Result;
+use crate::for_tests::shared_data;
+use crate::pattern::{
+    FrameLight, SequenceAxes, SequenceConfig, SequencePattern, SequencePreset, SinusoidConfig,
+};
+use crate::photo::{Layout, PhotoView, Samples};
+
+const WIDTH: usize = 400;
+const HEIGHT: usize = 300;
+const PANEL: [u32; 2] = [1024, 768];
+
+/// What a camera sees: a slanted surface of two shades, the light of a projector and of a room, with noise.
+#[derive(Clone, Copy)]
+struct Scene {
+    gamma: f64,
+    /// Code values of 8 bit.
+    noise: f64,
+    albedo: f64,
+    ambient: f64,
+}
+
+const USUAL: Scene = Scene { gamma: 2.2, noise: 2.0, albedo: 0.8, ambient: 0.1 };
+
+/// Where on the panel the light of a pixel comes from.
+fn truth(u: usize, v: usize) -> [f64; 2] {
+    let (u, v) = (u as f64, v as f64);
+    [150.3 + 1.3 * u + 0.11 * v + 25.0 * (u / 90.0).sin(), 60.7 - 0.07 * u + 1.9 * v + 12.0 * (v / 70.0).cos()]
+}
+
+/// Normal deviates, the same for the same seed.
+struct Noise(u64);
+
+impl Noise {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}
+
+impl Scene {
+    /// The share of a panel's light that a pixel sees of a frame, blurred over a panel pixel.
+    fn light(&self, pattern: &SequencePattern, light: FrameLight, at: [f64; 2]) -> f64 {
+        let level = match light {
+            FrameLight::White => 1.0,
+            FrameLight::Black => 0.0,
+            FrameLight::Sinusoid { axis, period_px, step, of } => {
+                let turns = at[axis.index()] / period_px - f64::from(step) / f64::from(of);
+                0.5 + 0.5 * (std::f64::consts::TAU * turns).cos()
+            }
+            FrameLight::Bit { axis, bit, inverted } => {
+                let code = pattern.code(axis).unwrap();
+                // The share of a footprint of one panel pixel that is lit.
+                let place = at[axis.index()];
+                let lit = |column: f64| {
+                    let cell = (column.max(0.0) as u32) / code.cell_px;
+                    f64::from((cell ^ (cell >> 1)) >> bit & 1)
+                };
+                let first = place.floor();
+                let share = place - first;
+                let level = (1.0 - share) * lit(first) + share * lit(first + 1.0);
+                return if inverted { 1.0 - level } else { level };
+            }
+        };
+        level.powf(self.gamma)
+    }
+
+    fn frames(&self, pattern: &SequencePattern, seed: u64) -> Vec<Vec<u8>> {
+        let mut noise = Noise(seed);
+        let frame = |light: FrameLight| {
+            let pixels = (0..WIDTH * HEIGHT).map(|i| {
+                let of_projector = self.light(pattern, light, truth(i % WIDTH, i / WIDTH));
+                let level = 230.0 * self.albedo * (self.ambient + of_projector);
+                (level + self.noise * noise.normal()).round().clamp(0.0, 255.0) as u8
+            });
+            pixels.collect()
+        };
+        pattern.frames.iter().map(|f| frame(f.light)).collect()
+    }
+}
+
+fn views(frames: &[Vec<u8>]) -> Vec<PhotoView<'_>> {
+    let view = |f| PhotoView::new(Samples::U8(f), WIDTH, HEIGHT, WIDTH, Layout::Grey).unwrap();
+    frames.iter().map(|f| view(f.as_slice())).collect()
+}
+
+fn decode(pattern: &SequencePattern, frames: &[Vec<u8>]) -> Result<SequenceDecoding> {
+    SequenceDecoder::new(pattern, SequenceDecodeConfig::default())?.decode(&views(frames))
+}
+
+fn phase(axes: SequenceAxes, period_px: f64, steps: u32) -> SequencePattern {
+    let sinusoid = Some(SinusoidConfig { period_px, steps });
+    SequencePattern::new(PANEL, &SequenceConfig { axes, sinusoid, ..SequenceConfig::default() }).unwrap()
+}
+
+/// Errors of the positions on an axis, and errors over σ.
+fn errors(of: &[f32], sigma: &[f32], axis: usize) -> Vec<(f64, f64)> {
+    let known = of.iter().zip(sigma).enumerate().filter(|(_, (x, _))| x.is_finite());
+    let error = |i: usize, x: f32| f64::from(x) - truth(i % WIDTH, i / WIDTH)[axis];
+    known.map(|(i, (x, s))| (error(i, *x), error(i, *x) / f64::from(*s))).collect()
+}
+
+fn rms(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    (values.clone().map(|x| x * x).sum::<f64>() / values.count() as f64).sqrt()
+}
+
+#[test]
+fn phases_reach_the_bound_of_the_noise_whatever_the_gamma() {
+    for (albedo, gamma, period, steps) in [(0.8, 2.2, 16.0, 8), (0.5, 2.2, 16.0, 5), (0.2, 2.2, 16.0, 8), (0.8, 1.0, 20.0, 8)] {
+        let scene = Scene { albedo, gamma, ..USUAL };
+        let pattern = phase(SequenceAxes::Columns, period, steps);
+        let found = decode(&pattern, &scene.frames(&pattern, 7)).unwrap();
+        // The first harmonic of a sinusoid's power, by numerical integration.
+        let n = 1000;
+        let harmonic = (0..n).map(|i| std::f64::consts::TAU * f64::from(i) / f64::from(n));
+        let share: f64 = harmonic.map(|a| (0.5 + 0.5 * a.cos()).powf(gamma) * a.cos()).sum::<f64>() * 2.0 / f64::from(n);
+        let amplitude = 230.0 * albedo * share;
+        // Rounding to whole code values is noise, too.
+        let noise = scene.noise.hypot(1.0 / 12.0_f64.sqrt());
+        let bound = period / std::f64::consts::TAU * (2.0 / f64::from(steps)).sqrt() * noise / amplitude;
+        let errors = errors(&found.matches.column, &found.matches.sigma_column, 0);
+        assert_eq!(errors.len(), WIDTH * HEIGHT, "{:?}", found.report);
+        let (of_error, of_ratio) = (rms(errors.iter().map(|e| e.0)), rms(errors.iter().map(|e| e.1)));
+        assert!(of_error <= 1.15 * bound, "rms {of_error}, bound {bound}");
+        assert!((0.9..1.1).contains(&of_ratio), "error over σ: {of_ratio}");
+        assert!(errors.iter().all(|e| e.0.abs() < 0.5 * period));
+        assert!(found.matches.row.is_empty() && (found.report.noise * 255.0 - noise).abs() < 0.2, "{:?}", found.report);
+    }
+}
+
+#[test]
+fn gray_code_is_read_to_a_part_of_a_cell() {
+    for (preset, bits) in [(SequencePreset::OpencvGray, None), (SequencePreset::OpencvGray, Some(9))] {
+        let pattern = SequencePattern::preset(PANEL, preset, bits).unwrap();
+        let found = decode(&pattern, &USUAL.frames(&pattern, 3)).unwrap();
+        for (axis, of, sigma) in [
+            (0, &found.matches.column, &found.matches.sigma_column),
+            (1, &found.matches.row, &found.matches.sigma_row),
+        ] {
+            let errors = errors(of, sigma, axis);
+            assert!(errors.len() as f64 > 0.9 * (WIDTH * HEIGHT) as f64, "{:?}", found.report);
+            assert!(rms(errors.iter().map(|e| e.0)) < 0.3, "{}", rms(errors.iter().map(|e| e.0)));
+            assert!(errors.iter().all(|e| e.0.abs() < 2.0));
+        }
+    }
+}
+
+#[test]
+fn a_real_stack_is_read() {
+    let Some(folder) = shared_data("real/gray_stack") else { return };
+    let frames: Vec<DynamicImage> =
+        (0..42).map(|i| image::open(folder.join(format!("graycode_{i:02}.png"))).unwrap()).collect();
+    let views: Vec<PhotoView<'_>> = frames.iter().map(|f| PhotoView::try_from(f).unwrap()).collect();
+    let pattern = SequencePattern::preset(PANEL, SequencePreset::OpencvGray, None).unwrap();
+    let start = std::time::Instant::now();
+    let found = SequenceDecoder::new(&pattern, SequenceDecodeConfig::default()).unwrap().decode(&views).unwrap();
+    println!("{:?} {:?}", start.elapsed(), found.report);
+}
