@@ -51,7 +51,9 @@ impl DenseMatches {
             projector_row: value(&self.row, i),
             slit: None,
             confidence: self.confidence.get(i).map_or(1.0, |c| f64::from(*c)),
-            sigma_px: value(&self.sigma_column, i).or(value(&self.sigma_row, i)).unwrap_or(Match::DEFAULT_SIGMA_PX),
+            sigma_px: value(&self.sigma_column, i)
+                .or(value(&self.sigma_row, i))
+                .unwrap_or(Match::DEFAULT_SIGMA_PX),
             color: self.color.get(i).copied().unwrap_or([255; 3]),
         });
         Matches { items: items.collect() }

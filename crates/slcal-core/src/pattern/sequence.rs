@@ -115,7 +115,8 @@ named!(SequencePreset, "preset", { OpencvGray => "opencv-gray", SlstudioGray => 
 pub struct SequenceConfig {
     /// What is coded.
     pub axes: SequenceAxes,
-    /// Number of bits, the most significant ones. `None`: all, or with a sinusoid as many as tell its periods apart.
+    /// Number of bits, the most significant ones. `None`: all, or with a sinusoid one more than tell its periods apart. A pixel at the border
+    /// of a cell may be read as on its other side; half a period is the margin then, and no pixel is off by one.
     pub bits: Option<u32>,
     /// The sinusoid within a cell of the Gray code.
     pub sinusoid: Option<SinusoidConfig>,
@@ -173,7 +174,7 @@ impl SequencePattern {
             let all = bits_of(projector[axis.index()]);
             let needed = match config.sinusoid {
                 Some(SinusoidConfig { period_px, .. }) if period_px >= 1.0 => {
-                    all.saturating_sub(period_px.log2() as u32)
+                    (all + 1).saturating_sub(period_px.log2() as u32).min(all)
                 }
                 _ => all,
             };
@@ -467,7 +468,7 @@ mod tests {
 
     #[test]
     fn sinusoids_have_the_bits_that_tell_their_periods_apart() {
-        for (period_px, bits, cell) in [(16.0, 6, 16), (20.0, 6, 16), (32.0, 5, 32)] {
+        for (period_px, bits, cell) in [(16.0, 7, 8), (20.0, 7, 8), (32.0, 6, 16)] {
             let sinusoid = Some(SinusoidConfig { period_px, steps: 8 });
             let config = SequenceConfig { sinusoid, ..SequenceConfig::default() };
             let pattern = SequencePattern::new([1024, 768], &config).unwrap();
@@ -491,24 +492,24 @@ mod tests {
         };
         for (word, change) in [
             (
-                "from 0 to 5",
+                "from 0 to 6",
                 &(|p: &mut SequencePattern| drop(p.frames.drain(4..6))) as &dyn Fn(&mut SequencePattern),
             ),
-            ("bit 5 of the columns twice", &|p| p.frames[3] = p.frames[2].clone()),
+            ("bit 6 of the columns twice", &|p| p.frames[3] = p.frames[2].clone()),
             ("white once", &|p| p.frames[1].light = FrameLight::White),
             ("step 7 0 times", &|p| drop(p.frames.pop())),
-            ("bit 5 of the columns alone", &|p| {
+            ("bit 6 of the columns alone", &|p| {
                 p.frames.remove(3);
                 p.frames.remove(0);
             }),
             ("columns, rows, or both", &|p| p.frames.truncate(2)),
-            ("no wider than a period", &|p| drop(p.frames.drain(2..4))),
+            ("no wider than a period", &|p| drop(p.frames.drain(2..6))),
             ("at most 256", &|p| p.frames = vec![p.frames[0].clone(); 300]),
             ("frames[2]", &|p| {
                 p.frames[2].light = FrameLight::Bit { axis: Axis::Columns, bit: 31, inverted: false }
             }),
             ("px or more", &|p| {
-                p.frames[14].light =
+                p.frames[16].light =
                     FrameLight::Sinusoid { axis: Axis::Columns, period_px: f64::NAN, step: 0, of: 8 };
             }),
         ] {

@@ -56,7 +56,10 @@ impl CodeBorders {
             // A run of pixels that see one surface.
             let mut end = start + 1;
             self.borders.clear();
-            while end < cells.len() && cells[end] != u16::MAX && cells[end].abs_diff(cells[end - 1]) <= MOST_CELLS {
+            while end < cells.len()
+                && cells[end] != u16::MAX
+                && cells[end].abs_diff(cells[end - 1]) <= MOST_CELLS
+            {
                 let pair = [cells[end - 1], cells[end]];
                 if pair[0] != pair[1] {
                     self.borders.push(border(planes, pair, end, &index, &sigma));

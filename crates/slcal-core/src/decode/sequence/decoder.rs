@@ -172,11 +172,19 @@ impl SequenceDecoder {
     fn accept(&mut self, frame: usize, photo: &PhotoView<'_>) -> Result<()> {
         let n = self.seen.len();
         if frame >= n {
-            return Err(Error::invalid("frame of the sequence", format!("below {n}, as the pattern has"), frame));
+            return Err(Error::invalid(
+                "frame of the sequence",
+                format!("below {n}, as the pattern has"),
+                frame,
+            ));
         }
         let name = self.plan.lights[frame];
         if self.seen[frame] {
-            return Err(Error::invalid("frames of the sequence", "each once", format!("frame {frame} ({name}) twice")));
+            return Err(Error::invalid(
+                "frames of the sequence",
+                "each once",
+                format!("frame {frame} ({name}) twice"),
+            ));
         }
         let scale = LevelScale::of(photo);
         let is_first = !self.seen.contains(&true);
@@ -248,7 +256,8 @@ impl State {
         photo: &PhotoView<'_>,
         rows: std::ops::Range<usize>,
     ) {
-        let levels_known = [FrameLight::White, FrameLight::Black].iter().all(|l| plan.position(*l).is_some_and(|i| seen[i]));
+        let levels_known =
+            [FrameLight::White, FrameLight::Black].iter().all(|l| plan.position(*l).is_some_and(|i| seen[i]));
         let start = rows.start * self.width;
         let mut own = self.spare.pop().unwrap_or_default();
         levels(photo, rows.clone(), &mut own);
@@ -269,7 +278,8 @@ impl State {
             }
             FrameLight::Bit { axis, bit, inverted } => {
                 if let Some(partner) = plan.partners[frame] {
-                    let Some(at) = self.held.iter().position(|h| h.frame == partner && h.start == start) else {
+                    let Some(at) = self.held.iter().position(|h| h.frame == partner && h.start == start)
+                    else {
                         self.held.push(Held { frame, start, levels: own });
                         return;
                     };
@@ -314,8 +324,13 @@ impl State {
         let Planes { white, black, axes, .. } = &mut self.planes;
         let Some(planes) = &mut axes[axis.index()] else { return };
         let sign = if inverted { -1 } else { 1 };
-        let thresholds = white[start..].iter().zip(&black[start..]).map(|(w, b)| i32::from(*w) + i32::from(*b));
-        planes.fold_bit(bit, start, own.iter().zip(thresholds).map(|(v, sum)| sign * (2 * i32::from(*v) - sum)));
+        let thresholds =
+            white[start..].iter().zip(&black[start..]).map(|(w, b)| i32::from(*w) + i32::from(*b));
+        planes.fold_bit(
+            bit,
+            start,
+            own.iter().zip(thresholds).map(|(v, sum)| sign * (2 * i32::from(*v) - sum)),
+        );
     }
 
     fn decoding(
@@ -426,7 +441,8 @@ impl Reader<'_> {
                 if !self.is_lit(planes, pixel, sigma) {
                     continue;
                 }
-                let cell = if planes.code.bits == 0 { Ok(None) } else { self.cell(planes, pixel, sigma).map(Some) };
+                let cell =
+                    if planes.code.bits == 0 { Ok(None) } else { self.cell(planes, pixel, sigma).map(Some) };
                 match cell.and_then(|cell| position(planes, pixel, cell, sigma)) {
                     Ok((at, sigma)) => (to[pixel], to_sigma[pixel]) = (at, sigma),
                     Err(unread) => counts.count(unread),
@@ -554,7 +570,8 @@ fn check_seen(report: &SequenceDecodeReport) -> Result<()> {
                 "{} lit pixels, of which {} have undecided bits or no amplitude and {} have bits that mean no place on the panel",
                 report.lit, report.undecided, report.contradicting
             ),
-            advice: "check that the pattern file is that of these frames, and that frames are in its order".into(),
+            advice: "check that the pattern file is that of these frames, and that frames are in its order"
+                .into(),
         });
     }
     Ok(())

@@ -58,10 +58,8 @@ impl FrameNoise {
             }
         }
         let least = f64::from(scale.step) / 12.0_f64.sqrt();
-        let mut known: Vec<Option<f64>> = parts
-            .iter_mut()
-            .map(|part| (part.len() >= ENOUGH).then(|| spread(part).max(least)))
-            .collect();
+        let mut known: Vec<Option<f64>> =
+            parts.iter_mut().map(|part| (part.len() >= ENOUGH).then(|| spread(part).max(least))).collect();
         if known.iter().all(Option::is_none) {
             known[0] = Some(least);
         }

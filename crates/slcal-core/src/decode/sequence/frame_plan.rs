@@ -41,7 +41,7 @@ impl FramePlan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pattern::{SequencePreset, SequencePattern};
+    use crate::pattern::{SequencePattern, SequencePreset};
 
     #[test]
     fn white_and_black_come_first_and_pairs_together() {
@@ -54,7 +54,11 @@ mod tests {
         assert_eq!(plan.partners[7], Some(6));
         // All bits, then all inverses.
         let mut far = pattern.clone();
-        far.frames = [0, 1].iter().flat_map(|odd| (0..20).map(move |i| 2 * i + odd)).map(|i| pattern.frames[i].clone()).collect();
+        far.frames = [0, 1]
+            .iter()
+            .flat_map(|odd| (0..20).map(move |i| 2 * i + odd))
+            .map(|i| pattern.frames[i].clone())
+            .collect();
         assert_eq!(FramePlan::of(&far).reading_order[..4], [0, 20, 1, 21]);
     }
 }

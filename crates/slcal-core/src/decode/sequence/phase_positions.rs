@@ -5,12 +5,21 @@ use super::planes::{AxisPlanes, border_bit};
 
 /// Largest σ of a phase, as a share of the period: beyond, the period next to it is as good.
 const MOST_SIGMA: f32 = 1.0 / 12.0;
+/// A bit has clearly less contrast than another below one part in this.
+const CLEARLY: f32 = 2.0;
+/// A phase is not off by more than this many times its σ.
+const PHASE_SIGMAS: f32 = 5.0;
 /// Where code and phase are compared across a border of a cell: the share of a period on either side.
 const NEAR_BORDER: f32 = 0.25;
 
 /// Position and σ on the panel, px. `sigma` is the noise of a level.
 #[inline]
-pub(super) fn position(planes: &AxisPlanes, pixel: usize, cell: Option<PixelCell>, sigma: f32) -> Result<(f32, f32), Unread> {
+pub(super) fn position(
+    planes: &AxisPlanes,
+    pixel: usize,
+    cell: Option<PixelCell>,
+    sigma: f32,
+) -> Result<(f32, f32), Unread> {
     let Some((period, steps)) = planes.code.sinusoid else { return Err(Unread::Undecided) };
     let (period, steps) = (period as f32, steps as f32);
     let (cosine, sine) = (planes.cosine[pixel], planes.sine[pixel]);
@@ -39,7 +48,7 @@ pub(super) fn position(planes: &AxisPlanes, pixel: usize, cell: Option<PixelCell
             let cell_px = planes.code.cell_px as f32;
             let first = f32::from(cell) * cell_px - 0.5;
             let at = nearest(phase, period, first + 0.5 * cell_px);
-            across_border(planes, pixel, cell, at, period)
+            across_border(planes, pixel, cell, (at, sigma), period)
         }
     };
     if at < -1.0 || at > extent {
@@ -57,15 +66,12 @@ fn nearest(phase: f32, period: f32, place: f32) -> f32 {
 /// Near a border of its cell, a position may belong to the other side of the opposite border: the bit whose border is here has less
 /// contrast than that of the other one.
 #[inline]
-fn across_border(planes: &AxisPlanes, pixel: usize, cell: u16, at: f32, period: f32) -> f32 {
+fn across_border(planes: &AxisPlanes, pixel: usize, cell: u16, (at, sigma): (f32, f32), period: f32) -> f32 {
     let cell_px = planes.code.cell_px as f32;
     let first = f32::from(cell) * cell_px - 0.5;
     let last = first + cell_px;
-    let (here, there, other) = if at - first < last - at {
-        (cell, cell + 1, at + period)
-    } else {
-        (cell + 1, cell, at - period)
-    };
+    let (here, there, other) =
+        if at - first < last - at { (cell, cell + 1, at + period) } else { (cell + 1, cell, at - period) };
     let (near, far) = if here == cell { (first, last) } else { (last, first) };
     let is_near = (at - near).abs() < NEAR_BORDER * period && (other - far).abs() < NEAR_BORDER * period;
     let cells = planes.code.extent.div_ceil(planes.code.cell_px);
@@ -74,7 +80,9 @@ fn across_border(planes: &AxisPlanes, pixel: usize, cell: u16, at: f32, period: 
     }
     // The panel ends here: there is no bit that changes.
     let ends = here == 0 || u32::from(here) >= cells;
-    let contrast = |border: u16| planes.contrast(pixel, border_bit(border));
+    let contrast = |border: u16| f32::from(planes.contrast(pixel, border_bit(border)));
+    // Within the noise of the phase both sides are as likely before the contrasts are asked.
+    let clearly = if (at - near).abs() < PHASE_SIGMAS * sigma { 1.0 } else { CLEARLY };
     // With no border here the other side needs a border there that is seen, which would be undecided; stay.
-    if !ends && contrast(there) < contrast(here) { other } else { at }
+    if !ends && clearly * contrast(there) < contrast(here) { other } else { at }
 }
