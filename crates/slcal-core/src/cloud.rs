@@ -1,6 +1,6 @@
 //! Points in space: the result of `reconstruct`.
 
-use nalgebra::{Point2, Point3};
+use nalgebra::{Point2, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::named::named;
@@ -61,6 +61,8 @@ pub struct PointCloud {
     pub points: Vec<CloudPoint>,
     /// Indices into `points`, counter-clockwise as the camera sees them.
     pub triangles: Vec<[u32; 3]>,
+    /// Unit normals of the points, towards the camera; empty where they are not known, zero for a point without neighbours.
+    pub normals: Vec<Vector3<f32>>,
     /// The coordinate frame.
     pub frame: Frame,
     /// The camera's centre in these coordinates, mm.

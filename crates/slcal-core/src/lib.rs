@@ -153,8 +153,8 @@ pub use pipeline::CloudReport;
 pub use pipeline::observe_sheet;
 pub use pipeline::{
     Calibrator, FocalSource, FrameChange, Orientation, PhotoTags, PhotoVerifier, ReconstructConfig,
-    Reconstruction, Reconstructor, SheetPhoto, TaggedFocal, VerifiedPhoto, VerifyPhotoConfig,
-    cloud_from_matches, verify_photo,
+    Reconstruction, Reconstructor, SequenceReconstructor, SheetPhoto, TaggedFocal, VerifiedPhoto,
+    VerifyPhotoConfig, cloud_from_dense_matches, cloud_from_matches, verify_photo,
 };
 pub use rectify::{Rectification, rectify, rectify_checker, rectify_checker_picture, rectify_picture};
 pub use rig::{

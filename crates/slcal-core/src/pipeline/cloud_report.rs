@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::reconstructor::Reconstruction;
-use crate::decode::DecodeReport;
+use crate::decode::{DecodeReport, SequenceDecodeReport};
 use crate::reconstruct::{CullReport, RigCheckReport, TriangulateReport};
 use crate::rig::Warning;
 
@@ -17,6 +17,9 @@ pub struct CloudReport {
     pub triangles: usize,
     /// Report of decoding; null when the matches were given.
     pub decode: Option<DecodeReport>,
+    /// Report of decoding a sequence of photographs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sequence: Option<SequenceDecodeReport>,
     /// Counts of matches that gave no point.
     pub triangulate: TriangulateReport,
     /// Counts of removed triangles and points.
@@ -36,6 +39,7 @@ impl Reconstruction {
             points: self.cloud.points.len(),
             triangles: self.cloud.triangles.len(),
             decode: self.decode.clone(),
+            sequence: self.sequence.clone(),
             triangulate: self.triangulate,
             cull: self.cull,
             rig_check: self.rig_check,

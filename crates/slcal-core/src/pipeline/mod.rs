@@ -11,6 +11,7 @@ mod panel_border_tests;
 mod photo_tags;
 mod photo_verifier;
 mod reconstructor;
+mod sequence_reconstructor;
 mod sheet_photo;
 mod sheet_sides;
 mod tag_warnings;
@@ -21,5 +22,6 @@ public_with! { "report": pub use cloud_report::CloudReport; }
 pub use photo_tags::{FocalSource, FrameChange, Orientation, PhotoTags, TaggedFocal};
 pub use photo_verifier::{PhotoVerifier, VerifiedPhoto, VerifyPhotoConfig, verify_photo};
 pub use reconstructor::{ReconstructConfig, Reconstruction, Reconstructor, cloud_from_matches};
+pub use sequence_reconstructor::{SequenceReconstructor, cloud_from_dense_matches};
 pub use sheet_photo::SheetPhoto;
 public_with! { "stages": pub use sheet_sides::observe_sheet; }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::{Frame, PointCloud};
-use crate::decode::{DecodeConfig, DecodeInput, DecodeReport, Decoder};
+use crate::decode::{DecodeConfig, DecodeInput, DecodeReport, Decoder, SequenceDecodeReport};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::Pose;
 use crate::matches::{Match, Matches};
@@ -42,6 +42,7 @@ pub struct Reconstruction {
     /// The points, and triangles if requested.
     pub cloud: PointCloud,
     pub(super) decode: Option<DecodeReport>,
+    pub(super) sequence: Option<SequenceDecodeReport>,
     pub(super) triangulate: TriangulateReport,
     pub(super) cull: CullReport,
     pub(super) rig_check: RigCheckReport,
@@ -76,6 +77,12 @@ impl Reconstruction {
     #[must_use]
     pub fn decode(&self) -> Option<&DecodeReport> {
         self.decode.as_ref()
+    }
+
+    /// Report of decoding a sequence; `None` for a single photograph.
+    #[must_use]
+    pub fn sequence(&self) -> Option<&SequenceDecodeReport> {
+        self.sequence.as_ref()
     }
 
     /// Counts of matches that gave no point.
@@ -284,7 +291,7 @@ fn mirrored_unsaid() -> Error {
     }
 }
 
-fn no_surface(matches: usize, report: &TriangulateReport, culled: &CullReport) -> Error {
+pub(super) fn no_surface(matches: usize, report: &TriangulateReport, culled: &CullReport) -> Error {
     Error::NotFound {
         what: ErrorSubject::Surface,
         seen: format!(
@@ -303,7 +310,7 @@ fn no_surface(matches: usize, report: &TriangulateReport, culled: &CullReport) -
 }
 
 /// Refuses a cloud when many of its matches are impossible: the others are then chance, too.
-fn check_possible(report: &TriangulateReport, matches: usize) -> Result<()> {
+pub(super) fn check_possible(report: &TriangulateReport, matches: usize) -> Result<()> {
     let impossible = report.behind + report.grazing + report.outside_panel + report.contradicting;
     if impossible as f64 <= MAX_IMPOSSIBLE * matches as f64 {
         return Ok(());
@@ -311,7 +318,7 @@ fn check_possible(report: &TriangulateReport, matches: usize) -> Result<()> {
     Err(Error::NotFound {
         what: ErrorSubject::Named("the pattern as this rig would project it"),
         seen: format!(
-            "{impossible} of {matches} decoded crossings where the camera ray does not meet the light of their slit in front of both devices"
+            "{impossible} of {matches} decoded matches where the camera ray does not meet the light of its column or row in front of both devices"
         ),
         advice: "check that the pattern file is the one that was projected, upright and not mirrored, that the rig is the one that took the photograph, and that nothing has moved since the calibration".into(),
     })

@@ -103,17 +103,34 @@ impl Culler {
     /// # Errors
     /// [`Error::Invalid`] for an area that is not a positive number.
     pub fn cull(&mut self, cloud: &mut PointCloud, rule: CullRule) -> Result<CullReport> {
-        if let CullRule::MaxAreaMm2(a) = rule
-            && !(a.is_finite() && a > 0.0)
-        {
-            return Err(Error::invalid("largest area of a triangle", "a positive number of mm²", a));
-        }
+        check(rule)?;
         self.triangulate(cloud);
-        let mut report = CullReport { triangles: cloud.triangles.len(), ..CullReport::default() };
         let usual_px = self.measure(cloud);
         self.components.before(cloud.points.len(), &cloud.triangles, self.delaunay.hull());
+        Ok(self.remove(cloud, rule, usual_px))
+    }
+
+    /// The same for a cloud whose triangles are known. `border` are the points that have a side without triangles.
+    ///
+    /// # Errors
+    /// As [`cull`](Self::cull).
+    pub(super) fn cull_mesh(
+        &mut self,
+        cloud: &mut PointCloud,
+        rule: CullRule,
+        border: impl Iterator<Item = u32>,
+    ) -> Result<CullReport> {
+        check(rule)?;
+        let usual_px = self.measure(cloud);
+        self.components.before(cloud.points.len(), &cloud.triangles, border);
+        Ok(self.remove(cloud, rule, usual_px))
+    }
+
+    /// Removes triangles by the rule, then points without triangles.
+    fn remove(&mut self, cloud: &mut PointCloud, rule: CullRule, usual_px: f64) -> CullReport {
+        let mut report = CullReport { triangles: cloud.triangles.len(), ..CullReport::default() };
         match rule {
-            CullRule::Off => return Ok(report),
+            CullRule::Off => return report,
             CullRule::MaxAreaMm2(most) => {
                 let points = &cloud.points;
                 cloud.triangles.retain(|t| area_mm2(points, t) <= most);
@@ -123,7 +140,7 @@ impl Culler {
         report.triangles_removed = report.triangles - cloud.triangles.len();
         let least = if rule == CullRule::Auto { usual_px } else { 0.0 };
         report.outliers = self.components.keep_surfaces(cloud, least);
-        Ok(report)
+        report
     }
 
     /// Fills the cloud's triangles with all triangles between its points.
@@ -155,6 +172,16 @@ impl Culler {
             })
         });
     }
+}
+
+/// Refuses an area that is not a positive number.
+fn check(rule: CullRule) -> Result<()> {
+    if let CullRule::MaxAreaMm2(a) = rule
+        && !(a.is_finite() && a > 0.0)
+    {
+        return Err(Error::invalid("largest area of a triangle", "a positive number of mm²", a));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

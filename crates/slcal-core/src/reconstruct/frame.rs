@@ -37,5 +37,8 @@ pub(crate) fn turn(cloud: &mut PointCloud, pose: &Pose) {
     for p in &mut cloud.points {
         p.position = pose.transform(&p.position);
     }
+    for normal in &mut cloud.normals {
+        *normal = (pose.rotation * normal.cast::<f64>()).cast();
+    }
     cloud.camera_centre = pose.transform(&cloud.camera_centre);
 }

@@ -4,6 +4,7 @@ mod camera_ray;
 mod components;
 mod cull;
 mod delaunay;
+mod dense;
 mod expected_uncertainty;
 mod frame;
 mod length_uncertainty;
@@ -21,6 +22,7 @@ mod triangulate_tests;
 pub use cull::CullRule;
 public_with! { "report": pub use cull::CullReport; }
 public_with! { "stages": pub use cull::Culler; }
+public_with! { "stages": pub use dense::DenseTriangulator; }
 public_with! { "report": pub use expected_uncertainty::{ExpectedSigma, ExpectedUncertainty}; }
 public_with! { "stages": pub use frame::in_frame; }
 pub(crate) use frame::{first_view, turn};

@@ -60,7 +60,7 @@ impl Guests {
         // A network of IPv6 gives a machine as many addresses as it wants.
         let address = match address.to_canonical() {
             IpAddr::V6(six) => IpAddr::V6((six.to_bits() & !u128::from(u64::MAX)).into()),
-            four => four,
+            IpAddr::V4(four) => IpAddr::V4(four),
         };
         let mut guests = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let count = guests.entry(address).or_default();

@@ -1,0 +1,123 @@
+//! Photographs of a sequence → cloud, one scan after another.
+
+use super::reconstructor::{ReconstructConfig, Reconstruction, check_possible, no_surface};
+use crate::cloud::Frame;
+use crate::decode::{SequenceDecodeConfig, SequenceDecoder, SequenceDecoding};
+use crate::dense_matches::DenseMatches;
+use crate::error::{ErrorSubject, Result};
+use crate::geometry::Pose;
+use crate::pattern::SequencePattern;
+use crate::photo::PhotoView;
+use crate::reconstruct::{CullReport, CullRule, Culler, DenseTriangulator, first_view, turn};
+use crate::rig::{Rig, check_photo_size};
+
+/// Reconstructs scans by Gray code or phase shift with the same rig and pattern: a point per pixel.
+///
+/// Frames are given one by one and are not kept. [`SequenceDecoder::reading_order`] has the order in which least has to be held.
+#[derive(Debug, Clone)]
+pub struct SequenceReconstructor {
+    camera: [u32; 2],
+    decoder: SequenceDecoder,
+    stages: DenseStages,
+}
+
+impl SequenceReconstructor {
+    /// Checks that rig, pattern and configuration fit together. The picture counts as mirrored where the rig or the configuration of
+    /// decoding says so.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) for a rig without a projector, a pattern for another panel or that is not valid, the sheet's frame with a
+    /// rig that has no views, or a configuration out of range.
+    pub fn new(rig: &Rig, pattern: &SequencePattern, config: ReconstructConfig) -> Result<Self> {
+        rig.projector_for(ErrorSubject::Pattern, pattern.projector)?;
+        let mut decode = SequenceDecodeConfig::default();
+        decode.mirrored = config.decode.mirrored || rig.is_mirrored();
+        let decoder = SequenceDecoder::new(pattern, decode)?;
+        Ok(Self { camera: rig.camera.model.size(), decoder, stages: DenseStages::new(rig, &config)? })
+    }
+
+    /// The order of frames in which the least has to be held.
+    #[must_use]
+    pub fn reading_order(&self) -> &[usize] {
+        self.decoder.reading_order()
+    }
+
+    /// Takes the photograph of a frame of the pattern, counted from 0; in any order.
+    ///
+    /// # Errors
+    /// As [`SequenceDecoder::push`]; [`Error::Invalid`](crate::Error::Invalid) for a photograph of another size than the rig's camera.
+    pub fn push(&mut self, frame: usize, photo: PhotoView<'_>) -> Result<()> {
+        check_photo_size(self.camera, [photo.width(), photo.height()])?;
+        self.decoder.push(frame, photo)
+    }
+
+    /// The cloud, once all frames have come; the next scan can come then.
+    ///
+    /// # Errors
+    /// As [`SequenceDecoder::finish`]; [`Error::NotFound`](crate::Error::NotFound) when no surface is left, or most pixels contradict the rig.
+    pub fn finish(&mut self) -> Result<Reconstruction> {
+        let SequenceDecoding { matches, report, .. } = self.decoder.finish()?;
+        let mut result = self.stages.run(&matches)?;
+        result.sequence = Some(report);
+        Ok(result)
+    }
+
+    /// Drops the frames that have come.
+    pub fn clear(&mut self) {
+        self.decoder.clear();
+    }
+}
+
+/// The cloud of the matches of every pixel, from any decoder: triangulated, culled, with normals, in the requested frame.
+///
+/// # Errors
+/// As [`cloud_from_matches`](crate::cloud_from_matches).
+pub fn cloud_from_dense_matches(
+    rig: &Rig,
+    matches: &DenseMatches,
+    config: &ReconstructConfig,
+) -> Result<Reconstruction> {
+    DenseStages::new(rig, config)?.run(matches)
+}
+
+/// The stages after decoding.
+#[derive(Debug, Clone)]
+struct DenseStages {
+    triangulator: DenseTriangulator,
+    culler: Culler,
+    rule: CullRule,
+    mesh: bool,
+    /// The transform into the requested frame, unless that is the camera's.
+    sheet_from_camera: Option<Pose>,
+}
+
+impl DenseStages {
+    fn new(rig: &Rig, config: &ReconstructConfig) -> Result<Self> {
+        let sheet_from_camera = match config.frame {
+            Frame::Camera => None,
+            Frame::Plane => Some(first_view(rig)?.camera_from_sheet.inverse()),
+        };
+        let triangulator = DenseTriangulator::new(rig, config.triangulate)?;
+        Ok(Self { triangulator, culler: Culler::default(), rule: config.cull, mesh: config.mesh, sheet_from_camera })
+    }
+
+    fn run(&mut self, matches: &DenseMatches) -> Result<Reconstruction> {
+        let mut result = Reconstruction::default();
+        let cloud = &mut result.cloud;
+        result.triangulate = self.triangulator.triangulate(matches, cloud);
+        let known = matches.known();
+        check_possible(&result.triangulate, known)?;
+        result.cull = self.triangulator.connect(matches.width, cloud, self.rule, &mut self.culler)?;
+        if cloud.points.is_empty() {
+            return Err(no_surface(known, &result.triangulate, &CullReport::default()));
+        }
+        if !self.mesh {
+            cloud.triangles = Vec::new();
+        }
+        if let Some(pose) = &self.sheet_from_camera {
+            turn(cloud, pose);
+            cloud.frame = Frame::Plane;
+        }
+        Ok(result)
+    }
+}
