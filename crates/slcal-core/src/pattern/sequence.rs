@@ -447,7 +447,7 @@ mod tests {
         let mut seen = std::collections::HashSet::new();
         for x in 0..1024 {
             assert!(seen.insert(word(x)));
-            assert!(x == 0 || (word(x) ^ word(x - 1)).count_ones() == 1);
+            assert!(x == 0 || (word(x) ^ word(x - 1)).is_power_of_two());
             assert_eq!(word(x), gray_code(x));
         }
     }

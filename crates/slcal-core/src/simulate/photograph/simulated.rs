@@ -65,6 +65,7 @@ impl SimulatedScene {
 
     /// The photographs under the pictures of a sequence, in its order, each taken when the iterator comes to it, so that a long
     /// sequence needs the memory of one; none for other patterns.
+    #[must_use = "photographs are taken when the iterator comes to them"]
     pub fn frames(&self) -> impl ExactSizeIterator<Item = Result<Exposure>> + '_ {
         (0..self.frame_count()).map(|frame| self.frame(frame))
     }
