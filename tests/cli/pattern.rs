@@ -101,3 +101,103 @@ fn an_unwritable_place_is_found_before_the_work() {
     bench.run("pattern checker --projector 1024x768 -o dir.png").fails(1, &["folder"]);
     assert_eq!(bench.names(), ["dir.png", "file"]);
 }
+
+/// What the frames of a description are.
+fn lights(json: &Value) -> Vec<&str> {
+    json["frames"].as_array().unwrap().iter().map(|f| f["is"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn a_sequence_is_a_folder_of_pictures_and_their_description() {
+    let bench = bench();
+    let run = bench.run("pattern phase --projector 640x480 --period 20 --steps 5 --out-dir shifts").ok();
+    assert!(run.stdout.is_empty());
+    for word in ["19 pictures to project, frame_000.png to frame_018.png, 640x480 pixels", "sequence.json"] {
+        assert!(run.stderr.contains(word), "no {word} in {}", run.stderr);
+    }
+    let json: Value = serde_json::from_str(&bench.text("shifts/sequence.json")).unwrap();
+    assert_eq!((&json["schema"], &json["kind"]), (&"slcal-pattern/1".into(), &"sequence".into()));
+    assert_eq!(json["projector"], serde_json::json!([640, 480]));
+    // 640 columns in cells of 16: 40 of them, 6 bits, each with its inverse.
+    let expected = [vec!["white", "black"], vec!["bit"; 12], vec!["sinusoid"; 5]].concat();
+    assert_eq!(lights(&json), expected);
+    assert_eq!(
+        json["frames"][2],
+        serde_json::json!({"file": "frame_002.png", "is": "bit", "axis": "columns", "bit": 5, "inverted": false})
+    );
+    assert_eq!(
+        json["frames"][18],
+        serde_json::json!({"file": "frame_018.png", "is": "sinusoid", "axis": "columns", "period_px": 20.0, "step": 4, "of": 5})
+    );
+    for i in 0..19 {
+        let picture = image::open(bench.path(&format!("shifts/frame_{i:03}.png"))).unwrap();
+        assert_eq!((picture.color(), picture.width(), picture.height()), (image::ColorType::L8, 640, 480));
+        // Nothing changes along columns.
+        let picture = picture.to_luma8();
+        assert!((0..640).all(|x| picture.get_pixel(x, 0) == picture.get_pixel(x, 479)));
+    }
+    let level = |step: u32, x: u32| {
+        let name = format!("shifts/frame_{:03}.png", 14 + step);
+        f64::from(image::open(bench.path(&name)).unwrap().to_luma8().get_pixel(x, 7).0[0])
+    };
+    for (step, x) in [(0, 0), (0, 10), (1, 4), (3, 37)] {
+        let turns = f64::from(x) / 20.0 - f64::from(step) / 5.0;
+        let expected = 127.5 * (1.0 + (std::f64::consts::TAU * turns).cos());
+        assert!((level(step, x) - expected).abs() <= 0.5, "{step} {x}");
+    }
+}
+
+#[test]
+fn gray_code_follows_its_options_and_the_orders_of_other_programs() {
+    let bench = bench();
+    let made = |options: &str| {
+        let _ = bench.run(&format!("pattern gray --projector 640x480 {options} --out-dir g --force")).ok();
+        serde_json::from_str::<Value>(&bench.text("g/sequence.json")).unwrap()
+    };
+    assert_eq!(made("").as_object().unwrap()["frames"].as_array().unwrap().len(), 2 + 2 * 10);
+    let rows = made("--axis rows --bits 4");
+    assert_eq!((lights(&rows).len(), &rows["frames"][2]["axis"]), (10, &"rows".into()));
+    assert_eq!(made("--axis both")["frames"].as_array().unwrap().len(), 2 + 2 * 10 + 2 * 9);
+    let opencv = made("--preset opencv-gray");
+    assert_eq!(lights(&opencv)[38..], ["white", "black"]);
+    let other = made("--preset slstudio-gray --bits 9 --no-frames");
+    assert_eq!(lights(&other)[..3], ["white", "black", "bit"]);
+    assert_eq!((lights(&other).len(), other["frames"][0].get("file")), (11, None));
+
+    let alone = self::bench();
+    let run = alone.run("pattern gray --projector 640x480 --no-frames --out-dir new").ok();
+    assert!(run.stderr.contains("new/sequence.json") && !run.stderr.contains("frame_0"), "{}", run.stderr);
+    assert_eq!(std::fs::read_dir(alone.path("new")).unwrap().count(), 1);
+}
+
+#[test]
+fn sequences_replace_nothing_and_are_whole() {
+    let bench = bench();
+    std::fs::create_dir(bench.path("g")).unwrap();
+    bench.put("g/frame_007.png", "mine");
+    let line = "pattern gray --projector 640x480 --out-dir g";
+    bench.run(line).fails(1, &["frame_007.png", "--force"]);
+    assert_eq!(std::fs::read_dir(bench.path("g")).unwrap().count(), 1);
+    let _ = bench.run(&format!("{line} --force")).ok();
+    assert!(image::open(bench.path("g/frame_007.png")).is_ok());
+    // What is left of a longer one is named.
+    let run = bench.run(&format!("{line} --bits 3 --force")).ok();
+    assert!(run.stderr.contains("frame_008.png and what may follow"), "{}", run.stderr);
+    for (options, words) in [
+        ("gray --projector 640x480", vec!["--out-dir"]),
+        ("gray --projector 640x480 --bits 11 --out-dir n", vec!["bits", "1 to 10"]),
+        ("gray --projector 640x480 --bits 0 --out-dir n", vec!["bits", "1 to 10"]),
+        ("gray --projector 640x480 --period 16 --out-dir n", vec!["--period"]),
+        ("gray --projector 640x480 --axis rows --preset opencv-gray --out-dir n", vec!["--axis", "--preset"]),
+        ("gray --projector 640x480 --preset other --out-dir n", vec!["opencv-gray", "slstudio-gray"]),
+        ("phase --projector 640x480 --preset opencv-gray --out-dir n", vec!["--preset"]),
+        ("phase --projector 640x480 --period 3 --out-dir n", vec!["period", "4 to 640 px"]),
+        ("phase --projector 640x480 --period nan --out-dir n", vec!["period", "4 to 640 px"]),
+        ("phase --projector 640x480 --period 700 --out-dir n", vec!["period", "4 to 640 px"]),
+        ("phase --projector 640x480 --steps 2 --out-dir n", vec!["steps", "3 to 64"]),
+        ("phase --projector 640x480 --bits 2 --out-dir n", vec!["cells", "16 px"]),
+    ] {
+        bench.run(&format!("pattern {options}")).fails(2, &words);
+    }
+    assert!(!bench.path("n").exists(), "a folder was left");
+}

@@ -330,6 +330,51 @@ fn real_devices_change_the_photographs_and_no_truth() {
 }
 
 #[test]
+fn a_sequence_is_photographed_picture_by_picture() {
+    let bench = bench();
+    let _ = bench.run("pattern phase --projector 320x240 --axis both --steps 4 --out-dir shown").ok();
+    let scene = |folder: &str, options: &str| {
+        let line = format!(
+            "simulate scene {SMALL} --projector 320x240 --projector-focal 530 --pattern shown/sequence.json {options} --out {folder}"
+        );
+        bench.run(&line)
+    };
+    let run = scene("stack", "--surface sphere --projector-gamma 2.2 --json").ok();
+    let json: Value = serde_json::from_slice(&run.stdout).unwrap();
+    let files: Vec<&str> = json["files"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect();
+    let shown = std::fs::read_dir(bench.path("shown")).unwrap().count() - 1;
+    let photographs: Vec<String> = (0..shown).map(|i| format!("frame_{i:03}.png")).collect();
+    assert_eq!(files[..shown], photographs);
+    assert_eq!(
+        files[shown..],
+        [
+            "sequence.json",
+            "rig.json",
+            "truth_column.pfm",
+            "truth_row.pfm",
+            "truth_depth.pfm",
+            "truth_surface.png"
+        ]
+    );
+    assert_eq!(std::fs::read_dir(bench.path("stack")).unwrap().count(), files.len());
+    for file in &photographs {
+        let photo = image::open(bench.path("stack").join(file)).unwrap();
+        assert_eq!((photo.width(), photo.height()), (320, 240));
+    }
+    assert_eq!(bench.text("stack/sequence.json"), bench.text("shown/sequence.json"));
+    // As JPEG, with a description of these files, and in words.
+    let text = scene("jpeg", "--jpeg 90").ok().words();
+    assert!(text.contains(&format!("{shown} photographs, frame_000.jpg to frame_0")), "{text}");
+    assert!(bench.text("jpeg/sequence.json").contains("\"frame_003.jpg\""));
+    assert!(std::fs::read(bench.path("jpeg/frame_003.jpg")).unwrap().starts_with(&[0xFF, 0xD8]));
+    // The pictures are not replaced by their photographs, nor photographs by others.
+    scene("shown", "--force").fails(2, &["sequence.json", "input"]);
+    scene("stack", "").fails(1, &["frame_000.png", "--force"]);
+    let off = scene("off", "--surface sphere --wall none --aside 3000,0").ok();
+    assert!(off.stderr.contains("none of the pattern"), "{}", off.stderr);
+}
+
+#[test]
 fn nothing_of_a_scene_is_replaced_or_guessed() {
     let bench = bench();
     bench.put("vast.obj", "v 0 0 0\nv 1e200 0 0\nv 0 1e200 0\nf 1 2 3\n");

@@ -31,10 +31,12 @@ fn assert_shown(name: &str, shown: &str) {
 }
 
 /// The verbs with their own help.
-const VERBS: [&str; 17] = [
+const VERBS: [&str; 19] = [
     "demo",
     "pattern checker",
     "pattern stripes",
+    "pattern gray",
+    "pattern phase",
     "calibrate",
     "rectify",
     "verify",

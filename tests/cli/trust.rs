@@ -103,6 +103,24 @@ fn signals_end_a_run_with_their_codes_and_what_is_ignored_stays_so() {
     assert_eq!(process::wait(&mut child).code(), Some(143));
 }
 
+#[cfg(unix)]
+#[test]
+fn a_signal_between_two_photographs_of_a_sequence_leaves_nothing() {
+    let bench = bench();
+    let _ = bench.run("pattern gray --projector 1024x768 --axis both --no-frames --out-dir shown").ok();
+    let mut child = started(&bench, "simulate scene --pattern shown/sequence.json --out clouds");
+    wait_for_folder(&bench);
+    let files = || fs::read_dir(bench.path("clouds")).unwrap().count();
+    let begun = Instant::now();
+    while files() < 3 {
+        assert!(child.try_wait().unwrap().is_none() && begun.elapsed() < process::PATIENCE, "no photographs");
+        thread::sleep(Duration::from_millis(2));
+    }
+    process::signal(&child, "TERM");
+    assert_eq!(process::wait(&mut child).code(), Some(143));
+    assert_eq!(files(), 0);
+}
+
 /// The run has begun, with its handlers.
 fn wait_for_folder(bench: &Bench) {
     let begun = Instant::now();

@@ -105,3 +105,93 @@ def test_the_border_of_the_light_is_an_observation_that_is_kept():
     assert pickle.loads(pickle.dumps(seen)).views[0].panel_points.shape == points.shape
     codes = [w.code for w in slcal.calibrate_observations(seen).quality.warnings]
     assert "shown-1:1" not in codes
+
+
+def test_a_sequence_is_gray_code_and_shifted_sinusoids():
+    sequence = slcal.SequencePattern((640, 480), "phase", period=20, steps=5)
+    assert len(sequence) == len(sequence.frames) == 2 + 2 * 6 + 5
+    assert sequence.projector == (640, 480)
+    # The word of a cell is the Gray code of its number: the most significant bit first, each followed by its inverse.
+    word = np.zeros(640, int)
+    for i, frame in enumerate(sequence.frames):
+        picture = sequence.image(i)
+        assert picture.shape == (480, 640)
+        assert picture.dtype == np.uint8
+        assert (picture == picture[0]).all()
+        if frame["is"] == "bit":
+            assert frame["axis"] == "columns"
+            assert frame["bit"] == 5 - (i - 2) // 2
+            assert frame["inverted"] == bool(i % 2)
+            word |= ((picture[0] > 127) ^ frame["inverted"]).astype(int) << frame["bit"]
+        elif frame["is"] == "sinusoid":
+            phase = 2 * np.pi * (np.arange(640) / 20 - frame["step"] / frame["of"])
+            assert np.abs(picture[0] - 127.5 * (1 + np.cos(phase))).max() <= 0.5
+        else:
+            assert (picture == {"white": 255, "black": 0}[frame["is"]]).all()
+    cell = np.arange(640) // 16
+    assert (word == cell ^ (cell >> 1)).all()
+    rows = slcal.SequencePattern((640, 480), axis="rows", bits=1)
+    assert (rows.image(2) == np.where(np.arange(480) < 256, 0, 255)[:, None]).all()
+
+
+def test_sequences_of_other_programs_and_of_ones_own():
+    opencv = slcal.SequencePattern((1024, 768), preset="opencv-gray")
+    assert [f["is"] for f in opencv.frames[-2:]] == ["white", "black"]
+    assert len(opencv) == 42
+    assert len(slcal.SequencePattern((1824, 1140), preset="slstudio-gray", bits=10)) == 12
+    text = json.dumps(
+        {
+            "schema": "slcal-pattern/1",
+            "kind": "sequence",
+            "projector": [4, 3],
+            "frames": [{"is": "bit", "bit": b, "inverted": i} for b in (0, 1) for i in (True, False)],
+        }
+    )
+    own = slcal.SequencePattern.from_json(text)
+    assert own.image(0)[0].tolist() == [255, 0, 0, 255]
+    assert "file" not in own.frames[0]
+
+
+def test_sequences_are_values_and_files(tmp_path):
+    sequence = slcal.SequencePattern((800, 600), "phase", "both")
+    assert sequence == slcal.SequencePattern((800, 600), kind="phase", axis="both", period=16, steps=8)
+    assert hash(sequence) == hash(pickle.loads(pickle.dumps(sequence)))
+    assert sequence != slcal.SequencePattern((800, 600), "phase")
+    assert repr(sequence) == f"SequencePattern(projector=(800, 600), frames={len(sequence)})"
+    sequence.save(tmp_path / "sequence.json")
+    assert slcal.SequencePattern.load(tmp_path / "sequence.json") == sequence
+    assert slcal.load_pattern(tmp_path / "sequence.json") == sequence
+    with pytest.raises(slcal.Error, match="SequencePattern.load"):
+        slcal.StripePattern.load(tmp_path / "sequence.json")
+    with pytest.raises(slcal.Error, match="CheckerPattern.load"):
+        slcal.SequencePattern.from_json(slcal.CheckerPattern((800, 600)).to_json())
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"kind": "dots"}, "gray, phase"),
+        ({"axis": "diagonal"}, "columns"),
+        ({"period": 20}, "phase"),
+        ({"steps": 5}, "phase"),
+        ({"kind": "phase", "preset": "opencv-gray"}, "gray"),
+        ({"axis": "rows", "preset": "opencv-gray"}, "preset"),
+        ({"preset": "other"}, "opencv-gray"),
+        ({"bits": 0}, "bits"),
+        ({"bits": -1}, "bits"),
+        ({"bits": 11}, "1 to 10"),
+        ({"kind": "phase", "period": 2}, "period"),
+        ({"kind": "phase", "period": float("nan")}, "period"),
+        ({"kind": "phase", "steps": 2}, "3 to 64"),
+    ],
+)
+def test_what_is_no_sequence(options, words):
+    with pytest.raises(slcal.Error, match=words):
+        slcal.SequencePattern((640, 480), **options)
+
+
+def test_pictures_that_a_sequence_does_not_have():
+    sequence = slcal.SequencePattern((640, 480), bits=1)
+    for frame in (4, -1):
+        with pytest.raises(slcal.Error, match="frame"):
+            sequence.image(frame)

@@ -92,6 +92,31 @@ def test_patterns_and_rigs_of_ones_own() -> None:
     assert repr(made) == f"Scene(640x480, {made.report.surfaces} surfaces, {len(made.matches)} matches)"
 
 
+def test_a_sequence_is_photographed_frame_by_frame() -> None:
+    sequence = slcal.SequencePattern((256, 192), "phase", period=20, steps=5)
+    options = {"projector": (256, 192), "projector_focal": 425, "exact": True, "gamma": "linear", **SMALL}
+    made = simulate.scene("sphere", sequence, projector_gamma=1.0, projector_blur=0.7, **options)
+    assert made.pattern == sequence
+    assert len(made.frames) == len(sequence)
+    assert len(made.matches) == 0
+    assert repr(made.frames) == f"SceneFrames({len(sequence)})"
+    # The phase of the true column, but for whole periods.
+    total = np.zeros((480, 640), complex)
+    for frame, photo in zip(sequence.frames, made.frames, strict=True):
+        assert photo.shape == (480, 640, 3)
+        if frame["is"] == "sinusoid":
+            total += photo[..., 1].astype(float) * np.exp(2j * np.pi * frame["step"] / frame["of"])
+    off = np.angle(total * np.exp(-2j * np.pi * made.column / 20)) / (2 * np.pi) * 20
+    inside = (made.column > 4) & (made.column < 251)
+    assert inside.sum() > 50_000
+    assert np.median(np.abs(off[inside])) < 0.05
+    assert (made.frames[-1] == made.frames[len(sequence) - 1]).all()
+    assert (made.photo == made.white).all()
+    with pytest.raises(IndexError, match="below 15"):
+        made.frames[15]
+    assert len(simulate.scene("plane", **SMALL).frames) == 0
+
+
 def test_bent_sheets_and_real_lenses() -> None:
     lens = {
         "pixel_aspect": 1.01,

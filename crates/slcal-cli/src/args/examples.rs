@@ -41,6 +41,26 @@ Example:
 writes stripes.png, the picture to show full screen at the native resolution of
 the projector, and stripes.json, the description that `slcal reconstruct` needs.";
 
+pub(super) const GRAY: &str = "\
+Example:
+    slcal pattern gray --projector 1024x768 --out-dir gray
+
+writes gray/frame_000.png to gray/frame_021.png, the pictures to show one after
+another, full screen at the native resolution of the projector, and
+gray/sequence.json, their description.";
+
+pub(super) const PHASE: &str = "\
+Example:
+    slcal pattern phase --projector 1024x768 --out-dir phase
+
+writes phase/frame_000.png to phase/frame_021.png, the pictures to show one
+after another, full screen at the native resolution of the projector, and
+phase/sequence.json, their description.
+
+Photographs of an orange sphere under them, with ground truth, to try them on:
+    slcal simulate scene --surface sphere --albedo 0.9,0.5,0.2 \\
+        --pattern phase/sequence.json --camera 640x480 --focal 750 --out orange";
+
 pub(super) const CALIBRATE: &str = "\
 Examples:
   From one photograph of an A2 sheet in landscape with the checkerboard on it:
@@ -179,12 +199,18 @@ Examples:
         ball/photo.png -o ball.ply
     slcal triangulate --rig ball/rig.json ball/truth_matches.csv -o true.ply
 
+  A photograph under each picture of a sequence:
+    slcal pattern phase --projector 1024x768 --out-dir shifts
+    slcal simulate scene --surface sphere --pattern shifts/sequence.json \\
+        --camera 640x480 --focal 750 --out stack
+
 The folder then holds photo.png, white.png and black.png (full and no light),
 pattern.png and pattern.json, rig.json (the truth), truth_matches.csv (the exact
 image of each slit or corner), truth_cloud.ply (their points), and for every
 pixel truth_column.pfm, truth_row.pfm (projector px, NaN without projector
 light), truth_depth.pfm (mm) and truth_surface.png (0 nothing, 1 the first
-surface, ...).";
+surface, ...). Under a sequence it holds frame_000.png, frame_001.png, ...,
+sequence.json, rig.json and these four.";
 
 pub(super) const COMPLETIONS: &str = "\
 Examples:

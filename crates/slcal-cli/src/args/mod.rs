@@ -35,7 +35,9 @@ pub(crate) use demo::DemoArgs;
 pub(crate) use evaluate::{EvaluateArgs, ShapeArg};
 pub(crate) use exchange::{ExportArgs, ImportArgs};
 pub(crate) use help::{command, hinted};
-pub(crate) use pattern::{CheckerArgs, PatternOutput, PatternVerb, StripesArgs};
+pub(crate) use pattern::{
+    CheckerArgs, GrayArgs, PatternOutput, PatternVerb, PhaseArgs, SequenceArgs, SequenceOutput, StripesArgs,
+};
 pub(crate) use reconstruct::ReconstructArgs;
 pub(crate) use rectify::RectifyArgs;
 pub(crate) use report::ReportArgs;

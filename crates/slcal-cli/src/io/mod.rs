@@ -47,8 +47,8 @@ pub(crate) use text::{
     load_observations, load_pattern, load_rig, load_stripes, read_exchange,
 };
 pub(crate) use write::{
-    Destination, bytes_of, check_distinct, check_json, check_spares, jpeg_bytes, make_folder, png_bytes,
-    write_all, write_whole,
+    Destination, Together, bytes_of, check_distinct, check_json, check_spares, jpeg_bytes, make_folder,
+    png_bytes, write_all, write_whole,
 };
 #[cfg(feature = "studio")]
 pub(crate) use write::{PHOTO_QUALITY, write_private};

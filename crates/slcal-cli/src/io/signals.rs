@@ -3,7 +3,7 @@
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::temporary::none_exist;
+use super::temporary::{none_exist, remove_waiting};
 use crate::output::clear_on_interrupt;
 
 /// Whether a signal is the usual end of this run.
@@ -26,6 +26,7 @@ pub(crate) fn end_whole_on_signals() {
 #[cfg_attr(not(any(unix, windows)), expect(dead_code))]
 fn end(signal: i32) {
     let _alone = none_exist();
+    remove_waiting();
     clear_on_interrupt();
     std::process::exit(if USUAL_END.load(Ordering::Relaxed) { 0 } else { 128 + signal });
 }

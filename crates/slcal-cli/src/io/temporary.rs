@@ -19,12 +19,41 @@ static EXIST: RwLock<()> = RwLock::new(());
 /// The folders from which this process has removed remainders.
 static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// To be held as long as temporary files exist.
+/// Complete files that wait for others before they get their names, in a run that goes on between them.
+static WAITING: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// A complete file that waits for others. A signal does not wait for them: it removes it.
+pub(super) struct Waiting(PathBuf);
+
+impl Waiting {
+    /// Of a temporary file.
+    pub(super) fn new(path: &Path) -> Self {
+        // The working directory may change.
+        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        WAITING.lock().unwrap_or_else(PoisonError::into_inner).insert(path.clone());
+        Self(path)
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        WAITING.lock().unwrap_or_else(PoisonError::into_inner).remove(&self.0);
+    }
+}
+
+/// Removes the files that wait. To be called when the run ends without them.
+pub(super) fn remove_waiting() {
+    for path in &*WAITING.lock().unwrap_or_else(PoisonError::into_inner) {
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// To be held as long as temporary files exist that do not [wait](Waiting).
 pub(super) fn while_they_exist() -> RwLockReadGuard<'static, ()> {
     EXIST.read().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Waits until there are none, and lets nobody make another one.
+/// Waits until there are none but those that [wait](Waiting), and lets nobody make another one.
 pub(super) fn none_exist() -> RwLockWriteGuard<'static, ()> {
     EXIST.write().unwrap_or_else(PoisonError::into_inner)
 }
@@ -126,6 +155,22 @@ mod tests {
         assert!(made.path().exists() && held.path().exists());
         drop((made, held));
         assert_eq!(names(folder), [".slcal-folder.part", ".slcal-studio.lock", "slcal-mine.part"]);
+    }
+
+    #[test]
+    fn files_that_wait_are_known_until_they_have_their_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let made = ["a", "b"].map(|name| {
+            let path = folder.path().join(name);
+            fs::write(&path, "").unwrap();
+            Waiting::new(&path)
+        });
+        let is_known = |waiting: &Waiting| WAITING.lock().unwrap().contains(&waiting.0);
+        assert!(made.iter().all(is_known));
+        let [first, second] = made;
+        let path = first.0.clone();
+        drop(first);
+        assert!(is_known(&second) && !WAITING.lock().unwrap().contains(&path));
     }
 
     #[cfg(unix)]

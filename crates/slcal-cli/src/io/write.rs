@@ -8,7 +8,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageFormat, RgbImage};
 use tempfile::{NamedTempFile, TempPath};
 
-use super::temporary::{Readable, temporary, while_they_exist};
+use super::temporary::{Readable, Waiting, temporary, while_they_exist};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::name::is_dash;
 use crate::output::to_stdout;
@@ -158,9 +158,47 @@ pub(crate) fn write_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
     let mut ready = Vec::new();
     for (destination, bytes) in files {
         if let Destination::File { path, force } = destination {
-            ready.push((complete(path, bytes).map_err(|e| unwritable(path, &e.to_string()))?, path, *force));
+            let file = complete(path, bytes).map_err(|e| unwritable(path, &e.to_string()))?;
+            ready.push((file, path.clone(), *force));
         }
     }
+    appear(ready, files)
+}
+
+/// Many results that appear together, or not at all: each is written when it is made, so that memory holds one of them. A signal
+/// between two of them ends the run, and removes them.
+#[derive(Default)]
+pub(crate) struct Together {
+    ready: Vec<(NamedTempFile, PathBuf, bool)>,
+    waiting: Vec<Waiting>,
+    in_place: Vec<(Destination, Vec<u8>)>,
+}
+
+impl Together {
+    /// Writes a result under a temporary name. What is written in place, into devices and pipes, is kept until
+    /// [`appear`](Self::appear).
+    pub(crate) fn add(&mut self, destination: Destination, bytes: Vec<u8>) -> Outcome {
+        let Destination::File { path, force } = destination else {
+            self.in_place.push((destination, bytes));
+            return Ok(());
+        };
+        let _held = while_they_exist();
+        let file = complete(&path, &bytes).map_err(|e| unwritable(&path, &e.to_string()))?;
+        self.waiting.push(Waiting::new(file.path()));
+        self.ready.push((file, path, force));
+        Ok(())
+    }
+
+    /// Gives all of them their names.
+    pub(crate) fn appear(self) -> Outcome {
+        let _held = while_they_exist();
+        drop(self.waiting);
+        appear(self.ready, &self.in_place)
+    }
+}
+
+/// Gives complete files their names, after writing what is written in place among `files`.
+fn appear(ready: Vec<(NamedTempFile, PathBuf, bool)>, files: &[(Destination, Vec<u8>)]) -> Outcome {
     // What is written in place cannot be taken back; a reader that has gone is no reason to withhold the rest.
     let printed = match files.iter().try_for_each(|(place, bytes)| write_in_place(place, bytes)) {
         Err(failure) if !matches!(failure, Failure::ClosedPipe) => return Err(failure),
@@ -168,11 +206,11 @@ pub(crate) fn write_all(files: &[(Destination, Vec<u8>)]) -> Outcome {
     };
     let mut replaced = Vec::new();
     for (file, path, force) in ready {
-        match Replaced::by(file, path, force) {
+        match Replaced::by(file, &path, force) {
             Ok(done) => replaced.push(done),
             Err(e) => {
                 replaced.into_iter().rev().for_each(Replaced::undo);
-                return Err(unwritable(path, &e.to_string()));
+                return Err(unwritable(&path, &e.to_string()));
             }
         }
     }
@@ -345,6 +383,37 @@ mod tests {
         assert!(!path("new.txt").exists());
         assert_eq!(fs::read(path("old.txt")).unwrap(), b"old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn many_results_appear_together_or_leave_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| Destination::prepare(&folder.path().join(name), false).unwrap();
+        let names = || {
+            let entries = fs::read_dir(folder.path()).unwrap();
+            let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+            names.sort();
+            names
+        };
+        let mut made = Together::default();
+        made.add(place("a"), b"one".to_vec()).unwrap();
+        made.add(place("b"), b"two".to_vec()).unwrap();
+        assert!(names().iter().all(|n| n.starts_with(".slcal-")) && names().len() == 2, "{:?}", names());
+        made.appear().unwrap();
+        assert_eq!(names(), ["a", "b"]);
+        // The work fails after the first.
+        let mut broken = Together::default();
+        broken.add(place("c"), b"three".to_vec()).unwrap();
+        drop(broken);
+        assert_eq!(names(), ["a", "b"]);
+        // A name is taken while the work is done.
+        let mut late = Together::default();
+        late.add(place("c"), b"three".to_vec()).unwrap();
+        late.add(place("d"), b"four".to_vec()).unwrap();
+        fs::write(folder.path().join("d"), "mine").unwrap();
+        assert!(late.appear().unwrap_err().to_string().contains('d'));
+        assert_eq!(names(), ["a", "b", "d"]);
+        assert_eq!(fs::read(folder.path().join("d")).unwrap(), b"mine");
     }
 
     #[cfg(unix)]

@@ -17,6 +17,7 @@ pub use checker::{CheckerConfig, CheckerPattern, SquareColor};
 public_with! { "stages": pub use de_bruijn::{de_bruijn, unique_window}; }
 pub(crate) use draw::warp_image;
 pub use marks::PanelMarks;
+#[cfg(test)]
 pub(crate) use sequence::gray_code;
 pub use sequence::{
     AxisCode, FrameLight, SequenceAxes, SequenceConfig, SequenceFrame, SequencePattern, SequencePreset,

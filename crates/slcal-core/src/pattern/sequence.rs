@@ -10,6 +10,8 @@ use crate::named::named;
 
 /// Most pictures of a sequence: three times what the longest one of any projector takes.
 const MOST_FRAMES: usize = 256;
+/// Shortest period of a sinusoid, px: a shorter one is no sinusoid in whole pixels.
+const SHORTEST_PERIOD_PX: f64 = 4.0;
 /// Fewest steps of a sinusoid: mean, amplitude and phase are three unknowns.
 const FEWEST_STEPS: u32 = 3;
 /// Most steps of a sinusoid.
@@ -171,12 +173,14 @@ impl SequencePattern {
         check_panel(projector)?;
         let mut lights = vec![FrameLight::White, FrameLight::Black];
         for &axis in config.axes.axes() {
-            let all = bits_of(projector[axis.index()]);
+            let extent = projector[axis.index()];
+            let all = bits_of(extent);
             let needed = match config.sinusoid {
-                Some(SinusoidConfig { period_px, .. }) if period_px >= 1.0 => {
+                Some(SinusoidConfig { period_px, .. }) => {
+                    within("period", period_px, [SHORTEST_PERIOD_PX, f64::from(extent)], " px")?;
                     (all + 1).saturating_sub(period_px.log2() as u32).min(all)
                 }
-                _ => all,
+                None => all,
             };
             lights.extend(bits(axis, kept(config.bits, needed, all)?, true));
             if let Some(SinusoidConfig { period_px, steps }) = config.sinusoid {
@@ -272,9 +276,10 @@ impl SequencePattern {
                     seen[bit as usize][usize::from(inverted)] += 1;
                 }
                 FrameLight::Sinusoid { axis: a, period_px, step, of } if a == axis => {
-                    let is_right = period_px.is_finite() && period_px >= 4.0;
+                    let is_right = period_px.is_finite() && period_px >= SHORTEST_PERIOD_PX;
                     if !is_right {
-                        return Err(element(i, "a period of 4 px or more", period_px));
+                        let expected = format!("a period of {SHORTEST_PERIOD_PX} px or more");
+                        return Err(element(i, &expected, period_px));
                     }
                     check_steps(of)?;
                     if step >= of {
@@ -443,7 +448,7 @@ mod tests {
         let mut seen = std::collections::HashSet::new();
         for x in 0..1024 {
             assert!(seen.insert(word(x)));
-            assert!(x == 0 || (word(x) ^ word(x - 1)).count_ones() == 1);
+            assert!(x == 0 || (word(x) ^ word(x - 1)).is_power_of_two());
             assert_eq!(word(x), gray_code(x));
         }
     }

@@ -98,7 +98,13 @@ impl DenseStages {
             Frame::Plane => Some(first_view(rig)?.camera_from_sheet.inverse()),
         };
         let triangulator = DenseTriangulator::new(rig, config.triangulate)?;
-        Ok(Self { triangulator, culler: Culler::default(), rule: config.cull, mesh: config.mesh, sheet_from_camera })
+        Ok(Self {
+            triangulator,
+            culler: Culler::default(),
+            rule: config.cull,
+            mesh: config.mesh,
+            sheet_from_camera,
+        })
     }
 
     fn run(&mut self, matches: &DenseMatches) -> Result<Reconstruction> {

@@ -63,7 +63,8 @@ impl DenseTriangulator {
     /// A pixel's ray meets the light of its column, of its row, or of both, as in [`Triangulator`](super::Triangulator). σ has two parts:
     /// that of the panel's coordinate, which is independent from pixel to pixel, and that of the rig.
     pub fn triangulate(&mut self, matches: &DenseMatches, cloud: &mut PointCloud) -> TriangulateReport {
-        *cloud = PointCloud { frame: Frame::Camera, camera_centre: Point3::origin(), ..PointCloud::default() };
+        *cloud =
+            PointCloud { frame: Frame::Camera, camera_centre: Point3::origin(), ..PointCloud::default() };
         cloud.points.reserve(matches.known());
         let mut report = TriangulateReport::default();
         self.point_of.clear();
@@ -115,7 +116,8 @@ impl DenseTriangulator {
         let variance: f64 = hit
             .coordinates()
             .map(|c| {
-                let on_panel = sigmas[c.axis].unwrap_or(f64::NAN).powi(2) + self.config.projector_sigma_px.powi(2);
+                let on_panel =
+                    sigmas[c.axis].unwrap_or(f64::NAN).powi(2) + self.config.projector_sigma_px.powi(2);
                 on_panel * c.gain.powi(2)
             })
             .sum();
@@ -142,7 +144,10 @@ impl DenseTriangulator {
         let is_same = (hit.inverse_depth - share.inverse_depth).abs() <= SAME_DEPTH * hit.inverse_depth;
         if !is_same {
             let along = rig.along_ray(&self.rays.camera, &self.light, ray, hit);
-            *share = Share { inverse_depth: hit.inverse_depth, scaled: along * hit.inverse_depth * hit.inverse_depth };
+            *share = Share {
+                inverse_depth: hit.inverse_depth,
+                scaled: along * hit.inverse_depth * hit.inverse_depth,
+            };
         }
         share.scaled
     }
@@ -175,7 +180,9 @@ impl DenseTriangulator {
         }
         // Each triangle fills part of the angle about its corners.
         let mut angle = vec![0_u8; cloud.points.len()];
-        for (above, below) in self.point_of.chunks_exact(width).zip(self.point_of[width..].chunks_exact(width)) {
+        for (above, below) in
+            self.point_of.chunks_exact(width).zip(self.point_of[width..].chunks_exact(width))
+        {
             for (a, b) in above.windows(2).zip(below.windows(2)) {
                 // Counter-clockwise as the camera sees it: left, down, right, up.
                 let corners = [a[0], b[0], b[1], a[1]];
@@ -228,6 +235,7 @@ fn normals(cloud: &PointCloud) -> Vec<Vector3<f32>> {
 
 /// The median of a quantity over a sample of the points; 0 for none.
 fn middle(points: &[CloudPoint], what: impl Fn(&CloudPoint) -> f64) -> f64 {
-    let mut sample: Vec<f64> = points.iter().step_by(points.len().div_ceil(SAMPLE).max(1)).map(what).collect();
+    let mut sample: Vec<f64> =
+        points.iter().step_by(points.len().div_ceil(SAMPLE).max(1)).map(what).collect();
     median(&mut sample).unwrap_or(0.0)
 }

@@ -30,9 +30,9 @@ pub use cube::{Cube, CubeError};
 pub use draws::Draws;
 pub use experiment::{LevelReport, NoiseConfig, NoiseExperiment, NoiseReport, PrincipalPoints, TrueValues};
 pub use photograph::{
-    Demosaic, Flicker, PatternKind, Photographer, PixelTruth, Placement, PreparedScene, ProjectedImage,
-    RenderConfig, SceneObject, SceneReport, SceneSetup, Shape, Sharpen, SheetObject, SimulatedScene, Surface,
-    SurfaceKind, TriangleMesh, Truth, WallKind,
+    Demosaic, Exposure, Flicker, PatternKind, Photographer, PixelTruth, Placement, PreparedScene,
+    ProjectedImage, RenderConfig, SceneObject, SceneReport, SceneSetup, Shape, Sharpen, SheetObject,
+    SimulatedScene, Surface, SurfaceKind, TriangleMesh, Truth, WallKind,
 };
 pub use poses::PoseConfig;
 pub use rig_config::RigConfig;

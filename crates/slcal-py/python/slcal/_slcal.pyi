@@ -1,4 +1,4 @@
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import IO, Any, Final, Literal, TypeAlias, final, overload
 
@@ -37,6 +37,8 @@ __all__ = [
     "Rectification",
     "Rig",
     "Scene",
+    "SceneFrames",
+    "SequencePattern",
     "SheetDetection",
     "StripePattern",
     "View",
@@ -180,7 +182,7 @@ class CheckerPattern:
         """
     @staticmethod
     def load(file: _File) -> CheckerPattern:
-        """Reads a pattern file; see `slcal.load_pattern` for files of either kind."""
+        """Reads a pattern file; see `slcal.load_pattern` for files of any kind."""
     def to_json(self) -> str:
         """The content of the pattern file."""
     @staticmethod
@@ -311,7 +313,7 @@ class StripePattern:
         """
     @staticmethod
     def load(file: _File) -> StripePattern:
-        """Reads a pattern file; see `slcal.load_pattern` for files of either kind."""
+        """Reads a pattern file; see `slcal.load_pattern` for files of any kind."""
     def to_json(self) -> str:
         """The content of the pattern file."""
     @staticmethod
@@ -320,8 +322,97 @@ class StripePattern:
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
 
-def load_pattern(file: _File) -> CheckerPattern | StripePattern:
-    """Reads a pattern file of either kind.
+@final
+class SequencePattern:
+    """Pictures that are shown one after another: Gray code, or Gray code and shifted sinusoids.
+
+    Parameters
+    ----------
+    projector : (int, int)
+        Width and height of the projector's panel, px: its native resolution.
+    kind : {"gray", "phase"}, default "gray"
+        "gray" for Gray code alone; "phase" for as much of it as tells the periods of a sinusoid apart, and the sinusoid's shifts.
+    axis : {"columns", "rows", "both"}, default "columns"
+        What is coded.
+    period : float, default 16
+        Period of the sinusoid, px; only with "phase".
+    steps : int, default 8
+        Shifts of the sinusoid within its period; only with "phase". From 5 on an unknown gamma does not matter.
+    bits : int, optional
+        Bits of the Gray code, the most significant ones; by default all, or with a sinusoid as many as tell its periods apart.
+    preset : {"opencv-gray", "slstudio-gray"}, optional
+        The pictures of OpenCV's GrayCodePattern or of SLStudio in their order, instead; only with "gray" and without `axis`.
+
+    Raises
+    ------
+    Error
+        When an option is out of range, or options contradict each other.
+
+    Examples
+    --------
+    >>> sequence = slcal.SequencePattern(projector=(1024, 768), kind="phase")
+    >>> sequence
+    SequencePattern(projector=(1024, 768), frames=22)
+    >>> sequence.frames[2]
+    {'axis': 'columns', 'bit': 5, 'file': 'frame_002.png', 'inverted': False, 'is': 'bit'}
+    >>> sequence.image(2).shape
+    (768, 1024)
+    """
+
+    def __new__(
+        cls,
+        projector: tuple[int, int],
+        kind: Literal["gray", "phase"] = "gray",
+        axis: Literal["columns", "rows", "both"] = "columns",
+        period: float = 16.0,
+        steps: int = 8,
+        bits: int | None = None,
+        preset: Literal["opencv-gray", "slstudio-gray"] | None = None,
+    ) -> SequencePattern: ...
+    @property
+    def projector(self) -> tuple[int, int]:
+        """Width and height of the panel, px."""
+    @property
+    def frames(self) -> list[dict[str, Any]]:
+        """What each picture shows, in the order in which they are shown, as the pattern file has it: a dictionary with "is", which is
+        "white", "black", "bit" (with "axis", "bit" and "inverted") or "sinusoid" (with "axis", "period_px", "step" and "of"), and
+        "file" where it is known.
+        """
+    def image(self, frame: int) -> NDArray[np.uint8]:
+        """A picture to project. Show it full screen, without scaling.
+
+        Parameters
+        ----------
+        frame : int
+            Which picture, from 0.
+
+        Returns
+        -------
+        ndarray
+            (H, W) uint8.
+        """
+    def save(self, file: _File) -> None:
+        """Writes the pattern file (schema slcal-pattern/1).
+
+        Parameters
+        ----------
+        file : path or file object
+            A path, where the file appears when it is complete and replaces an older one, or an object with write().
+        """
+    @staticmethod
+    def load(file: _File) -> SequencePattern:
+        """Reads a pattern file; see `slcal.load_pattern` for files of any kind."""
+    def to_json(self) -> str:
+        """The content of the pattern file."""
+    @staticmethod
+    def from_json(text: str) -> SequencePattern:
+        """The pattern that `to_json` wrote, or another program."""
+    def __len__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+def load_pattern(file: _File) -> CheckerPattern | StripePattern | SequencePattern:
+    """Reads a pattern file of any kind.
 
     Parameters
     ----------
@@ -330,7 +421,7 @@ def load_pattern(file: _File) -> CheckerPattern | StripePattern:
 
     Returns
     -------
-    CheckerPattern or StripePattern
+    CheckerPattern, StripePattern or SequencePattern
 
     Raises
     ------
@@ -2474,11 +2565,14 @@ class Scene:
     def rig(self) -> Rig:
         """The true rig. If it was simulated and the surface is a sheet, the sheet is its view."""
     @property
-    def pattern(self) -> CheckerPattern | StripePattern:
+    def pattern(self) -> CheckerPattern | StripePattern | SequencePattern:
         """What was projected."""
     @property
     def photo(self) -> _Image:
-        """The photograph under the pattern: (H, W, 3) uint8, or uint16 with 16 bits."""
+        """The photograph under the pattern: (H, W, 3) uint8, or uint16 with 16 bits. Of a sequence, that under a white projector."""
+    @property
+    def frames(self) -> SceneFrames:
+        """The photographs under the pictures of a sequence, in its order; none of other patterns."""
     @property
     def white(self) -> _Image:
         """The photograph under a white projector."""
@@ -2487,7 +2581,9 @@ class Scene:
         """The photograph under a dark projector."""
     @property
     def matches(self) -> Matches:
-        """The true positions of slits or corners of the pattern in the photograph."""
+        """The true positions of slits or corners of the pattern in the photograph; none of a sequence, for which `column` and `row` are
+        the truth.
+        """
     @property
     def cloud(self) -> PointCloud:
         """The true points of the matches, in the camera's frame."""
@@ -2510,6 +2606,25 @@ class Scene:
     @property
     def report(self) -> SceneReport:
         """Counts and depths of the scene."""
+
+@final
+class SceneFrames:
+    """The photographs of a scene under the pictures of a sequence. Each is rendered when it is asked for, so that memory holds those that are
+    kept; asked for again, it is the same.
+
+    Examples
+    --------
+    >>> from slcal import simulate
+    >>> sequence = slcal.SequencePattern(projector=(1024, 768), bits=3)
+    >>> scene = simulate.scene("sphere", sequence, camera=(320, 240), focal=375)
+    >>> len(scene.frames), scene.frames[0].shape
+    (8, (240, 320, 3))
+    >>> stack = [frame.mean(axis=2) for frame in scene.frames]
+    """
+
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> _Image: ...
+    def __iter__(self) -> Iterator[_Image]: ...
 
 def simulate_scene(options: dict[str, Any], /) -> Scene:
     """Photographs of a simulated scene, with the ground truth of every pixel; see `slcal.simulate.scene`."""

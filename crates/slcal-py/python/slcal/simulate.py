@@ -17,6 +17,8 @@ from ._slcal import (
     PointCloud,
     Rig,
     Scene,
+    SceneFrames,
+    SequencePattern,
     StripePattern,
     simulate_noise,
     simulate_scene,
@@ -24,14 +26,14 @@ from ._slcal import (
 )
 from .reports import NoiseReport
 
-__all__ = ["Scene", "Views", "noise", "scene", "views"]
+__all__ = ["Scene", "SceneFrames", "Views", "noise", "scene", "views"]
 
 _Pose: TypeAlias = tuple[float, float] | tuple[float, float, float]
 
 
 def scene(
     surface: Literal["plane", "sphere", "step", "sheet"] | str | PathLike[str] | PointCloud = "plane",
-    pattern: Literal["stripes", "checker"] | StripePattern | CheckerPattern | None = None,
+    pattern: Literal["stripes", "checker"] | StripePattern | CheckerPattern | SequencePattern | None = None,
     *,
     rig: Rig | None = None,
     camera: tuple[int, int] = (1280, 960),
@@ -90,9 +92,9 @@ def scene(
     surface : {"plane", "sphere", "step", "sheet"}, path or PointCloud, default "plane"
         The scene: an infinite plane, a sphere, a wall with two blocks in front of it, a sheet of `size_mm`, or a mesh. A mesh
         is a file whose name ends in .ply or .obj, or a cloud with triangles.
-    pattern : {"stripes", "checker"}, StripePattern or CheckerPattern, optional
+    pattern : {"stripes", "checker"}, StripePattern, CheckerPattern or SequencePattern, optional
         The projected pattern; by default the checkerboard on a sheet, and stripes on everything else. A "checker" on a sheet
-        is scaled down until it fits on the sheet.
+        is scaled down until it fits on the sheet. Under a sequence, `Scene.frames` has a photograph for each of its pictures.
     rig : Rig, optional
         A given rig instead of the options from `camera` to `baseline` and from `distortion` to `projector_distortion`;
         `distance`, `size_mm` and `bend` still define the surface.

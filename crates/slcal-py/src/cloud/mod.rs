@@ -197,7 +197,7 @@ impl PointCloud {
         };
         let points = points.into_iter().enumerate().map(point).collect();
         let (frame, camera_centre) = (parsed_or(frame, "frame", Frame::Camera)?, Point3::from(camera_centre));
-        Ok(slcal_core::PointCloud { points, triangles, frame, camera_centre }.into())
+        Ok(slcal_core::PointCloud { points, triangles, frame, camera_centre, ..Default::default() }.into())
     }
 
     /// Positions: (N, 3) float64, mm.
@@ -332,6 +332,7 @@ impl PointCloud {
             triangles: triangles_of(triangles, n)?,
             frame: parsed(frame, "frame")?,
             camera_centre: Point3::from(camera_centre),
+            ..slcal_core::PointCloud::default()
         };
         Ok(Self { cloud, report: LazyReport::restored(py, report) })
     }

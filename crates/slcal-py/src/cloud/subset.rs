@@ -21,6 +21,7 @@ fn subset(cloud: &slcal_core::PointCloud, indices: &[usize]) -> slcal_core::Poin
     slcal_core::PointCloud {
         points: indices.iter().map(|&i| cloud.points[i]).collect(),
         triangles: cloud.triangles.iter().filter_map(triangle).collect(),
+        normals: indices.iter().filter_map(|&i| cloud.normals.get(i).copied()).collect(),
         frame: cloud.frame,
         camera_centre: cloud.camera_centre,
     }

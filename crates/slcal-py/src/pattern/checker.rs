@@ -15,7 +15,9 @@ use crate::files;
 fn checker(py: Python<'_>, pattern: Pattern) -> PyResult<CheckerPattern> {
     match pattern {
         Pattern::Checker(p) => Ok(CheckerPattern(p)),
-        Pattern::Sequence(_) => Err(errors::invalid(py, "pattern", "a checkerboard", "a sequence")),
+        Pattern::Sequence(_) => {
+            Err(errors::invalid(py, "pattern", "a checkerboard", "a sequence; SequencePattern.load reads it"))
+        }
         Pattern::Stripes(_) => {
             Err(errors::invalid(py, "pattern", "a checkerboard", "stripes; StripePattern.load reads them"))
         }
@@ -191,7 +193,7 @@ impl CheckerPattern {
         files::write(file, &json(file.py(), &Pattern::Checker(self.0.clone()))?, true)
     }
 
-    /// Reads a pattern file; see `slcal.load_pattern` for files of either kind.
+    /// Reads a pattern file; see `slcal.load_pattern` for files of any kind.
     #[staticmethod]
     fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
         checker(file.py(), from_file(file)?)

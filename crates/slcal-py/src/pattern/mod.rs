@@ -2,23 +2,24 @@
 
 mod checker;
 mod file;
+mod sequence;
 mod stripes;
 
 use pyo3::prelude::*;
 use slcal_core::pattern::Pattern;
 
-use crate::errors;
-
 pub(crate) use checker::CheckerPattern;
+pub(crate) use sequence::SequencePattern;
 pub(crate) use stripes::StripePattern;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<CheckerPattern>()?;
     module.add_class::<StripePattern>()?;
+    module.add_class::<SequencePattern>()?;
     module.add_function(wrap_pyfunction!(load_pattern, module)?)
 }
 
-/// Reads a pattern file of either kind.
+/// Reads a pattern file of any kind.
 ///
 /// Parameters
 /// ----------
@@ -27,7 +28,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///
 /// Returns
 /// -------
-/// CheckerPattern or StripePattern
+/// CheckerPattern, StripePattern or SequencePattern
 ///
 /// Raises
 /// ------
@@ -41,8 +42,6 @@ fn load_pattern<'py>(file: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     Ok(match file::from_file(file)? {
         Pattern::Checker(p) => Bound::new(py, CheckerPattern(p))?.into_any(),
         Pattern::Stripes(p) => Bound::new(py, StripePattern(p))?.into_any(),
-        Pattern::Sequence(_) => {
-            return Err(errors::invalid(py, "pattern", "a checkerboard or stripes", "a sequence"));
-        }
+        Pattern::Sequence(p) => Bound::new(py, SequencePattern(p))?.into_any(),
     })
 }

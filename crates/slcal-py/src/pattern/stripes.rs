@@ -16,7 +16,9 @@ use crate::files;
 fn stripes(py: Python<'_>, pattern: Pattern) -> PyResult<StripePattern> {
     match pattern {
         Pattern::Stripes(p) => Ok(StripePattern(p)),
-        Pattern::Sequence(_) => Err(errors::invalid(py, "pattern", "stripes", "a sequence")),
+        Pattern::Sequence(_) => {
+            Err(errors::invalid(py, "pattern", "stripes", "a sequence; SequencePattern.load reads it"))
+        }
         Pattern::Checker(_) => {
             Err(errors::invalid(py, "pattern", "stripes", "a checkerboard; CheckerPattern.load reads it"))
         }
@@ -225,7 +227,7 @@ impl StripePattern {
         files::write(file, &json(file.py(), &Pattern::Stripes(self.0.clone()))?, true)
     }
 
-    /// Reads a pattern file; see `slcal.load_pattern` for files of either kind.
+    /// Reads a pattern file; see `slcal.load_pattern` for files of any kind.
     #[staticmethod]
     fn load(file: &Bound<'_, PyAny>) -> PyResult<Self> {
         stripes(file.py(), from_file(file)?)

@@ -17,7 +17,7 @@ use self::options::{
     Options, angles, channels, number, only_place, pattern, poses, render_config, rig_config, surface, wall,
     whole,
 };
-use self::scene::Scene;
+use self::scene::{Scene, SceneFrames};
 use crate::convert::array::{Numbers, vector_of};
 use crate::convert::object::object;
 use crate::convert::option::parsed;
@@ -28,6 +28,7 @@ use crate::rig::Rig;
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Scene>()?;
+    module.add_class::<SceneFrames>()?;
     module.add_function(wrap_pyfunction!(simulate_scene, module)?)?;
     module.add_function(wrap_pyfunction!(simulate_views, module)?)?;
     module.add_function(wrap_pyfunction!(simulate_noise, module)?)

@@ -19,7 +19,7 @@ use crate::convert::option::{self, one_of, parsed, whole_pair};
 use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::files;
 use crate::geometry::distortion_of;
-use crate::pattern::{CheckerPattern, StripePattern};
+use crate::pattern::{CheckerPattern, SequencePattern, StripePattern};
 
 /// Keyword arguments by name.
 pub(super) struct Options<'a, 'py>(pub(super) &'a Bound<'py, PyDict>);
@@ -249,11 +249,14 @@ pub(super) fn pattern(options: &Options<'_, '_>) -> PyResult<PatternKind> {
     if let Ok(checker) = value.cast::<CheckerPattern>() {
         return Ok(PatternKind::Known(Pattern::Checker(checker.get().0.clone())));
     }
+    if let Ok(sequence) = value.cast::<SequencePattern>() {
+        return Ok(PatternKind::Known(Pattern::Sequence(sequence.get().0.clone())));
+    }
     match value.extract::<String>().ok().as_deref() {
         Some("stripes") => Ok(PatternKind::Stripes),
         Some("checker") => Ok(PatternKind::Checker),
         _ => {
-            let wanted = "\"stripes\", \"checker\", a StripePattern or a CheckerPattern";
+            let wanted = "\"stripes\", \"checker\", a StripePattern, a CheckerPattern or a SequencePattern";
             Err(errors::invalid(value.py(), "pattern", wanted, &option::repr_of(&value)))
         }
     }

@@ -1,5 +1,6 @@
 //! A simulated scene.
 
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use slcal_core::pattern::Pattern;
 use slcal_core::simulate::SimulatedScene;
@@ -8,9 +9,9 @@ use crate::cloud::PointCloud;
 use crate::convert::array::shaped;
 use crate::convert::image::array_of;
 use crate::convert::report::LazyReport;
-use crate::errors;
+use crate::errors::{Raise as _, Stage};
 use crate::matches::Matches;
-use crate::pattern::{CheckerPattern, StripePattern};
+use crate::pattern::{CheckerPattern, SequencePattern, StripePattern};
 use crate::rig::Rig;
 
 /// Photographs of a simulated scene, and the ground truth of every pixel. `slcal.simulate.scene` makes them.
@@ -50,16 +51,20 @@ impl Scene {
         Ok(match self.scene.pattern.clone() {
             Pattern::Checker(p) => Bound::new(py, CheckerPattern(p))?.into_any(),
             Pattern::Stripes(p) => Bound::new(py, StripePattern(p))?.into_any(),
-            Pattern::Sequence(_) => {
-                return Err(errors::invalid(py, "pattern", "a checkerboard or stripes", "a sequence"));
-            }
+            Pattern::Sequence(p) => Bound::new(py, SequencePattern(p))?.into_any(),
         })
     }
 
-    /// The photograph under the pattern: (H, W, 3) uint8, or uint16 with 16 bits.
+    /// The photograph under the pattern: (H, W, 3) uint8, or uint16 with 16 bits. Of a sequence, that under a white projector.
     #[getter]
     fn photo<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         array_of(py, self.scene.photo.clone())
+    }
+
+    /// The photographs under the pictures of a sequence, in its order; none of other patterns.
+    #[getter]
+    fn frames(slf: Bound<'_, Self>) -> SceneFrames {
+        SceneFrames(slf.unbind())
     }
 
     /// The photograph under a white projector.
@@ -74,7 +79,8 @@ impl Scene {
         array_of(py, self.scene.black.clone())
     }
 
-    /// The true positions of slits or corners of the pattern in the photograph.
+    /// The true positions of slits or corners of the pattern in the photograph; none of a sequence, for which `column` and `row` are
+    /// the truth.
     #[getter]
     fn matches(&self) -> Matches {
         self.scene.matches.clone().into()
@@ -127,5 +133,47 @@ impl Scene {
             if surfaces == 1 { "" } else { "s" },
             self.scene.matches.items.len()
         )
+    }
+}
+
+/// The photographs of a scene under the pictures of a sequence. Each is rendered when it is asked for, so that memory holds those that are
+/// kept; asked for again, it is the same.
+///
+/// Examples
+/// --------
+/// >>> from slcal import simulate
+/// >>> sequence = slcal.SequencePattern(projector=(1024, 768), bits=3)
+/// >>> scene = simulate.scene("sphere", sequence, camera=(320, 240), focal=375)
+/// >>> len(scene.frames), scene.frames[0].shape
+/// (8, (240, 320, 3))
+/// >>> stack = [frame.mean(axis=2) for frame in scene.frames]
+#[pyclass(frozen, module = "slcal")]
+pub(crate) struct SceneFrames(Py<Scene>);
+
+#[pymethods]
+impl SceneFrames {
+    fn __len__(&self) -> usize {
+        self.0.get().scene.frame_count()
+    }
+
+    fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyAny>> {
+        let scene = &self.0.get().scene;
+        let n = scene.frame_count();
+        let from_start = if index < 0 { n.checked_add_signed(index) } else { Some(index.unsigned_abs()) };
+        let frame = from_start.filter(|i| *i < n).ok_or_else(|| {
+            PyIndexError::new_err(format!("frames: expected an index below {n}, found {index}"))
+        })?;
+        let exposure = py.detach(|| scene.frame(frame)).raise(py, Stage::Detect)?;
+        array_of(py, exposure.picture)
+    }
+
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let builtins = slf.py().import("builtins")?;
+        let indices = builtins.call_method1("range", (slf.len()?,))?;
+        builtins.call_method1("map", (slf.getattr("__getitem__")?, indices))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("SceneFrames({})", self.__len__())
     }
 }

@@ -3,34 +3,48 @@
 use std::path::Path;
 
 use slcal_core::Rig;
+use slcal_core::pattern::Pattern;
 use slcal_core::simulate::{PatternKind, RenderConfig, RigConfig, SceneSetup, SurfaceKind, WallKind};
 
-use super::outputs::{SceneOutputs, contents, names};
+use super::outputs::{SceneFile, SceneOutputs};
 use crate::args::{Crosstalk, LightArgs, MeshFrameArg, PlaceArgs, SceneArgs, WallArg};
 use crate::exit::{Failure, Outcome};
 use crate::io::{
-    Destination, check_panel, check_projector, check_spares, load_mesh, load_pattern, load_rig, make_folder,
-    write_all,
+    Destination, Together, check_panel, check_projector, check_spares, load_mesh, load_pattern, load_rig,
+    make_folder,
 };
 use crate::output::{Printer, print_json, print_result};
 
 pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
     let busy = printer.busy("preparing the scene");
     let stage = setup(args)?.set_up()?;
-    let places = places(args)?;
+    let places = places(args, &stage.pattern)?;
     let [w, h] = [stage.rig.camera.model.width, stage.rig.camera.model.height];
     printer.detail(format!("{w} x {h} pixels ..."));
     busy.say(format!("rendering photographs of {w}x{h} pixels"));
     let scene = stage.photograph()?;
-    if scene.matches.items.is_empty() {
+    let sees_pattern = match scene.frame_count() {
+        0 => !scene.matches.items.is_empty(),
+        _ => scene.report.lit_pixels > 0,
+    };
+    if !sees_pattern {
         printer.note(
             "the camera sees none of the pattern on the surface; move the surface into the projector light (--distance, --aside, \
              --tilt)",
         );
     }
-    busy.say("computing the ground truth of every pixel");
     let outputs = SceneOutputs::of(&scene);
-    write_all(&places.into_iter().zip(contents(&scene)?).collect::<Vec<_>>())?;
+    let mut written = Together::default();
+    for (file, place) in places {
+        busy.say(match file {
+            SceneFile::Frame(i) => {
+                format!("rendering photograph {} of {} of {w}x{h} pixels", i + 1, scene.frame_count())
+            }
+            _ => "computing the ground truth of every pixel".to_owned(),
+        });
+        written.add(place, file.content(&scene)?)?;
+    }
+    written.appear()?;
     drop(busy);
     if args.json {
         return print_json(&outputs);
@@ -39,14 +53,15 @@ pub(super) fn run(args: &SceneArgs, printer: Printer) -> Outcome {
 }
 
 /// The destinations of the files, in a folder that is created when it does not exist.
-fn places(args: &SceneArgs) -> Outcome<Vec<Destination>> {
+fn places(args: &SceneArgs, pattern: &Pattern) -> Outcome<Vec<(SceneFile, Destination)>> {
     make_folder(&args.out)?;
-    let places = names(args.devices.jpeg.is_some())
-        .iter()
-        .map(|name| Destination::prepare(&args.out.join(name), args.force))
-        .collect::<Outcome<Vec<_>>>()?;
+    let place = |file: SceneFile| {
+        let name = file.name(pattern, args.devices.jpeg.is_some());
+        Destination::prepare(&args.out.join(name), args.force).map(|place| (file, place))
+    };
+    let places = SceneFile::all(pattern).into_iter().map(place).collect::<Outcome<Vec<_>>>()?;
     check_spares(
-        &places,
+        places.iter().map(|(_, place)| place),
         [Some(args.surface.as_path()), args.pattern.as_deref(), args.rig.as_deref()].into_iter().flatten(),
     )?;
     Ok(places)

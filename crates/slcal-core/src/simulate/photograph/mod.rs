@@ -53,6 +53,7 @@ pub use mesh::TriangleMesh;
 pub use photographer::{Photographer, ProjectedImage};
 pub use report_json::SceneReport;
 pub use scene_object::{Placement, SceneObject};
+pub use sensor::Exposure;
 pub use setup::{PatternKind, PreparedScene, SceneSetup, SurfaceKind, WallKind};
 pub use sharpen::Sharpen;
 pub use sheet_object::SheetObject;

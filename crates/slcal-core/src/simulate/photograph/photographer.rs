@@ -126,8 +126,11 @@ impl Photographer {
         Ok(self.exposure(shown, frame)?.picture)
     }
 
-    /// A photograph as a picture, and as the camera's file where it writes one.
-    pub(super) fn exposure(&self, shown: ProjectedImage<'_>, frame: u64) -> Result<Exposure> {
+    /// The same, with the camera's file where it writes JPEG.
+    ///
+    /// # Errors
+    /// As [`photograph`](Self::photograph).
+    pub fn exposure(&self, shown: ProjectedImage<'_>, frame: u64) -> Result<Exposure> {
         let panel = self.panel(shown)?;
         let (width, height) = (self.truth.width, self.truth.height);
         let light_of =

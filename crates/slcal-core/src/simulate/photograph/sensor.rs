@@ -10,11 +10,12 @@ use super::radial_falloff::RadialFalloff;
 use crate::error::{Error, ErrorSubject, Result};
 
 /// A photograph.
-pub(super) struct Exposure {
-    /// Its pixels.
-    pub(super) picture: DynamicImage,
+#[derive(Debug, Clone)]
+pub struct Exposure {
+    /// Its pixels, 8 or 16 bit RGB.
+    pub picture: DynamicImage,
     /// The JPEG file from which they are read, where the camera writes one.
-    pub(super) file: Option<Vec<u8>>,
+    pub file: Option<Vec<u8>>,
 }
 
 /// The photograph of this light. `frame` counts the photographs of one seed, so that each has its own noise.

@@ -268,7 +268,7 @@ pub struct PreparedScene {
     pub rig: Rig,
     /// The projected pattern.
     pub pattern: Pattern,
-    /// The same as a picture of the panel's size.
+    /// The same as a picture of the panel's size; of a sequence, the first one.
     pub picture: RgbImage,
     /// The surfaces in front of the rig.
     pub surfaces: Vec<Surface>,
@@ -281,15 +281,19 @@ pub struct PreparedScene {
 }
 
 impl PreparedScene {
-    /// Photographs it under the pattern, under a white and under a dark projector.
+    /// Photographs it under the pattern, under a white and under a dark projector. Of a sequence the photograph under white stands for
+    /// that under the pattern; [`SimulatedScene::frames`] takes those of its pictures one after another.
     ///
     /// # Errors
     /// As [`Photographer::new`].
     pub fn photograph(self) -> Result<SimulatedScene> {
         let photographer = Photographer::new(&self.rig, &self.surfaces, &self.render)?;
         let shot = |shown, frame| photographer.exposure(shown, frame);
-        let photo = shot(ProjectedImage::Picture(&self.picture), 0)?;
         let (white, black) = (shot(ProjectedImage::White, 1)?, shot(ProjectedImage::Black, 2)?);
+        let photo = match &self.pattern {
+            Pattern::Sequence(_) => white.clone(),
+            _ => shot(ProjectedImage::Picture(&self.picture), 0)?,
+        };
         let files = photo.file.zip(white.file).zip(black.file);
         let jpeg_files = files.map(|((photo, white), black)| [photo, white, black]);
         let [photo, white, black] = [photo.picture, white.picture, black.picture];

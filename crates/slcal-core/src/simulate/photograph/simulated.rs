@@ -2,10 +2,12 @@
 
 use image::{DynamicImage, RgbImage};
 
-use super::photographer::Photographer;
+use super::photographer::{Photographer, ProjectedImage};
 use super::report_json::SceneReport;
+use super::sensor::Exposure;
 use super::truth::PixelTruth;
 use crate::cloud::{CloudPoint, PointCloud};
+use crate::error::{Error, ErrorSubject, Result};
 use crate::matches::Matches;
 use crate::pattern::Pattern;
 use crate::rig::Rig;
@@ -16,9 +18,9 @@ pub struct SimulatedScene {
     pub rig: Rig,
     /// The projected pattern.
     pub pattern: Pattern,
-    /// The same as a picture of the panel's size.
+    /// The same as a picture of the panel's size; of a sequence, the first one.
     pub picture: RgbImage,
-    /// The photograph under the pattern, 8 or 16 bit RGB.
+    /// The photograph under the pattern, 8 or 16 bit RGB; of a sequence, that under a white projector.
     pub photo: DynamicImage,
     /// That under a white projector.
     pub white: DynamicImage,
@@ -26,7 +28,8 @@ pub struct SimulatedScene {
     pub black: DynamicImage,
     /// The camera's files of these three, where it writes JPEG: the photographs are what is read from them.
     pub jpeg_files: Option<[Vec<u8>; 3]>,
-    /// Exact correspondences of slits or corners of the pattern.
+    /// Exact correspondences of slits or corners of the pattern; none of a sequence, whose [`columns`](Self::columns) and
+    /// [`rows`](Self::rows) are the truth of every pixel.
     pub matches: Matches,
     /// The renderer of the photographs, which can trace any pixel.
     pub photographer: Photographer,
@@ -34,7 +37,39 @@ pub struct SimulatedScene {
     pub report: SceneReport,
 }
 
+/// Photographs of a scene before those of a sequence's pictures, which have other noise: under the pattern, white and black.
+const EARLIER_PHOTOGRAPHS: u64 = 3;
+
 impl SimulatedScene {
+    /// How many pictures the sequence has; 0 for other patterns.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        match &self.pattern {
+            Pattern::Sequence(sequence) => sequence.frames.len(),
+            Pattern::Checker(_) | Pattern::Stripes(_) => 0,
+        }
+    }
+
+    /// The photograph under one picture of a sequence. It is taken when it is asked for, always with the same noise, which is that of
+    /// no other picture.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a picture that the sequence does not have, and for other patterns.
+    pub fn frame(&self, frame: usize) -> Result<Exposure> {
+        let Pattern::Sequence(sequence) = &self.pattern else {
+            return Err(Error::invalid(ErrorSubject::Pattern, "a sequence", self.pattern.kind()));
+        };
+        let shown = DynamicImage::ImageLuma8(sequence.image(frame)?).into_rgb8();
+        self.photographer.exposure(ProjectedImage::Picture(&shown), EARLIER_PHOTOGRAPHS + frame as u64)
+    }
+
+    /// The photographs under the pictures of a sequence, in its order, each taken when the iterator comes to it, so that a long
+    /// sequence needs the memory of one; none for other patterns.
+    #[must_use = "photographs are taken when the iterator comes to them"]
+    pub fn frames(&self) -> impl ExactSizeIterator<Item = Result<Exposure>> + '_ {
+        (0..self.frame_count()).map(|frame| self.frame(frame))
+    }
+
     /// The points of the matches, in the camera's frame and in the colours of the white photograph.
     #[must_use]
     pub fn cloud(&self) -> PointCloud {

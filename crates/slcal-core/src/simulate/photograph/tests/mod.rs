@@ -6,6 +6,7 @@ mod light;
 mod meshes;
 mod pipeline;
 mod scene_objects;
+mod sequences;
 mod setups;
 mod sheets;
 
