@@ -132,6 +132,7 @@ fn cloud() -> impl Strategy<Value = PointCloud> {
         points,
         frame: if plane.is_some() { Frame::Plane } else { Frame::Camera },
         camera_centre: plane.map_or_else(Point3::origin, Point3::from),
+        ..PointCloud::default()
     })
 }
 
