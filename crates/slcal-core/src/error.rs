@@ -205,7 +205,7 @@ subjects! {
     RigFile = "rig JSON",
     PatternFile = "pattern JSON",
     ObservationsFile = "observations JSON",
-    MatchesFile = "matches CSV",
+    MatchesFile = "matches",
     CameraFile = "camera file",
     Ply = "PLY",
     Obj = "OBJ",

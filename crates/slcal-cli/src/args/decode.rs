@@ -9,8 +9,11 @@ use super::photo::{GammaArg, MirrorArg};
 
 #[derive(Debug, Args)]
 pub(crate) struct DecodeArgs {
-    /// Photograph of the stripes; `-` for stdin.
-    pub(crate) image: PathBuf,
+    /// Photograph of the stripes; `-` for stdin. Of a sequence, the folder of its frames, or the frames.
+    ///
+    /// The photographs of a folder are the frames in natural order of their names, unless the pattern names files that are there.
+    #[arg(required = true, value_name = "IMAGE")]
+    pub(crate) images: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) input: DecodeInput,
     /// Calibrated rig: its registration of the colour channels is used.
@@ -18,7 +21,7 @@ pub(crate) struct DecodeArgs {
     /// Without it the registration is estimated from the stripes where they show it.
     #[arg(long, value_name = "RIG.json", help_heading = INPUT)]
     pub(crate) rig: Option<PathBuf>,
-    /// File for the matches; `-` for stdout.
+    /// File for the matches, .csv or, of a sequence, .npz; `-` for CSV on stdout.
     #[arg(short, long, value_name = "MATCHES.csv", help_heading = OUTPUT)]
     pub(crate) output: PathBuf,
     /// Draw the decoded stripes on the photograph.
@@ -35,8 +38,8 @@ pub(crate) struct DecodeArgs {
 /// What decoding needs.
 #[derive(Debug, Args)]
 pub(crate) struct DecodeInput {
-    /// Description of the projected stripes (`slcal pattern stripes` writes it).
-    #[arg(long, value_name = "STRIPES.json", help_heading = INPUT)]
+    /// Description of what was projected: stripes or a sequence (`slcal pattern` writes it).
+    #[arg(long, value_name = "PATTERN.json", help_heading = INPUT)]
     pub(crate) pattern: PathBuf,
     /// Photograph of the same view with the projector dark.
     ///

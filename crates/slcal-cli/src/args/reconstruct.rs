@@ -20,7 +20,7 @@ pub(crate) struct ReconstructArgs {
     /// Photographs of the object under the stripes, in files or folders; `-` for one on stdin.
     ///
     /// A folder stands for its photographs in natural order (img2 before img10), as does a name with * or ? that the
-    /// shell has not expanded.
+    /// shell has not expanded. Of a sequence, each folder is a scan with its own cloud; or all files together are one.
     #[arg(required_unless_present = "raw", value_name = "IMAGE")]
     pub(crate) images: Vec<PathBuf>,
     /// Calibrated rig.
@@ -71,6 +71,11 @@ pub(crate) struct ReconstructArgs {
     /// The clouds are checked, not their inputs: after a change of rig or options, use --force.
     #[arg(long, conflicts_with_all = ["force", "output", "report"], help_heading = OUTPUT)]
     pub(crate) resume: bool,
+    /// Write the depth of every pixel along the optical axis of the camera (one cloud only).
+    ///
+    /// .pfm: 32-bit numbers in mm, NaN where there is no point. .png: 16 bit, in 0.1 mm, 0 where there is none.
+    #[arg(long, value_name = "FILE.pfm", help_heading = OUTPUT)]
+    pub(crate) depth: Option<PathBuf>,
     /// Draw the points on the photograph, coloured by their distance from the camera (one IMAGE only).
     #[arg(long, value_name = "FILE.png", help_heading = OUTPUT)]
     pub(crate) overlay: Option<PathBuf>,

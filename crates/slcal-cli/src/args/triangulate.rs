@@ -12,7 +12,7 @@ use super::value::parse_cull;
 
 #[derive(Debug, Args)]
 pub(crate) struct TriangulateArgs {
-    /// Table of matches, CSV; `-` for stdin.
+    /// Table of matches, CSV, or the .npz of a sequence; `-` for CSV on stdin.
     ///
     /// It needs the columns u, v and projector_column or projector_row, or both.
     pub(crate) matches: PathBuf,

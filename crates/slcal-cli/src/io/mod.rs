@@ -16,6 +16,7 @@ mod picture_memory;
 mod raw;
 mod read;
 mod sample_coding;
+mod scan_frames;
 mod signals;
 mod temporary;
 mod text;
@@ -36,9 +37,8 @@ pub(crate) use photo_kind::Foreign;
 #[cfg(feature = "studio")]
 pub(crate) use photo_kind::extension_of;
 pub(crate) use raw::{RawFormat, RawFrame};
-#[cfg(feature = "studio")]
-pub(crate) use read::read_bytes;
-pub(crate) use read::{check_one_stdin, open_stream};
+pub(crate) use read::{check_one_stdin, open_stream, read_bytes};
+pub(crate) use scan_frames::{ScanFrames, scans};
 #[cfg(feature = "studio")]
 pub(crate) use signals::end_normally_on_signals;
 pub(crate) use signals::end_whole_on_signals;

@@ -81,6 +81,12 @@ impl Destination {
         Self::prepare_beside("--report", path, force)
     }
 
+    /// The same for a depth image.
+    pub(crate) fn prepare_depth(path: &PathBuf, force: bool) -> Outcome<Self> {
+        Self::prepare_beside("--depth", Some(path), force)?
+            .ok_or_else(|| Failure::usage("--depth: expected a file"))
+    }
+
     fn prepare_beside(option: &str, path: Option<&PathBuf>, force: bool) -> Outcome<Option<Self>> {
         let place = path.map(|p| Self::prepare(p, force)).transpose()?;
         if place == Some(Self::Stdout) {

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use slcal_core::{PointCloud, Reconstruction};
 
 use super::decoding::{add_counts, add_remarks, decoded_percent};
+use super::sequence::{add_sequence, sequence_percent};
 use crate::output::{BOLD, FAIR, TextLayout, sanitized, unbroken};
 use crate::quantile::Sorted;
 
@@ -20,6 +21,9 @@ pub(crate) fn cloud_in_a_line(result: &Reconstruction) -> String {
     if let Some(report) = result.decode() {
         let _ = write!(text, ", {:.1} % decoded", decoded_percent(report));
     }
+    if let Some(report) = result.sequence() {
+        let _ = write!(text, ", {:.1} % decoded", sequence_percent(report));
+    }
     let mut layout = TextLayout::new();
     add_warnings(&mut layout, result);
     let _ = write!(text, "\n{}", layout.into_text());
@@ -31,6 +35,9 @@ pub(crate) fn reconstruction(result: &Reconstruction) -> String {
     let mut layout = TextLayout::new();
     if let Some(report) = result.decode() {
         add_counts(&mut layout, report);
+    }
+    if let Some(report) = result.sequence() {
+        add_sequence(&mut layout, report);
     }
     points(&mut layout, result);
     add_warnings(&mut layout, result);

@@ -18,10 +18,16 @@ use crate::picture::{for_display, stripes};
 use crate::summary;
 
 pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
+    let [image] = args.images.as_slice() else {
+        return Err(Failure::usage(format!(
+            "expected one photograph of stripes, found {}; the frames of a sequence need its pattern",
+            args.images.len()
+        )));
+    };
     let output = Destination::prepare(&args.output, args.force)?;
     let overlay = Destination::prepare_overlay(args.overlay.as_ref(), args.force)?;
     check_distinct([&output].into_iter().chain(&overlay))?;
-    let read = args.input.files().chain([args.image.as_path()]).chain(args.rig.as_deref());
+    let read = args.input.files().chain([image.as_path()]).chain(args.rig.as_deref());
     check_spares([&output].into_iter().chain(&overlay), read)?;
     check_json(args.json, &output)?;
     let pattern = load_stripes(&args.input.pattern)?;
@@ -29,24 +35,22 @@ pub(super) fn run(args: &DecodeArgs, printer: Printer) -> Outcome {
     if let Some((path, rig)) = &rig {
         check_panel(&args.input.pattern, pattern.projector, path, rig)?;
     }
-    let busy = printer.busy(format!("decoding {}", input_name(&args.image)));
+    let busy = printer.busy(format!("decoding {}", input_name(image)));
     let frames = References::load(&args.input, printer)?;
-    let photo = load_photo(&args.image, args.input.gamma.samples(), printer)?;
+    let photo = load_photo(image, args.input.gamma.samples(), printer)?;
     if let Some((_, rig)) = &rig {
-        rig.check_photo_size([photo.width() as usize, photo.height() as usize]).in_file(&args.image)?;
+        rig.check_photo_size([photo.width() as usize, photo.height() as usize]).in_file(image)?;
     }
     let mirrored = args.input.mirror.mirror || rig.as_ref().is_some_and(|(_, rig)| rig.is_mirrored());
     let registration = rig.and_then(|(_, rig)| rig.channel_registration);
     let config = DecodeConfig { mirrored, registration, ..frames.config };
-    let decoding = decode(frames.input(&args.image, &photo)?, &pattern, &config).in_file(&args.image)?;
+    let decoding = decode(frames.input(image, &photo)?, &pattern, &config).in_file(image)?;
 
     let bytes = bytes_of(|out| write_matches(&decoding.matches, out))?;
     let mut files = vec![(output.clone(), bytes)];
     if let Some(place) = overlay {
-        files.push((
-            place,
-            draw(&for_display(photo, frames.config.encoding), &input_name(&args.image), &decoding)?,
-        ));
+        files
+            .push((place, draw(&for_display(photo, frames.config.encoding), &input_name(image), &decoding)?));
     }
     write_all(&files)?;
     drop(busy);

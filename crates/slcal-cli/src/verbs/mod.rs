@@ -10,6 +10,8 @@ mod pattern;
 mod reconstruct;
 mod rectify;
 mod report;
+mod scans;
+mod sequence;
 mod shell;
 mod simulate;
 mod triangulate;
@@ -35,12 +37,18 @@ pub(crate) fn run(verb: Verb, typed: &CommandLine, printer: Printer) -> Outcome 
         }
         Verb::Rectify(args) => rectify::run(&args, printer),
         Verb::Verify(args) => verify::run(&args, printer),
-        Verb::Decode(args) => decode::run(&args, printer),
+        Verb::Decode(args) => match sequence::sequence_in(&args.input.pattern) {
+            Some(pattern) => sequence::decode(&args, &pattern, printer),
+            None => decode::run(&args, printer),
+        },
         Verb::Triangulate(args) => triangulate::run(&args, printer),
-        Verb::Reconstruct(mut args) => {
-            args.images = photographs(&args.images)?;
-            reconstruct::run(&args, typed, printer)
-        }
+        Verb::Reconstruct(mut args) => match sequence::sequence_in(&args.input.pattern) {
+            Some(pattern) => scans::run(args, &pattern, printer),
+            None => {
+                args.images = photographs(&args.images)?;
+                reconstruct::run(&args, typed, printer)
+            }
+        },
         Verb::Evaluate(args) => evaluate::run(&args, printer),
         Verb::Report(mut args) => {
             args.photo = photographs(&args.photo)?;

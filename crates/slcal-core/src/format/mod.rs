@@ -10,6 +10,8 @@ mod exchange;
 mod glb;
 mod json;
 mod matches_csv;
+#[cfg(feature = "npz")]
+mod matches_npz;
 mod obj;
 mod obj_reader;
 mod observations_json;
@@ -33,6 +35,8 @@ pub use exchange::{
 };
 pub use glb::write_glb;
 pub use matches_csv::{read_matches, write_matches};
+#[cfg(feature = "npz")]
+pub use matches_npz::{read_dense_matches, write_dense_matches};
 pub use obj::write_obj;
 pub use obj_reader::read_obj;
 pub use observations_json::{read_observations, write_observations};

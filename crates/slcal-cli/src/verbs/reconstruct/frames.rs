@@ -16,20 +16,20 @@ use crate::io::{Destination, RawFormat, RawFrame, cloud_is_complete, input_name,
 
 /// A frame to reconstruct.
 #[derive(Debug)]
-pub(super) struct Frame {
+pub(in crate::verbs) struct Frame {
     /// The file; `-` for stdin.
-    pub(super) image: PathBuf,
+    pub(in crate::verbs) image: PathBuf,
     /// Which frame of a stream.
-    pub(super) number: Option<usize>,
+    pub(in crate::verbs) number: Option<usize>,
     /// The pixels, when they came from a stream.
-    pub(super) raw: Option<RawFrame>,
+    pub(in crate::verbs) raw: Option<RawFrame>,
     /// The destination of the cloud, or why there is none.
-    pub(super) place: Outcome<Place>,
+    pub(in crate::verbs) place: Outcome<Place>,
 }
 
 impl Frame {
     /// Its name in messages.
-    pub(super) fn name(&self) -> String {
+    pub(in crate::verbs) fn name(&self) -> String {
         match self.number {
             Some(n) => stream_name(n),
             None => input_name(&self.image),
@@ -43,16 +43,16 @@ fn stream_name(number: usize) -> String {
 
 /// The destination of a cloud.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Place {
+pub(in crate::verbs) struct Place {
     /// Its name as given by the command line.
-    pub(super) name: String,
+    pub(in crate::verbs) name: String,
     /// `None` when an earlier run has written it.
-    pub(super) output: Option<Destination>,
+    pub(in crate::verbs) output: Option<Destination>,
 }
 
 /// The naming rules of clouds in a folder.
 #[derive(Debug, Clone)]
-pub(super) struct OutputFolder {
+pub(in crate::verbs) struct OutputFolder {
     path: PathBuf,
     format: CloudFormat,
     force: bool,
@@ -61,7 +61,7 @@ pub(super) struct OutputFolder {
 
 impl OutputFolder {
     /// Of `--out-dir`, when it is given.
-    pub(super) fn of(args: &ReconstructArgs) -> Option<Self> {
+    pub(in crate::verbs) fn of(args: &ReconstructArgs) -> Option<Self> {
         let (format, force, resume) = (args.format, args.force, args.resume);
         args.out_dir.as_ref().map(|path| Self { path: path.clone(), format, force, resume })
     }
@@ -85,7 +85,7 @@ impl OutputFolder {
     }
 
     /// The destinations for photographs, whose names must differ.
-    pub(super) fn places(&self, images: &[PathBuf]) -> Outcome<Vec<Place>> {
+    pub(in crate::verbs) fn places(&self, images: &[PathBuf]) -> Outcome<Vec<Place>> {
         let mut seen: HashMap<OsString, &Path> = HashMap::new();
         for image in images {
             if let Some(other) = seen.insert(stem(image), image) {
@@ -102,7 +102,7 @@ impl OutputFolder {
 
     /// Refuses a folder with clouds of an earlier stream, unless they may be kept or replaced. This is checked before any frame is
     /// processed, although the number of frames is unknown.
-    pub(super) fn check_for_stream(&self) -> Outcome {
+    pub(in crate::verbs) fn check_for_stream(&self) -> Outcome {
         self.place(&stream_stem(0))?;
         if self.force || self.resume {
             return Ok(());
@@ -122,7 +122,7 @@ impl OutputFolder {
 
     /// The frames of a stream on stdin until its end; a truncated frame ends it with an error, and one that takes longer than
     /// `patience`.
-    pub(super) fn frames(
+    pub(in crate::verbs) fn frames(
         self,
         format: RawFormat,
         patience: Option<Duration>,

@@ -1,9 +1,9 @@
 //! `slcal reconstruct`: photographs of an object under the stripes in, clouds out.
 
-mod frames;
+pub(super) mod frames;
 mod pool;
-mod report;
-mod reporter;
+pub(super) mod report;
+pub(super) mod reporter;
 
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -27,7 +27,7 @@ use crate::io::{
     write_all,
 };
 use crate::output::{Printer, Remarks};
-use crate::picture::{for_display, stripes};
+use crate::picture::{depth_file, for_display, stripes};
 use crate::report::{CloudPage, CommandLine, Photo, cloud_html};
 use crate::surface::FittedSurface;
 
@@ -45,7 +45,8 @@ pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer)
     let places = places(args)?;
     let overlay = Destination::prepare_overlay(args.overlay.as_ref(), args.force)?;
     let report = Destination::prepare_report(args.report.as_ref(), args.force)?;
-    check_places(args, &places, &overlay.iter().chain(&report).collect::<Vec<_>>())?;
+    let depth = depth_place(args)?;
+    check_places(args, &places, &overlay.iter().chain(&report).chain(&depth).collect::<Vec<_>>())?;
     let job = Job {
         scene: References::load(&args.input, printer)?,
         rig: &rig,
@@ -53,6 +54,7 @@ pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer)
         format,
         overlay,
         report,
+        depth,
         typed,
         args,
     };
@@ -71,7 +73,7 @@ pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer)
 }
 
 /// Checks of the command line beyond those of clap.
-fn check_usage(args: &ReconstructArgs) -> Outcome {
+pub(super) fn check_usage(args: &ReconstructArgs) -> Outcome {
     let photos = args.images.len();
     if args.raw.is_some() && args.images.iter().any(|p| !is_dash(p)) {
         return Err(Failure::usage(
@@ -93,6 +95,23 @@ fn check_usage(args: &ReconstructArgs) -> Outcome {
     Ok(())
 }
 
+/// The destination of the depth image, whose name must say its format.
+pub(super) fn depth_place(args: &ReconstructArgs) -> Outcome<Option<Destination>> {
+    let Some(path) = &args.depth else { return Ok(None) };
+    if args.images.len() > 1 || args.raw.is_some() {
+        return Err(Failure::usage("--depth takes one cloud; process the others without it"));
+    }
+    let is_known =
+        path.extension().is_some_and(|e| ["pfm", "png"].iter().any(|known| e.eq_ignore_ascii_case(known)));
+    if !is_known {
+        return Err(Failure::usage(format!(
+            "--depth: expected a file whose name ends in .pfm or .png, found {}",
+            input_name(path)
+        )));
+    }
+    Destination::prepare_depth(path, args.force).map(Some)
+}
+
 /// A stream of another size would fail frame by frame.
 fn check_raw_size(raw: RawFormat, rig: &Rig, path: &Path) -> Outcome {
     let ([found_w, found_h], [w, h]) = (raw.size, rig.camera.model.size());
@@ -105,7 +124,7 @@ fn check_raw_size(raw: RawFormat, rig: &Rig, path: &Path) -> Outcome {
 }
 
 /// One destination per photograph; none for a stream, whose length is unknown.
-fn places(args: &ReconstructArgs) -> Outcome<Vec<Place>> {
+pub(super) fn places(args: &ReconstructArgs) -> Outcome<Vec<Place>> {
     if let Some(output) = &args.output {
         let place = Destination::prepare(output, args.force)?;
         check_json(args.json, &place)?;
@@ -123,7 +142,7 @@ fn places(args: &ReconstructArgs) -> Outcome<Vec<Place>> {
 }
 
 /// No output is written twice or replaces an input.
-fn check_places(args: &ReconstructArgs, places: &[Place], beside: &[&Destination]) -> Outcome {
+pub(super) fn check_places(args: &ReconstructArgs, places: &[Place], beside: &[&Destination]) -> Outcome {
     let new = || places.iter().filter_map(|p| p.output.as_ref()).chain(beside.iter().copied());
     check_distinct(new())?;
     let photos = args.images.iter().map(PathBuf::as_path);
@@ -138,6 +157,7 @@ struct Job<'a> {
     format: CloudFormat,
     overlay: Option<Destination>,
     report: Option<Destination>,
+    depth: Option<Destination>,
     typed: &'a CommandLine,
     args: &'a ReconstructArgs,
 }
@@ -198,6 +218,9 @@ impl Job<'_> {
         }
         if let Some(place) = &self.report {
             files.push((place.clone(), self.page(&name, &output.name(), photo.as_ref(), result)?));
+        }
+        if let Some(place) = &self.depth {
+            files.push((place.clone(), depth_file(&result.cloud, self.rig, &place.name())?));
         }
         let report = CloudReport::of(result);
         write_all(&files)?;

@@ -14,59 +14,59 @@ struct Reports<'a> {
     clouds: &'a [Report],
 }
 
-pub(super) fn print_reports(clouds: &[Report]) -> Outcome {
+pub(in crate::verbs) fn print_reports(clouds: &[Report]) -> Outcome {
     print_json(&Reports { schema: "slcal-reconstruct/1", clouds })
 }
 
 /// The outcome of one frame.
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub(in crate::verbs) struct Report {
     /// Its name; bytes that are not Unicode are replaced.
-    pub(super) image: String,
+    pub(in crate::verbs) image: String,
     /// Which frame of a stream.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) frame: Option<usize>,
+    pub(in crate::verbs) frame: Option<usize>,
     /// The cloud, when there is one.
-    pub(super) output: Option<String>,
+    pub(in crate::verbs) output: Option<String>,
     #[serde(flatten)]
-    pub(super) result: FrameResult,
+    pub(in crate::verbs) result: FrameResult,
 }
 
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
-pub(super) enum FrameResult {
+pub(in crate::verbs) enum FrameResult {
     Cloud(Box<CloudReport>),
     Resumed { resumed: bool },
     Failed { error: ErrorReport },
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct ErrorReport {
-    pub(super) exit_code: u8,
+pub(in crate::verbs) struct ErrorReport {
+    pub(in crate::verbs) exit_code: u8,
     message: String,
 }
 
 impl ErrorReport {
-    pub(super) fn of(failure: &Failure) -> Self {
+    pub(in crate::verbs) fn of(failure: &Failure) -> Self {
         Self { exit_code: failure.code(), message: failure.to_string() }
     }
 }
 
 /// A cloud that was written.
 #[derive(Debug, Serialize)]
-pub(super) struct CloudReport {
+pub(in crate::verbs) struct CloudReport {
     #[serde(flatten)]
     numbers: slcal_core::CloudReport,
     /// The summary, for a single frame.
     #[serde(skip)]
-    pub(super) text: String,
+    pub(in crate::verbs) text: String,
     /// A line, for one frame of many.
     #[serde(skip)]
-    pub(super) line: String,
+    pub(in crate::verbs) line: String,
 }
 
 impl CloudReport {
-    pub(super) fn of(result: &Reconstruction) -> Self {
+    pub(in crate::verbs) fn of(result: &Reconstruction) -> Self {
         let text = summary::reconstruction(result);
         Self { numbers: result.report(), text, line: summary::cloud_in_a_line(result) }
     }

@@ -8,14 +8,14 @@ use crate::io::{input_name, is_dash};
 use crate::output::{Printer, Progress, Remarks, print_result, sanitized};
 
 /// A processed frame.
-pub(super) struct Done {
-    pub(super) frame: Frame,
-    pub(super) remarks: Remarks,
-    pub(super) outcome: Outcome<FrameResult>,
+pub(in crate::verbs) struct Done {
+    pub(in crate::verbs) frame: Frame,
+    pub(in crate::verbs) remarks: Remarks,
+    pub(in crate::verbs) outcome: Outcome<FrameResult>,
 }
 
 /// Prints the result of each frame, and a report at the end.
-pub(super) struct Reporter<'a> {
+pub(in crate::verbs) struct Reporter<'a> {
     args: &'a ReconstructArgs,
     printer: Printer,
     progress: Progress,
@@ -32,7 +32,7 @@ pub(super) struct Reporter<'a> {
 }
 
 impl<'a> Reporter<'a> {
-    pub(super) fn new(args: &'a ReconstructArgs, printer: Printer, count: Option<usize>) -> Self {
+    pub(in crate::verbs) fn new(args: &'a ReconstructArgs, printer: Printer, count: Option<usize>) -> Self {
         let progress = printer.progress("frames", count);
         if let ([image], None) = (args.images.as_slice(), args.raw) {
             progress.say(format!("reconstructing {}", input_name(image)));
@@ -51,7 +51,7 @@ impl<'a> Reporter<'a> {
     }
 
     /// Takes the next frame, in order. A failure ends the run with `-o`; with a folder it is printed and the run continues.
-    pub(super) fn take(&mut self, done: Done) -> Outcome {
+    pub(in crate::verbs) fn take(&mut self, done: Done) -> Outcome {
         let Done { frame, remarks, outcome } = done;
         let output = frame.place.as_ref().ok().map(|p| p.name.clone());
         let heading = format!("{} -> {}", frame.name(), output.as_deref().unwrap_or_default());
@@ -111,7 +111,7 @@ impl<'a> Reporter<'a> {
         }
     }
 
-    pub(super) fn finish(self) -> Outcome {
+    pub(in crate::verbs) fn finish(self) -> Outcome {
         drop(self.progress);
         let json = if self.args.json { print_reports(&self.reports) } else { Ok(()) };
         if self.written + self.resumed + self.failed > 1 {

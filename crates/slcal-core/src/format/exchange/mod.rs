@@ -14,7 +14,7 @@ mod guess;
 mod kalibr;
 mod losses;
 #[cfg(feature = "npz")]
-mod npy;
+pub(super) mod npy;
 #[cfg(feature = "npz")]
 mod npz;
 mod opencv;

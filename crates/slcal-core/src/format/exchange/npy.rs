@@ -17,7 +17,7 @@ const LEAST_ALLOCATION: usize = 32;
 
 /// An array; a scalar has no shape.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Array {
+pub(in crate::format) enum Array {
     /// Numbers, in the order of C.
     Numbers(Vec<usize>, Vec<f64>),
     /// Whole numbers; read as numbers.
@@ -47,19 +47,11 @@ impl Array {
                 (format!("<U{longest}"), shape, data)
             }
         };
-        let sides = shape.iter().map(|s| format!("{s}, ")).collect::<Vec<_>>().concat();
-        let sides = if shape.len() > 1 { sides.trim_end_matches(", ") } else { sides.trim_end() };
-        let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({sides}), }}");
-        let before = MAGIC.len() + 4;
-        let length = (before + header.len() + 1).next_multiple_of(ALIGNMENT) - before;
-        header.extend(std::iter::repeat_n(' ', length - header.len() - 1));
-        header.push('\n');
-        let size = u16::try_from(header.len()).unwrap_or(u16::MAX).to_le_bytes();
-        [MAGIC, &[1, 0], &size, header.as_bytes(), &data].concat()
+        [header(&kind, shape), data].concat()
     }
 
     /// From the bytes of a .npy file: numbers of any width, or words.
-    pub(super) fn decoded(bytes: &[u8], name: &str, budget: &Budget) -> Result<Self> {
+    pub(in crate::format) fn decoded(bytes: &[u8], name: &str, budget: &Budget) -> Result<Self> {
         let wrong = |what: &str| FILE.malformed(format!("{name}: expected an array of NumPy, found {what}"));
         let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| wrong("other bytes"))?;
         let (length, rest) = match rest {
@@ -97,6 +89,19 @@ impl Array {
             Values::Words(values) => Self::Words(shape, values),
         })
     }
+}
+
+/// What stands before the values of an array in the order of C.
+pub(in crate::format) fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
+    let sides = shape.iter().map(|s| format!("{s}, ")).collect::<Vec<_>>().concat();
+    let sides = if shape.len() > 1 { sides.trim_end_matches(", ") } else { sides.trim_end() };
+    let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({sides}), }}");
+    let before = MAGIC.len() + 4;
+    let length = (before + header.len() + 1).next_multiple_of(ALIGNMENT) - before;
+    header.extend(std::iter::repeat_n(' ', length - header.len() - 1));
+    header.push('\n');
+    let size = u16::try_from(header.len()).unwrap_or(u16::MAX).to_le_bytes();
+    [MAGIC, &[1, 0], &size, header.as_bytes()].concat()
 }
 
 enum Values {
