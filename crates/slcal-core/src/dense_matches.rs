@@ -1,11 +1,13 @@
 //! Correspondences of every camera pixel with the projector's panel: the result of decoding a sequence.
 
+use std::fmt;
+
 use nalgebra::Point2;
 
 use crate::matches::{Match, Matches};
 
 /// The projector coordinates of every camera pixel, row by row; NaN where a pixel has none.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub struct DenseMatches {
     /// Width of the camera's image, px.
     pub width: usize,
@@ -23,6 +25,15 @@ pub struct DenseMatches {
     pub confidence: Vec<f32>,
     /// Colour of each pixel under white light, sRGB; empty when no white picture was shown.
     pub color: Vec<[u8; 3]>,
+}
+
+/// The size and how much is known; millions of numbers help nobody.
+impl fmt::Debug for DenseMatches {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut shown = f.debug_struct("DenseMatches");
+        shown.field("width", &self.width).field("height", &self.height).field("known", &self.known());
+        shown.finish_non_exhaustive()
+    }
 }
 
 impl DenseMatches {

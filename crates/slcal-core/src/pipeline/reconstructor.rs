@@ -66,7 +66,8 @@ impl Reconstruction {
     /// stripes.
     #[must_use]
     pub fn warnings(&self) -> Vec<Warning> {
-        self.rig_check.warning().into_iter().collect()
+        let of_frames = self.sequence.iter().flat_map(|report| report.warnings.iter().cloned());
+        of_frames.chain(self.rig_check.warning()).collect()
     }
 }
 

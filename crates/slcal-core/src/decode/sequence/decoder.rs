@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::code_borders::CodeBorders;
+use super::frame_checks::FrameChecks;
 use super::frame_noise::FrameNoise;
 use super::frame_plan::FramePlan;
 use super::levels::{LevelScale, levels};
@@ -14,6 +15,7 @@ use crate::dense_matches::DenseMatches;
 use crate::error::{Error, ErrorSubject, Result};
 use crate::pattern::{Axis, FrameLight, SequencePattern};
 use crate::photo::PhotoView;
+use crate::rig::Warning;
 use crate::solve::median;
 
 /// A pixel is lit when white less black is more than this many times its noise.
@@ -22,6 +24,8 @@ const LIT_SIGMAS: f32 = 5.0;
 const BAND: usize = 1 << 14;
 /// Columns of the image whose lines are read together.
 const BLOCK: usize = 32;
+/// The projector lights at least this share of the pixels.
+const LEAST_LIT: f64 = 1e-4;
 /// Medians are those of about this many pixels, spread evenly.
 const SAMPLE: usize = 1 << 14;
 
@@ -58,6 +62,8 @@ pub struct SequenceDecodeReport {
     pub median_sigma_column_px: Option<f64>,
     /// Median 1σ of rows, panel px; null when they are not coded.
     pub median_sigma_row_px: Option<f64>,
+    /// What makes the result doubtful: `moved`, `saturated`.
+    pub warnings: Vec<Warning>,
 }
 
 /// What a sequence says of every pixel.
@@ -340,6 +346,8 @@ impl State {
         config: SequenceDecodeConfig,
     ) -> Result<SequenceDecoding> {
         let noise = FrameNoise::of(&self.samples, plan, self.scale);
+        let checks = FrameChecks { samples: &self.samples, plan, noise: &noise, scale: self.scale };
+        let warnings = checks.check()?;
         let read = Reader { state: self, noise: &noise, paired: plan.partners.iter().any(Option::is_some) };
         let mut decoding = SequenceDecoding::default();
         let DenseMatches { width, height, column, sigma_column, row, sigma_row, confidence, color } =
@@ -359,7 +367,9 @@ impl State {
             column.iter_mut().for_each(|c| *c = last - *c);
         }
         decoding.report = read.report(plan.lights.len(), &decoding.matches, &counts);
+        decoding.report.warnings = warnings;
         check_seen(&decoding.report)?;
+        check_parallax(&decoding.matches, pattern.projector)?;
         Ok(decoding)
     }
 }
@@ -550,16 +560,43 @@ impl Reader<'_> {
             contrast: middle(&|i| self.lit(i)).map(|c| c / full),
             median_sigma_column_px: of_plane(&matches.sigma_column),
             median_sigma_row_px: of_plane(&matches.sigma_row),
+            warnings: Vec::new(),
         }
     }
 }
 
+/// Refuses the pictures of the pattern themselves, and screenshots of them: every pixel sees the light of its own place.
+fn check_parallax(matches: &DenseMatches, panel: [u32; 2]) -> Result<()> {
+    if panel != [matches.width as u32, matches.height as u32] {
+        return Ok(());
+    }
+    let own = |of: &[f32], place: &dyn Fn(usize) -> usize| {
+        let step = of.len().div_ceil(SAMPLE).max(1);
+        let known = (0..of.len()).step_by(step).filter(|i| of[*i].is_finite());
+        let mut off: Vec<f64> = known.map(|i| f64::from((of[i] - place(i) as f32).abs())).collect();
+        median(&mut off).is_none_or(|m| m < 0.5)
+    };
+    let is_own = own(&matches.column, &|i| i % matches.width) && own(&matches.row, &|i| i / matches.width);
+    if !is_own {
+        return Ok(());
+    }
+    Err(Error::NotFound {
+        what: ErrorSubject::Named("a scene under the pattern"),
+        seen: "frames in which every pixel shows the pattern's pixel of the same place: there is no parallax"
+            .into(),
+        advice: "give photographs that a camera took of the scene, not the pictures that are projected"
+            .into(),
+    })
+}
+
 /// Refuses sequences of which nothing can be read.
 fn check_seen(report: &SequenceDecodeReport) -> Result<()> {
-    if report.lit == 0 {
+    // Noise alone is beyond the threshold on one pixel in a million.
+    let is_dark = (report.lit as f64) < LEAST_LIT * report.pixels as f64 && report.decoded == 0;
+    if report.lit == 0 || is_dark {
         return Err(Error::NotFound {
             what: ErrorSubject::Named("the light of the projector"),
-            seen: format!("{} frames that are alike on all {} pixels, but for noise", report.frames, report.pixels),
+            seen: format!("{} frames that are alike, but for noise, on all but {} of {} pixels", report.frames, report.lit, report.pixels),
             advice: "check that the frames are photographs of the scene, that the projector showed the pictures while they were taken, and that they are exposed well".into(),
         });
     }

@@ -2,8 +2,8 @@
 
 use crate::photo::{Layout, PhotoView, Samples};
 
-/// Largest level of frames of 8 bit: four times 255, so that red + 2 green + blue needs no rounding.
-const FULL_8_BIT: u16 = 1020;
+/// Largest level of frames of 8 bit: three times 255. The sum of the channels has less noise than any one of them.
+const FULL_8_BIT: u16 = 765;
 
 /// How the samples of a frame become levels; the same for all frames of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub(super) struct LevelScale {
 impl LevelScale {
     pub(super) fn of(photo: &PhotoView<'_>) -> Self {
         match (photo.samples(), photo.layout().has_color()) {
-            (Samples::U8(_), false) => Self { full: FULL_8_BIT, step: 4 },
+            (Samples::U8(_), false) => Self { full: FULL_8_BIT, step: 3 },
             (Samples::U8(_), true) => Self { full: FULL_8_BIT, step: 1 },
             (Samples::U16(_), _) => Self { full: u16::MAX, step: 1 },
         }
@@ -33,10 +33,10 @@ pub(super) fn levels(photo: &PhotoView<'_>, rows: std::ops::Range<usize>, out: &
             Samples::U8(samples) => {
                 let row = photo.row_of(samples, y);
                 match photo.layout() {
-                    Layout::Grey => out.extend(row.iter().map(|v| u16::from(*v) * 4)),
+                    Layout::Grey => out.extend(row.iter().map(|v| u16::from(*v) * 3)),
                     _ => out.extend(photo.pixels_of(row).map(|p| {
                         let [r, g, b] = p.map(u16::from);
-                        r + 2 * g + b
+                        r + g + b
                     })),
                 }
             }
@@ -46,7 +46,7 @@ pub(super) fn levels(photo: &PhotoView<'_>, rows: std::ops::Range<usize>, out: &
                     Layout::Grey => out.extend_from_slice(row),
                     _ => out.extend(photo.pixels_of(row).map(|p| {
                         let [r, g, b] = p.map(u32::from);
-                        ((r + 2 * g + b + 2) / 4) as u16
+                        ((r + g + b + 1) / 3) as u16
                     })),
                 }
             }
@@ -67,10 +67,10 @@ mod tests {
         let padded = [&color[..6], &[1, 2, 3], &color[6..]].concat();
         levels(&PhotoView::new(Samples::U8(&padded), 2, 2, 9, Layout::Bgr).unwrap(), 0..2, &mut b);
         assert_eq!(a, b);
-        assert_eq!(a, [28, 800, 0, 1020]);
+        assert_eq!(a, [21, 600, 0, 765]);
         let deep = [0_u16, 65535, 65535, 0];
         let view = PhotoView::new(Samples::U16(&deep), 1, 1, 4, Layout::Rgba).unwrap();
         levels(&view, 0..1, &mut a);
-        assert_eq!(a, [49151]);
+        assert_eq!(a, [43690]);
     }
 }
