@@ -1,7 +1,7 @@
 //! The photographs of a sequence: which file is which frame.
 
 use std::collections::HashMap;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 use slcal_core::pattern::SequencePattern;
@@ -51,7 +51,7 @@ pub(crate) fn scans(paths: &[PathBuf], pattern: &SequencePattern) -> Outcome<Vec
 /// The photographs of a folder: those that the pattern names, whatever their format; if it names none of them, all in natural order.
 fn of_folder(folder: &Path, pattern: &SequencePattern) -> Outcome<ScanFrames> {
     let all = photographs(&[folder.to_owned()])?;
-    let stem = |path: &Path| path.file_stem().map(|s| s.to_ascii_lowercase()).unwrap_or_default();
+    let stem = |path: &Path| path.file_stem().map(OsStr::to_ascii_lowercase).unwrap_or_default();
     let by_stem: HashMap<OsString, &PathBuf> = all.iter().map(|file| (stem(file), file)).collect();
     let named: Option<Vec<&str>> = pattern.frames.iter().map(|f| f.file.as_deref()).collect();
     let name = folder.to_owned();

@@ -42,13 +42,13 @@ pub(crate) fn run(verb: Verb, typed: &CommandLine, printer: Printer) -> Outcome 
             None => decode::run(&args, printer),
         },
         Verb::Triangulate(args) => triangulate::run(&args, printer),
-        Verb::Reconstruct(mut args) => match sequence::sequence_in(&args.input.pattern) {
-            Some(pattern) => scans::run(args, &pattern, printer),
-            None => {
-                args.images = photographs(&args.images)?;
-                reconstruct::run(&args, typed, printer)
+        Verb::Reconstruct(mut args) => {
+            if let Some(pattern) = sequence::sequence_in(&args.input.pattern) {
+                return scans::run(args, &pattern, printer);
             }
-        },
+            args.images = photographs(&args.images)?;
+            reconstruct::run(&args, typed, printer)
+        }
         Verb::Evaluate(args) => evaluate::run(&args, printer),
         Verb::Report(mut args) => {
             args.photo = photographs(&args.photo)?;

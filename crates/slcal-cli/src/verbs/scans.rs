@@ -1,9 +1,9 @@
 //! Clouds of sequences: a scan is a folder of frames.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use slcal_core::SequenceReconstructor;
 use slcal_core::pattern::SequencePattern;
-use slcal_core::{ReconstructConfig, Rig, SequenceReconstructor};
 
 use super::reconstruct::frames::{Frame, Place};
 use super::reconstruct::report::{CloudReport, FrameResult};
@@ -40,7 +40,7 @@ pub(super) fn run(mut args: ReconstructArgs, pattern: &SequencePattern, printer:
     let places = places(&args)?;
     let depth = depth_place(&args)?;
     check_places(&args, &places, &depth.iter().collect::<Vec<_>>())?;
-    let mut scanner = scanner(&rig, pattern, config, &args.input.pattern)?;
+    let mut scanner = SequenceReconstructor::new(&rig, pattern, config).in_file(&args.input.pattern)?;
     let mut reporter = Reporter::new(&args, printer, Some(scans.len()));
     for (scan, place) in scans.into_iter().zip(places) {
         let mut remarks = Remarks::default();
@@ -57,15 +57,6 @@ pub(super) fn run(mut args: ReconstructArgs, pattern: &SequencePattern, printer:
         reporter.take(Done { frame, remarks, outcome })?;
     }
     reporter.finish()
-}
-
-fn scanner(
-    rig: &Rig,
-    pattern: &SequencePattern,
-    config: ReconstructConfig,
-    file: &Path,
-) -> Outcome<SequenceReconstructor> {
-    SequenceReconstructor::new(rig, pattern, config).in_file(file)
 }
 
 type Written = (crate::io::Destination, slcal_core::Reconstruction);

@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn rounding_twice_is_rounding_once() {
         for x in
-            [0.1234567, -885.463_025, 1e9 - 0.123_456, 3.914_638_888_888_888_9e55, 0.711_111e70, f64::MAX]
+            [0.123_456_7, -885.463_025, 1e9 - 0.123_456, 3.914_639e55, 0.711_111e70, f64::MAX]
         {
             let once = short(x);
             assert_eq!(short(once.parse().unwrap()), once);

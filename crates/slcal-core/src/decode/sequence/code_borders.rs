@@ -160,7 +160,10 @@ fn between(a: Border, b: Border, at: f32) -> (f32, f32) {
 fn beyond(last: Border, other: Option<Border>, at: f32) -> Option<(f32, f32)> {
     let other = other?;
     let slope = (last.on_panel - other.on_panel) / (last.at - other.at);
-    let predicted = slope.is_finite().then(|| last.on_panel + slope * (at - last.at))?;
+    if !slope.is_finite() {
+        return None;
+    }
+    let predicted = last.on_panel + slope * (at - last.at);
     let sigma = slope.abs() * (last.sigma + 0.25 * (at - last.at).abs());
     Some((predicted, sigma))
 }

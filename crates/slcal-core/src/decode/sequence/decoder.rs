@@ -364,7 +364,9 @@ impl State {
         color.clone_from(&self.planes.color);
         if config.mirrored {
             let last = (pattern.projector[0] - 1) as f32;
-            column.iter_mut().for_each(|c| *c = last - *c);
+            for c in column.iter_mut() {
+                *c = last - *c;
+            }
         }
         decoding.report = read.report(plan.lights.len(), &decoding.matches, &counts);
         decoding.report.warnings = warnings;

@@ -34,6 +34,9 @@ const LEAST_MOVED: f64 = 0.01;
 /// Above this share of lit samples at the end of the scale, sinusoids are cut off.
 const MOST_SATURATED: f64 = 0.05;
 
+/// Which frame stands for each.
+type Role<'a> = Box<dyn Fn(usize) -> usize + 'a>;
+
 /// What is asked of the samples.
 pub(super) struct FrameChecks<'a> {
     pub(super) samples: &'a SampleLines,
@@ -169,7 +172,9 @@ impl FrameChecks<'_> {
 
     fn check_order(&self, axis: Axis, lit: &[usize], white: &[u16], black: &[u16]) -> Result<()> {
         let mut is_lit = vec![false; self.samples.len()];
-        lit.iter().for_each(|s| is_lit[*s] = true);
+        for s in lit {
+            is_lit[*s] = true;
+        }
         let agreeing = |role: &dyn Fn(usize) -> usize| self.agreeing(axis, &is_lit, white, black, role);
         let Some(share) = agreeing(&|i| i) else { return Ok(()) };
         if share >= LEAST_AGREEING {
@@ -187,7 +192,7 @@ impl FrameChecks<'_> {
             self.plan.position(FrameLight::Bit { axis, bit, inverted }).unwrap_or(i)
         };
         let last = bits.saturating_sub(1) as u32;
-        let orders: [(&str, Box<dyn Fn(usize) -> usize + '_>); 5] = [
+        let orders: [(&str, Role<'_>); 5] = [
             (
                 "the least significant bit comes first",
                 Box::new(|i| with(i, &|a, b, v| (a, last.saturating_sub(b), v))),

@@ -124,7 +124,7 @@ fn phases_reach_the_bound_of_the_noise_whatever_the_gamma() {
         (Some(6), 0.8, 2.2, 16.0, 8),
         (Some(6), 0.5, 1.0, 16.0, 8),
     ] {
-        let scene = Scene { albedo, gamma, ..USUAL };
+        let scene = Scene { gamma, albedo, ..USUAL };
         let pattern = phase(bits, period, steps);
         let found = decode(&pattern, &scene.frames(&pattern, 7)).unwrap();
         // The first harmonic of a sinusoid's power, by numerical integration.
