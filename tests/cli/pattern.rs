@@ -112,14 +112,14 @@ fn a_sequence_is_a_folder_of_pictures_and_their_description() {
     let bench = bench();
     let run = bench.run("pattern phase --projector 640x480 --period 20 --steps 5 --out-dir shifts").ok();
     assert!(run.stdout.is_empty());
-    for word in ["19 pictures to project, frame_000.png to frame_018.png, 640x480 pixels", "sequence.json"] {
+    for word in ["21 pictures to project, frame_000.png to frame_020.png, 640x480 pixels", "sequence.json"] {
         assert!(run.stderr.contains(word), "no {word} in {}", run.stderr);
     }
     let json: Value = serde_json::from_str(&bench.text("shifts/sequence.json")).unwrap();
     assert_eq!((&json["schema"], &json["kind"]), (&"slcal-pattern/1".into(), &"sequence".into()));
     assert_eq!(json["projector"], serde_json::json!([640, 480]));
-    // 640 columns in cells of 16: 40 of them, 6 bits, each with its inverse.
-    let expected = [vec!["white", "black"], vec!["bit"; 12], vec!["sinusoid"; 5]].concat();
+    // 640 columns in cells of 8, half of a period that is the next power of two below: 80 of them, 7 bits, each with its inverse.
+    let expected = [vec!["white", "black"], vec!["bit"; 14], vec!["sinusoid"; 5]].concat();
     assert_eq!(lights(&json), expected);
     assert_eq!(
         json["frames"][2],

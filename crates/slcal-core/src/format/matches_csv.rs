@@ -173,9 +173,7 @@ mod tests {
 
     #[test]
     fn rounding_twice_is_rounding_once() {
-        for x in
-            [0.123_456_7, -885.463_025, 1e9 - 0.123_456, 3.914_639e55, 0.711_111e70, f64::MAX]
-        {
+        for x in [0.123_456_7, -885.463_025, 1e9 - 0.123_456, 3.914_639e55, 0.711_111e70, f64::MAX] {
             let once = short(x);
             assert_eq!(short(once.parse().unwrap()), once);
             assert!((once.parse::<f64>().unwrap() - x).abs() <= 5.1e-6 * x.abs().max(1.0));

@@ -1,0 +1,85 @@
+//! Sequences of frames: decoded, reconstructed, triangulated, and what is said of frames that do not fit.
+
+use std::fs;
+
+use serde_json::Value;
+use slcal_tests::Bench;
+
+use crate::bench;
+
+/// White and black, six bits with their inverses, eight steps.
+const FRAMES: usize = 22;
+
+/// A simulated stack of a sphere before a wall, in `stack`.
+fn stack() -> Bench {
+    let bench = bench();
+    let _ = bench.run("pattern phase --projector 320x240 --out-dir shown").ok();
+    let scene = "--surface sphere --camera 320x240 --focal 375 --projector 320x240 --projector-focal 530";
+    let _ = bench.run(&format!("simulate scene {scene} --pattern shown/sequence.json --out stack")).ok();
+    bench
+}
+
+const RECONSTRUCT: &str = "reconstruct --rig stack/rig.json --pattern stack/sequence.json";
+
+/// The numbers of a PFM, the first row first.
+fn pfm(bench: &Bench, name: &str) -> Vec<f32> {
+    let bytes = fs::read(bench.path(name)).unwrap();
+    let values = &bytes[bytes.len() - 4 * 320 * 240..];
+    let rows = values.chunks_exact(4 * 320).rev();
+    rows.flat_map(|row| row.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b))).collect()
+}
+
+#[test]
+fn a_folder_of_frames_becomes_a_cloud_with_a_point_per_pixel() {
+    let bench = stack();
+    let run = bench.run(&format!("{RECONSTRUCT} stack -o cloud.ply --mesh --depth depth.pfm")).ok();
+    assert!(run.words().contains("decoded"), "{}", run.words());
+    let [depth, truth] = ["depth.pfm", "stack/truth_depth.pfm"].map(|name| pfm(&bench, name));
+    let mut errors: Vec<f32> =
+        depth.iter().zip(&truth).map(|(a, b)| (a - b).abs()).filter(|e| e.is_finite()).collect();
+    errors.sort_unstable_by(f32::total_cmp);
+    assert!(
+        errors.len() > 10_000 && errors[errors.len() / 2] < 0.5,
+        "{} {}",
+        errors.len(),
+        errors[errors.len() / 2]
+    );
+    let _ = bench.run(&format!("{RECONSTRUCT} stack -o again.ply --depth depth.png")).ok();
+
+    // By the matches of every pixel, the same points as without culling.
+    let decode = "decode --pattern stack/sequence.json stack";
+    let json = bench.run(&format!("{decode} -o matches.npz --json")).ok().text();
+    let report: Value = serde_json::from_str(json.trim()).unwrap();
+    assert!(report["frames"] == FRAMES && report["decoded"].as_u64() > Some(10_000), "{report}");
+    let _ = bench.run("triangulate matches.npz --rig stack/rig.json -o points.ply").ok();
+    let _ = bench.run(&format!("{RECONSTRUCT} stack -o all.ply --cull off")).ok();
+    assert_eq!(fs::read(bench.path("points.ply")).unwrap(), fs::read(bench.path("all.ply")).unwrap());
+    let _ = bench.run(&format!("{decode} -o matches.csv")).ok();
+    assert!(bench.text("matches.csv").lines().count() > 10_000);
+}
+
+#[test]
+fn folders_are_scans_and_what_does_not_fit_is_named() {
+    let bench = stack();
+    for name in ["a", "b"] {
+        fs::create_dir_all(bench.path(name)).unwrap();
+        for i in 0..FRAMES {
+            let frame = format!("frame_{i:03}.png");
+            fs::copy(bench.path(&format!("stack/{frame}")), bench.path(&format!("{name}/{frame}"))).unwrap();
+        }
+    }
+    fs::remove_file(bench.path("b/frame_003.png")).unwrap();
+    let run = bench.run(&format!("{RECONSTRUCT} a b --out-dir clouds"));
+    run.fails(3, &["b: expected frame_003.png (frame 3, bit", "among the photographs"]);
+    let _ = bench.run(&format!("{RECONSTRUCT} a --out-dir clouds")).ok();
+    assert!(bench.path("clouds/a.ply").is_file());
+    fs::copy(bench.path("a/frame_004.png"), bench.path("a/frame_005.png")).unwrap();
+    bench.run(&format!("{RECONSTRUCT} a -o x.ply")).fails(3, &["frames 4", "same pixels"]);
+    assert!(!bench.path("x.ply").exists());
+    bench.run(&format!("{RECONSTRUCT} a -o x.ply --black a/frame_001.png")).fails(2, &["--black"]);
+    bench
+        .run(&format!("{RECONSTRUCT} a/frame_000.png -o x.ply"))
+        .fails(3, &["frames of the pattern", "found 1"]);
+    bench.run(&format!("{RECONSTRUCT} - -o x.ply")).fails(2, &["not from stdin"]);
+    bench.run(&format!("{RECONSTRUCT} stack -o x.ply --depth d.tif")).fails(2, &[".pfm or .png"]);
+}
