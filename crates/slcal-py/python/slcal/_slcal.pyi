@@ -16,6 +16,7 @@ from .reports import (
     PlaneFit,
     Quality,
     SceneReport,
+    SequenceDecodeReport,
     SphereFit,
     Verification,
     ViewBend,
@@ -27,6 +28,7 @@ __all__ = [
     "CheckerPattern",
     "CornerDetection",
     "Covariance",
+    "DenseMatches",
     "Detection",
     "Matches",
     "Observations",
@@ -71,6 +73,8 @@ _ImageLike: TypeAlias = NDArray[np.integer[Any] | np.floating[Any]]
 _Size: TypeAlias = tuple[float, float] | str
 _Indices: TypeAlias = slice | NDArray[np.bool_] | NDArray[np.integer[Any]] | Sequence[int]
 _Path: TypeAlias = str | PathLike[str]
+#: The photographs of a sequence, in its order.
+_Frames: TypeAlias = _ImageLike | Iterable[_ImageLike | _Path]
 _ExchangeFormat: TypeAlias = Literal["opencv", "ros", "colmap", "kalibr", "blender", "npz"]
 _File: TypeAlias = _Path | IO[bytes] | IO[str]
 _Gamma: TypeAlias = Literal["srgb", "linear"] | float
@@ -1693,6 +1697,20 @@ class Rig:
         OSError
             When a file cannot be read.
         """
+    @overload
+    def reconstruct(
+        self,
+        image: _Frames,
+        pattern: SequencePattern,
+        *,
+        frame: _Frame = "camera",
+        mesh: bool = False,
+        cull: _Cull = "auto",
+        near: float | None = None,
+        far: float | None = None,
+        mirror: bool = False,
+    ) -> PointCloud: ...
+    @overload
     def reconstruct(
         self,
         image: _ImageLike,
@@ -1764,7 +1782,7 @@ class Rig:
         """
     def triangulate(
         self,
-        pixels: Matches | ArrayLike,
+        pixels: Matches | DenseMatches | ArrayLike,
         columns: ArrayLike | None = None,
         rows: ArrayLike | None = None,
         *,
@@ -2101,6 +2119,50 @@ class Matches:
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
 
+@final
+class DenseMatches:
+    """Which projector column and row illuminate each camera pixel."""
+
+    def __new__(
+        cls,
+        column: ArrayLike | None = None,
+        row: ArrayLike | None = None,
+        *,
+        sigma_column: ArrayLike | None = None,
+        sigma_row: ArrayLike | None = None,
+        confidence: ArrayLike | None = None,
+        color: NDArray[np.uint8] | None = None,
+    ) -> DenseMatches: ...
+    @property
+    def column(self) -> NDArray[np.float32] | _MaybeNone: ...
+    @property
+    def sigma_column(self) -> NDArray[np.float32] | _MaybeNone: ...
+    @property
+    def row(self) -> NDArray[np.float32] | _MaybeNone: ...
+    @property
+    def sigma_row(self) -> NDArray[np.float32] | _MaybeNone: ...
+    @property
+    def confidence(self) -> NDArray[np.float32]: ...
+    @property
+    def color(self) -> NDArray[np.uint8] | _MaybeNone: ...
+    @property
+    def report(self) -> SequenceDecodeReport | _MaybeNone: ...
+    def to_matches(self) -> Matches: ...
+    def save(self, file: _Path | IO[bytes]) -> None: ...
+    @staticmethod
+    def load(file: _Path | IO[bytes]) -> DenseMatches: ...
+    def __len__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+@overload
+def decode(
+    image: _Frames,
+    pattern: SequencePattern,
+    *,
+    rig: Rig | None = None,
+    mirror: bool = False,
+) -> DenseMatches: ...
+@overload
 def decode(
     image: _ImageLike,
     pattern: StripePattern,
@@ -2224,6 +2286,7 @@ class PointCloud:
         slits: ArrayLike | None = None,
         confidence: ArrayLike | None = None,
         triangles: ArrayLike | None = None,
+        normals: ArrayLike | None = None,
         frame: _Frame = "camera",
         camera_centre: ArrayLike | None = None,
     ) -> PointCloud: ...
@@ -2251,6 +2314,8 @@ class PointCloud:
     @property
     def triangles(self) -> NDArray[np.uint32]:
         """Indices into the points: (M, 3) uint32, counter-clockwise as the camera sees them; (0, 3) without a mesh."""
+    @property
+    def normals(self) -> NDArray[np.float32] | _MaybeNone: ...
     @property
     def frame(self) -> _Frame:
         """The coordinate frame: "camera", or "plane" for that of the sheet in the rig's first view."""
