@@ -43,6 +43,13 @@ def dense(ball: simulate.Scene, frames: NDArray[np.uint8]) -> slcal.DenseMatches
     return slcal.decode(frames, PHASE)
 
 
+def on_one_surface(scene: simulate.Scene) -> NDArray[np.bool_]:
+    """Pixels that are more than two pixels from those of another surface, and from shadow."""
+    kind = np.where(np.isfinite(scene.column), scene.surface, 255)
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(kind, 2, mode="edge"), (5, 5))
+    return np.asarray((around == kind[..., None, None]).all(axis=(2, 3)))
+
+
 def decoded_by_numpy(frames: NDArray[np.uint8], pattern: slcal.SequencePattern) -> NDArray[np.float64]:
     """Columns from the bits of the Gray code and the phase, whose period is the nearest one to the code."""
     grey = frames.astype(float).mean(axis=3) if frames.ndim == 4 else frames.astype(float)
@@ -73,7 +80,8 @@ def test_columns_are_those_of_the_scene(ball: simulate.Scene, dense: slcal.Dense
     known = np.isfinite(off)
     assert known.sum() > 0.95 * np.isfinite(ball.column).sum()
     assert np.median(off[known]) <= 0.03
-    assert off[known].max() < PERIOD / 2
+    # A pixel on the outline of the sphere sees it and the wall, whose columns differ by several periods.
+    assert off[known & on_one_surface(ball)].max() < PERIOD / 2
     # The stated σ is that of the errors: robustly, since pixels at outlines see two surfaces.
     score = np.median(off[known] / dense.sigma_column[known]) / 0.6745
     assert 0.8 < score < 1.25, score
@@ -262,7 +270,8 @@ def test_matches_are_values_and_files(dense: slcal.DenseMatches, tmp_path: Path)
     known = np.isfinite(dense.column)
     assert (arrays["projector_column"] == dense.column[known]).all()
     assert (arrays["v"] == np.nonzero(known)[0]).all()
-    read = slcal.DenseMatches.load(io.BytesIO((tmp_path / "matches.npz").read_bytes()))
+    read = slcal.DenseMatches.load(tmp_path / "matches.npz")
+    assert slcal.DenseMatches.load(io.BytesIO((tmp_path / "matches.npz").read_bytes())) == read
     assert np.array_equal(read.column, dense.column, equal_nan=True)
     assert read.report is None
     (tmp_path / "matches.npz").write_bytes(b"nonsense")
