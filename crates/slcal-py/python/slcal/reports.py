@@ -351,6 +351,8 @@ class SequenceDecodeReport(Report):
     median_sigma_column_px: float | _MaybeNone
     #: Median 1σ of rows, projector px; None when they are not coded.
     median_sigma_row_px: float | _MaybeNone
+    #: What makes the result doubtful, such as ``moved``.
+    warnings: tuple[Warning, ...]
 
 
 @dataclass(frozen=True)
