@@ -70,6 +70,12 @@ pub struct PointCloud {
 }
 
 impl PointCloud {
+    /// A normal for each point; `None` where they are not known.
+    #[must_use]
+    pub fn known_normals(&self) -> Option<&[Vector3<f32>]> {
+        (!self.points.is_empty() && self.normals.len() == self.points.len()).then_some(&self.normals)
+    }
+
     /// The points' distances from the camera, mm.
     pub fn distances_mm(&self) -> impl Iterator<Item = f64> {
         self.points.iter().map(|p| (p.position - self.camera_centre).norm())

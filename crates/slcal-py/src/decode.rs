@@ -6,13 +6,15 @@ use slcal_core::photo::Encoding;
 use slcal_core::{Error, ErrorSubject, Result};
 
 use crate::convert::image::Photo;
-use crate::convert::object::{object, optional};
+use crate::convert::object::{optional, refused};
 use crate::convert::option;
 use crate::convert::report::LazyReport;
-use crate::errors::{Stage, raised};
+use crate::dense_matches::DenseMatches;
+use crate::errors::{self, Raise as _, Stage, raised};
 use crate::matches::Matches;
-use crate::pattern::StripePattern;
+use crate::pattern::{SequencePattern, StripePattern};
 use crate::rig::Rig;
+use crate::sequence_frames::{ToMatches, fold};
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(decode, module)?)
@@ -84,25 +86,58 @@ fn with_channels_swapped(error: Error) -> Error {
 /// How photographs are read.
 pub(crate) fn config(
     gamma: Option<&Bound<'_, PyAny>>,
-    min_confidence: f64,
+    min_confidence: Option<f64>,
     mirrored: bool,
 ) -> PyResult<DecodeConfig> {
     Ok(DecodeConfig {
         encoding: option::parsed_or(gamma, "gamma", Encoding::default())?,
         mirrored,
-        min_confidence,
+        min_confidence: min_confidence.unwrap_or(DecodeConfig::default().min_confidence),
         ..DecodeConfig::default()
     })
 }
 
-/// Finds the stripes in a photograph and identifies their slits.
+/// What was projected.
+pub(crate) enum Projected<'a> {
+    Stripes(&'a slcal_core::StripePattern),
+    Sequence(&'a slcal_core::SequencePattern),
+}
+
+impl<'a> Projected<'a> {
+    pub(crate) fn of(pattern: &'a Bound<'_, PyAny>) -> PyResult<Self> {
+        if let Ok(stripes) = pattern.cast::<StripePattern>() {
+            return Ok(Self::Stripes(&stripes.get().0));
+        }
+        match pattern.cast::<SequencePattern>() {
+            Ok(sequence) => Ok(Self::Sequence(&sequence.get().0)),
+            Err(_) => {
+                Err(refused::<StripePattern>(pattern, "pattern", "a StripePattern or a SequencePattern"))
+            }
+        }
+    }
+}
+
+/// Refuses options of stripes beside a sequence.
+pub(crate) fn of_stripes_alone(py: Python<'_>, given: &[(&str, bool)]) -> PyResult<()> {
+    match given.iter().find(|(_, is_given)| *is_given) {
+        Some((what, _)) => {
+            let wanted = "none with a SequencePattern: its frames are all that is needed";
+            Err(errors::invalid(py, what, wanted, "one"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Finds the stripes in a photograph and identifies their slits; or decodes the photographs of a sequence pixel by pixel.
 ///
 /// Parameters
 /// ----------
-/// image : ndarray
-///     (H, W, 3), uint8 or uint16, RGB order: the scene with the stripes projected.
-/// pattern : StripePattern
-///     The stripes.
+/// image : ndarray, or iterable of ndarrays and paths
+///     (H, W, 3), uint8 or uint16, RGB order: the scene with the stripes projected. Of a sequence its photographs in the order of
+///     the pattern: (N, H, W) or (N, H, W, 3), or an iterable of arrays and paths. Paths are read, and items of an iterator
+///     taken, one by one, so that memory holds few.
+/// pattern : StripePattern or SequencePattern
+///     What was projected. With a sequence, `black`, `white`, `gamma` and `min_confidence` are not allowed.
 /// black, white : ndarray, optional
 ///     The same view with the projector dark (ambient light is subtracted) and plain white (surface colours are divided
 ///     out).
@@ -120,19 +155,21 @@ pub(crate) fn config(
 ///
 /// Returns
 /// -------
-/// Matches
-///     One per slit and image row (image column, where the stripes are horizontal). Its `report` counts what was found, and
-///     what was rejected and why.
+/// Matches or DenseMatches
+///     Of stripes, `Matches`: one per slit and image row (image column, where the stripes are horizontal). Of a sequence,
+///     `DenseMatches`: the column, the row, or both of every pixel. Its `report` counts what was found, and what was rejected
+///     and why.
 ///
 /// Raises
 /// ------
 /// TypeError
 ///     When the image is not an array of uint8 or uint16.
 /// Error
-///     When the shape is wrong, the image is grey, images differ in size, or an option is out of range.
+///     When the shape is wrong, an image of stripes is grey, images differ in size, a sequence has another number of frames than its
+///     pattern, or an option is out of range.
 /// DecodeError
 ///     When the stripes are not found, or are not those of the pattern. The message says so when they are found with red
-///     and blue swapped.
+///     and blue swapped. When nothing can be read from a sequence.
 ///
 /// Examples
 /// --------
@@ -142,26 +179,47 @@ pub(crate) fn config(
 /// True
 /// >>> matches.report.slits
 /// 64
+/// >>> shifts = slcal.SequencePattern(projector=(320, 240), kind="phase")
+/// >>> frames = (shifts.image(i)[:, 20:] for i in range(len(shifts)))  # A part of the projected pictures.
+/// >>> dense = slcal.decode(frames, shifts)
+/// >>> bool(np.nanmax(np.abs(dense.column - np.arange(20, 320))) < 0.1)
+/// True
 #[pyfunction]
 #[pyo3(
-    signature = (image, pattern, *, black=None, white=None, gamma=None, min_confidence=0.4, rig=None, mirror=false),
+    signature = (image, pattern, *, black=None, white=None, gamma=None, min_confidence=None, rig=None, mirror=false),
     text_signature = "(image, pattern, *, black=None, white=None, gamma='srgb', min_confidence=0.4, rig=None, mirror=False)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments")]
-fn decode(
-    image: &Bound<'_, PyAny>,
-    pattern: &Bound<'_, PyAny>,
-    black: Option<&Bound<'_, PyAny>>,
-    white: Option<&Bound<'_, PyAny>>,
-    gamma: Option<&Bound<'_, PyAny>>,
-    min_confidence: f64,
-    rig: Option<&Bound<'_, PyAny>>,
+fn decode<'py>(
+    image: &Bound<'py, PyAny>,
+    pattern: &Bound<'py, PyAny>,
+    black: Option<&Bound<'py, PyAny>>,
+    white: Option<&Bound<'py, PyAny>>,
+    gamma: Option<&Bound<'py, PyAny>>,
+    min_confidence: Option<f64>,
+    rig: Option<&Bound<'py, PyAny>>,
     mirror: bool,
-) -> PyResult<Matches> {
+) -> PyResult<Bound<'py, PyAny>> {
     let py = image.py();
-    let pattern = &object::<StripePattern>(pattern, "pattern")?.get().0;
-    let frames = Frames::of(image, black, white)?;
+    let pattern = Projected::of(pattern)?;
     let rig = optional::<Rig>(rig, "rig")?.map(|rig| &rig.get().rig);
+    let pattern = match pattern {
+        Projected::Stripes(pattern) => pattern,
+        Projected::Sequence(pattern) => {
+            of_stripes_alone(
+                py,
+                &[
+                    ("black", black.is_some()),
+                    ("white", white.is_some()),
+                    ("gamma", gamma.is_some()),
+                    ("min_confidence", min_confidence.is_some()),
+                ],
+            )?;
+            let decoding = fold(image, ToMatches::new(pattern, mirror, rig).raise(py, Stage::Decode)?)?;
+            return Ok(Bound::new(py, DenseMatches::of(py, decoding)?)?.into_any());
+        }
+    };
+    let frames = Frames::of(image, black, white)?;
     if let Some(rig) = rig {
         rig.projector_for(ErrorSubject::StripePattern, pattern.projector)
             .map_err(|e| raised(py, &e, Stage::Decode))?;
@@ -176,5 +234,5 @@ fn decode(
         slcal_core::decode::decode(*input, pattern, &config)
     })?;
     let report = LazyReport::of("DecodeReport", &decoding.report);
-    Ok(Matches { matches: decoding.matches, report })
+    Ok(Bound::new(py, Matches { matches: decoding.matches, report })?.into_any())
 }

@@ -41,7 +41,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///     When it is not such a picture, or is incomplete; the message says how to convert it.
 #[pyfunction]
 #[pyo3(signature = (file, *, as_stored=false))]
-fn read_image<'py>(file: &Bound<'py, PyAny>, as_stored: bool) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn read_image<'py>(file: &Bound<'py, PyAny>, as_stored: bool) -> PyResult<Bound<'py, PyAny>> {
     let py = file.py();
     let Contents { bytes, name } = files::read(file, InputKind::Photo)?;
     let name = name.unwrap_or_else(|| "image".to_owned());

@@ -4,19 +4,21 @@ use pyo3::prelude::*;
 use slcal_core::decode::DecodeConfig;
 use slcal_core::reconstruct::{CullRule, TriangulateConfig};
 use slcal_core::{
-    Frame, ReconstructConfig, Reconstruction, Reconstructor, Rig as CoreRig, cloud_from_matches,
+    Frame, ReconstructConfig, Reconstruction, Reconstructor, Rig as CoreRig, SequenceReconstructor,
+    cloud_from_dense_matches, cloud_from_matches,
 };
 
 use crate::cloud::PointCloud;
-use crate::convert::object::{object, refused};
+use crate::convert::object::refused;
 use crate::convert::option;
 use crate::convert::report::LazyReport;
-use crate::decode::{self, Frames};
+use crate::decode::{self, Frames, Projected};
+use crate::dense_matches::DenseMatches;
 use crate::errors::{self, Raise as _, Stage};
 use crate::files;
 use crate::matches::{MatchArrays, Matches, matches_of, sigma_of};
-use crate::pattern::StripePattern;
 use crate::rig::Rig;
+use crate::sequence_frames::fold;
 
 impl From<Reconstruction> for PointCloud {
     fn from(made: Reconstruction) -> Self {
@@ -61,6 +63,18 @@ fn triangulate(
     let py = pixels.py();
     let config = options.config(DecodeConfig::default(), CullRule::Off)?;
     let work = |matches: &slcal_core::Matches| cloud_from_matches(rig, matches, &config);
+    if let Ok(matches) = pixels.cast::<DenseMatches>() {
+        for (what, value) in [("columns", given.columns), ("rows", given.rows), ("sigma_px", given.sigma_px)]
+        {
+            if value.is_some() {
+                let wanted = "DenseMatches alone";
+                return Err(errors::invalid(py, what, wanted, "one beside them, which have it already"));
+            }
+        }
+        let matches = matches.get().core(py)?;
+        let made = py.detach(|| cloud_from_dense_matches(rig, &matches, &config));
+        return Ok(made.raise(py, Stage::Decode)?.into());
+    }
     let made = if let Ok(matches) = pixels.cast::<Matches>() {
         if given.columns.is_some() || given.rows.is_some() {
             let wanted = "pixels, or Matches alone";
@@ -82,7 +96,11 @@ fn triangulate(
             }
         }
     } else if files::path_of(pixels)?.is_some() || pixels.is_none() {
-        return Err(refused::<Matches>(pixels, "pixels", "Matches, or an array of shape (N, 2)"));
+        return Err(refused::<Matches>(
+            pixels,
+            "pixels",
+            "Matches, DenseMatches, or an array of shape (N, 2)",
+        ));
     } else {
         let matches = matches_of(pixels, given)?;
         py.detach(|| work(&matches))
@@ -92,14 +110,17 @@ fn triangulate(
 
 #[pymethods]
 impl Rig {
-    /// Reconstructs the cloud of one photograph of a scene under the stripes. For many photographs use `Reconstructor`.
+    /// Reconstructs the cloud of one photograph of a scene under the stripes, or of the photographs of a sequence. For many photographs
+    /// of stripes use `Reconstructor`.
     ///
     /// Parameters
     /// ----------
-    /// image : ndarray
-    ///     (H, W, 3), uint8 or uint16, RGB order, of the size of the rig's camera: the scene with the stripes projected.
-    /// pattern : StripePattern
-    ///     The stripes, drawn for the rig's projector.
+    /// image : ndarray, or iterable of ndarrays and paths
+    ///     (H, W, 3), uint8 or uint16, RGB order, of the size of the rig's camera: the scene with the stripes projected. Of a sequence
+    ///     its photographs in the order of the pattern, as `slcal.decode` takes them.
+    /// pattern : StripePattern or SequencePattern
+    ///     What was projected, drawn for the rig's projector. With a sequence, `black`, `white`, `gamma` and `min_confidence` are
+    ///     not allowed.
     /// black, white : ndarray, optional
     ///     The same scene with the projector dark (ambient light is subtracted) and plain white (surface colours are
     ///     divided out).
@@ -124,14 +145,14 @@ impl Rig {
     /// Returns
     /// -------
     /// PointCloud
-    ///     Its `report` counts what was found, rejected and removed.
+    ///     Its `report` counts what was found, rejected and removed. A cloud of a sequence has a point per pixel, and `normals`.
     ///
     /// Raises
     /// ------
     /// TypeError
     ///     When the image is not an array of uint8 or uint16.
     /// Error
-    ///     When its shape or size is wrong, the rig has no projector (or, for "plane", no view), the pattern is for another
+    ///     When its shape or size is wrong, a sequence has another number of frames than its pattern, the rig has no projector (or, for "plane", no view), the pattern is for another
     ///     panel, or an option is out of range.
     /// DecodeError
     ///     When the stripes are not found, or cannot be those of this rig. The message says so when they are found with red
@@ -146,7 +167,7 @@ impl Rig {
     /// True
     #[pyo3(
         signature = (
-            image, pattern, *, black=None, white=None, gamma=None, frame=None, mesh=false, cull=None, min_confidence=0.4,
+            image, pattern, *, black=None, white=None, gamma=None, frame=None, mesh=false, cull=None, min_confidence=None,
             near=None, far=None, mirror=false
         ),
         text_signature = "($self, image, pattern, *, black=None, white=None, gamma='srgb', frame='camera', mesh=False, \
@@ -163,16 +184,33 @@ impl Rig {
         frame: Option<&Bound<'_, PyAny>>,
         mesh: bool,
         cull: Option<&Bound<'_, PyAny>>,
-        min_confidence: f64,
+        min_confidence: Option<f64>,
         near: Option<f64>,
         far: Option<f64>,
         mirror: bool,
     ) -> PyResult<PointCloud> {
-        let pattern = &object::<StripePattern>(pattern, "pattern")?.get().0;
-        let frames = Frames::of(image, black, white)?;
+        let py = image.py();
+        let pattern = Projected::of(pattern)?;
         let options = CloudOptions { frame, mesh, cull, near, far };
         let config = options.config(decode::config(gamma, min_confidence, mirror)?, CullRule::Auto)?;
-        let made = frames.read(image.py(), |input| {
+        let pattern = match pattern {
+            Projected::Stripes(pattern) => pattern,
+            Projected::Sequence(pattern) => {
+                decode::of_stripes_alone(
+                    py,
+                    &[
+                        ("black", black.is_some()),
+                        ("white", white.is_some()),
+                        ("gamma", gamma.is_some()),
+                        ("min_confidence", min_confidence.is_some()),
+                    ],
+                )?;
+                let scanner = SequenceReconstructor::new(&self.rig, pattern, config);
+                return Ok(fold(image, scanner.raise(py, Stage::Decode)?)?.into());
+            }
+        };
+        let frames = Frames::of(image, black, white)?;
+        let made = frames.read(py, |input| {
             let mut scanner = Reconstructor::new(&self.rig, pattern, config)?;
             scanner.reconstruct(*input)?;
             Ok(scanner.take_last())
@@ -184,12 +222,13 @@ impl Rig {
     ///
     /// Parameters
     /// ----------
-    /// pixels : Matches or array_like
-    ///     Matches, or (N, 2) camera px.
+    /// pixels : Matches, DenseMatches or array_like
+    ///     Matches, those of every pixel, or (N, 2) camera px.
     /// columns, rows : array_like, optional
     ///     (N,), projector px, NaN where it is not known. With an array of pixels, at least one of the two is needed.
     /// sigma_px : array_like, optional
-    ///     (N,) or one for all: 1σ of the camera position across the stripe, px. By default that of the matches, or 0.1.
+    ///     (N,) or one for all: 1σ of the camera position across the stripe, px. By default that of the matches, or 0.1. Dense
+    ///     matches have their own.
     /// frame : {"camera", "plane"}, default "camera"
     ///     The coordinate frame of the cloud: the camera's, or that of the sheet in the rig's first view.
     /// mesh : bool, default False

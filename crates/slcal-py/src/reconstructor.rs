@@ -87,7 +87,7 @@ impl Reconstructor {
         far: Option<f64>,
         mirror: bool,
     ) -> PyResult<Self> {
-        let decode = decode::config(gamma, min_confidence, mirror)?;
+        let decode = decode::config(gamma, Some(min_confidence), mirror)?;
         let config = CloudOptions { frame, mesh, cull, near, far }.config(decode, CullRule::Auto)?;
         let rig = &object::<Rig>(rig, "rig")?.get().rig;
         let pattern = &object::<StripePattern>(pattern, "pattern")?.get().0;

@@ -115,7 +115,7 @@ def test_the_wrong_pattern_and_the_class_itself() -> None:
         slcal.calibrate(PHOTO, SIZE, STRIPES)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match=r"found the class CheckerPattern itself: slcal\.CheckerPattern\("):
         slcal.calibrate(PHOTO, SIZE, slcal.CheckerPattern)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="pattern: expected a StripePattern, found None"):
+    with pytest.raises(TypeError, match="pattern: expected a StripePattern or a SequencePattern, found None"):
         slcal.decode(PHOTO, None)  # type: ignore[arg-type]
 
 

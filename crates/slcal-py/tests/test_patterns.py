@@ -109,7 +109,7 @@ def test_the_border_of_the_light_is_an_observation_that_is_kept():
 
 def test_a_sequence_is_gray_code_and_shifted_sinusoids():
     sequence = slcal.SequencePattern((640, 480), "phase", period=20, steps=5)
-    assert len(sequence) == len(sequence.frames) == 2 + 2 * 6 + 5
+    assert len(sequence) == len(sequence.frames) == 2 + 2 * 7 + 5
     assert sequence.projector == (640, 480)
     # The word of a cell is the Gray code of its number: the most significant bit first, each followed by its inverse.
     word = np.zeros(640, int)
@@ -120,7 +120,7 @@ def test_a_sequence_is_gray_code_and_shifted_sinusoids():
         assert (picture == picture[0]).all()
         if frame["is"] == "bit":
             assert frame["axis"] == "columns"
-            assert frame["bit"] == 5 - (i - 2) // 2
+            assert frame["bit"] == 6 - (i - 2) // 2
             assert frame["inverted"] == bool(i % 2)
             word |= ((picture[0] > 127) ^ frame["inverted"]).astype(int) << frame["bit"]
         elif frame["is"] == "sinusoid":
@@ -128,7 +128,7 @@ def test_a_sequence_is_gray_code_and_shifted_sinusoids():
             assert np.abs(picture[0] - 127.5 * (1 + np.cos(phase))).max() <= 0.5
         else:
             assert (picture == {"white": 255, "black": 0}[frame["is"]]).all()
-    cell = np.arange(640) // 16
+    cell = np.arange(640) // 8
     assert (word == cell ^ (cell >> 1)).all()
     rows = slcal.SequencePattern((640, 480), axis="rows", bits=1)
     assert (rows.image(2) == np.where(np.arange(480) < 256, 0, 255)[:, None]).all()

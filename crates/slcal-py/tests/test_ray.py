@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import slcal
+from slcal import simulate as simulated
 from slcal._slcal import run_command
 
 ray = pytest.importorskip("ray", reason="needs the extra slcal[ray]")
@@ -222,6 +223,39 @@ def test_datasets(cluster, photos, rig, pattern, tmp_path):
     assert sorted(map(str, table["error_type"].to_pylist())) == ["Error", "None"]
     with pytest.raises(slcal.Error, match="'path'"):
         slcal.ray.reconstruct(ray.data.from_items([1]), rig, pattern, tmp_path / "none")
+
+
+def test_scans_by_sequences(cluster, tmp_path):
+    sequence = slcal.SequencePattern((256, 192), "phase")
+    sequence.save(tmp_path / "sequence.json")
+    options = {"camera": (160, 120), "focal": 190.0, "projector": (256, 192), "projector_focal": 425.0}
+    scene = simulated.scene("sphere", sequence, **options)
+    scene.rig.save(tmp_path / "rig.json")
+    for scan in ("ball.1", "ball.2", "short"):
+        (tmp_path / "scans" / scan).mkdir(parents=True)
+        for i, frame in enumerate(scene.frames):
+            Image.fromarray(frame).save(tmp_path / "scans" / scan / f"frame_{i:03}.png")
+    (tmp_path / "scans/short/frame_004.png").unlink()
+    out = tmp_path / "out"
+    job = tmp_path / "scans/*", tmp_path / "rig.json", tmp_path / "sequence.json", out
+    rows = by_frame(slcal.ray.reconstruct(*job, mesh=True))
+    cloud = scene.rig.reconstruct(scene.frames, sequence, mesh=True)
+    assert sorted(rows) == ["ball.1", "ball.2", "short"]
+    for name in ("ball.1", "ball.2"):
+        assert (out / f"{name}.ply").read_bytes() == cloud.to_bytes("ply")
+        assert (rows[name]["points"], rows[name]["decoded"]) == (len(cloud), cloud.report.sequence.decoded)
+        assert rows[name]["slits"] is None
+    assert rows["short"]["error_type"] == "Error" and "frame_004.png" in rows["short"]["error"]
+    # A folder is done again when one of its photographs has changed.
+    (tmp_path / "scans/ball.1/frame_003.png").write_bytes((tmp_path / "scans/ball.2/frame_003.png").read_bytes())
+    again = by_frame(slcal.ray.reconstruct(*job, mesh=True))
+    assert [again[name]["skipped"] for name in ("ball.1", "ball.2")] == [False, True]
+    wrong = slcal.SequencePattern((512, 384))
+    with pytest.raises(slcal.Error, match="256x192"):
+        slcal.ray.reconstruct(tmp_path / "scans/*", scene.rig, wrong, tmp_path / "wrong")
+    for option in ({"gamma": 2.2}, {"min_confidence": 0.1}, {"black": np.zeros((120, 160, 3), np.uint8)}):
+        with pytest.raises(slcal.Error, match="expected none with a SequencePattern"):
+            slcal.ray.reconstruct(tmp_path / "scans/*", scene.rig, sequence, tmp_path / "wrong", **option)
 
 
 def test_when_all_frames_fail_the_table_is_of_the_same_kind(cluster, rig, pattern, photos, tmp_path):

@@ -18,7 +18,9 @@ from PIL import Image  # noqa: E402
 
 from slcal.ray import SCHEMA, find_photos  # noqa: E402
 from slcal.ray import _store as stores  # noqa: E402
-from slcal.ray._frames import Frame, name_frames, name_of_row  # noqa: E402
+from slcal.ray._frames import Frame, find_scans, name_frames, name_of_row  # noqa: E402
+from slcal.ray._run import _pattern  # noqa: E402
+from slcal.ray._scan import Scan, identity_of, in_order  # noqa: E402
 from slcal.ray._store import Store  # noqa: E402
 from slcal.ray._table import Row, as_table, parquet  # noqa: E402
 from slcal.ray._work import Photo  # noqa: E402
@@ -109,6 +111,56 @@ def test_photographs_are_found_in_folders_patterns_and_archives(tmp_path):
     with zipfile.ZipFile(archive, "w") as file:
         file.writestr("x/1.png", b"")
     assert find_photos(f"zip://**/*.png::{archive}") == [f"zip://x/1.png::{archive}"]
+
+
+def test_scans_are_folders(tmp_path):
+    for name in ["two.1/a.png", "two.2/a.png", ".hidden/a.png", "file.png"]:
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(b"")
+    found = find_scans(tmp_path / "*")
+    assert found == [str(tmp_path / "two.1"), str(tmp_path / "two.2")]
+    # A folder has no extension to leave out.
+    assert [frame.name for frame in name_frames(found, None, folders=True)] == ["two.1", "two.2"]
+    assert name_of_row(found[0], str(tmp_path), folders=True) == "two.1"
+    assert find_scans(tmp_path / "two.1") == [str(tmp_path / "two.1")]
+    for place in (tmp_path / "*.png", tmp_path / "file.png", tmp_path / "none"):
+        with pytest.raises(slcal.Error, match="expected folders"):
+            find_scans(place)
+
+
+def test_the_photographs_of_a_scan_have_the_order_of_the_pattern():
+    pattern = slcal.SequencePattern((64, 48), bits=1)  # White, black, a bit, its inverse.
+    named = [f"/s/frame_00{i}.TIF" for i in range(4)]
+    assert in_order("/s", [*named[::-1], "/s/other.png"], pattern) == named
+    with pytest.raises(slcal.Error, match=r"found none for frame_003\.png"):
+        in_order("/s", named[:3], pattern)
+    numbered = ["/s/2.png", "/s/10.png", "/s/1.png", "/s/b1.png"]
+    assert in_order("/s", numbered, pattern) == ["/s/1.png", "/s/2.png", "/s/10.png", "/s/b1.png"]
+    with pytest.raises(slcal.Error, match="expected 4 photographs.*found 3"):
+        in_order("/s", numbered[:3], pattern)
+
+
+def test_a_scan_reads_what_it_is_asked_for(tmp_path):
+    pattern = slcal.SequencePattern((64, 48), bits=1)
+    for i in range(4):
+        Image.fromarray(np.full((4, 6), i, np.uint8)).save(tmp_path / f"frame_00{i}.png")
+    scan = Scan(str(tmp_path), pattern, {})
+    assert [frame[0, 0] for frame in scan] == [0, 1, 2, 3] and len(scan) == 4
+    before = identity_of(str(tmp_path), {})
+    assert before == identity_of(str(tmp_path), {})
+    (tmp_path / "frame_002.png").write_bytes(b"another")
+    assert before != identity_of(str(tmp_path), {})
+    with pytest.raises(slcal.FormatError, match="frame_002.png"):
+        scan[2]
+
+
+def test_patterns_of_jobs(tmp_path):
+    for pattern in (slcal.StripePattern((640, 480)), slcal.SequencePattern((640, 480))):
+        pattern.save(tmp_path / "pattern.json")
+        assert _pattern(tmp_path / "pattern.json") == pattern == _pattern(pattern)
+    slcal.CheckerPattern((640, 480)).save(tmp_path / "pattern.json")
+    with pytest.raises(slcal.Error, match="a checkerboard"):
+        _pattern(tmp_path / "pattern.json")
 
 
 def test_photographs_are_read_as_the_command_reads_them(tmp_path):

@@ -25,7 +25,7 @@ pub enum InputKind {
     Camera,
     /// A file of another program.
     Exchange,
-    /// Matches as CSV.
+    /// Matches as CSV or NPZ.
     Matches,
     /// A point cloud as PLY.
     Cloud,
@@ -45,7 +45,7 @@ impl InputKind {
             Self::Observations => "an observations JSON",
             Self::Camera => "a camera file (OpenCV, ROS or rig JSON)",
             Self::Exchange => "a file of another program with a camera or a rig",
-            Self::Matches => "matches as CSV",
+            Self::Matches => "matches as CSV or NPZ",
             Self::Cloud => "a point cloud as PLY",
             Self::Mesh => "a mesh as PLY or OBJ",
             Self::Own => "a file of slcal",
@@ -69,8 +69,8 @@ impl InputKind {
         let is_text = || !bytes.contains(&0) && !bytes.trim_ascii_start().is_empty();
         match self {
             Self::Photo => format_of(bytes).is_some() || Foreign::of(bytes, "").is_some(),
-            Self::Exchange => bytes.starts_with(b"PK") || is_text(),
-            Self::Rig | Self::Pattern | Self::Observations | Self::Camera | Self::Matches => is_text(),
+            Self::Exchange | Self::Matches => bytes.starts_with(b"PK") || is_text(),
+            Self::Rig | Self::Pattern | Self::Observations | Self::Camera => is_text(),
             Self::Cloud | Self::Mesh | Self::Own => true,
         }
     }
@@ -151,6 +151,13 @@ mod tests {
             assert_eq!(kind.read(io::repeat(0)).unwrap().len(), 65_536, "{kind:?}");
             assert_eq!(kind.read(io::repeat(b' ')).unwrap().len(), 65_536, "{kind:?}");
         }
+    }
+
+    #[test]
+    fn archives_are_read_where_they_are_of_the_kind() {
+        let archive = [b"PK\x03\x04".as_slice(), &vec![0; 200_000]].concat();
+        assert_eq!(InputKind::Matches.read(archive.as_slice()).unwrap().len(), archive.len());
+        assert_eq!(InputKind::Rig.read(archive.as_slice()).unwrap().len(), 65_536);
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub(super) fn run(args: &TriangulateArgs, printer: Printer) -> Outcome {
     let busy = printer.busy(format!("triangulating {}", input_name(&args.matches)));
     let config = cloud_config(&args.shape, args.cull, &rig, &args.rig)?;
     let result = if is_npz(&args.matches) {
-        let file = read_bytes(&args.matches, InputKind::Exchange)?;
+        let file = read_bytes(&args.matches, InputKind::Matches)?;
         let matches = read_dense_matches(&file).in_file(&args.matches)?;
         drop(file);
         cloud_from_dense_matches(&rig, &matches, &config)

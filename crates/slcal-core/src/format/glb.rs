@@ -2,9 +2,10 @@
 
 use std::io::Write;
 
+use nalgebra::{Point3, Vector3};
 use serde_json::{Value, json};
 
-use crate::cloud::{Frame, PointCloud};
+use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::photo::Encoding;
 
@@ -14,6 +15,9 @@ const ATTRIBUTES: [(&str, usize); 6] =
     [("POSITION", 3), ("COLOR_0", 3), ("_SIGMA_MM", 1), ("_NOISE_MM", 1), ("_CONFIDENCE", 1), ("_SLIT", 1)];
 /// Bytes of all attributes of one vertex.
 const VERTEX_BYTES: usize = 4 * (3 + 3 + 1 + 1 + 1 + 1);
+/// The attribute that follows them when the cloud has normals.
+const NORMAL: (&str, usize) = ("NORMAL", 3);
+const NORMAL_BYTES: usize = 4 * 3;
 /// glTF's names of types and places: `componentType`, `target` and `mode`.
 const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
@@ -26,7 +30,8 @@ const TRIANGLES: u32 = 4;
 ///
 /// glTF uses metres with y upwards: a point (x, y, z) of the cloud in mm is written as (x, −y, −z) / 1000. The asset's
 /// `extras` state this and the frame. Colours are linear light, as glTF requires. Each vertex also has the attributes
-/// `_SIGMA_MM`, `_NOISE_MM`, `_CONFIDENCE` and `_SLIT`.
+/// `_SIGMA_MM`, `_NOISE_MM`, `_CONFIDENCE` and `_SLIT`, and `NORMAL` when the cloud has normals. glTF wants unit vectors: a
+/// point whose normal is zero gets the direction to the camera.
 ///
 /// # Errors
 /// [`Error::Invalid`] for coordinates that are not finite and for more than 4 GiB, which the format cannot hold;
@@ -74,7 +79,9 @@ impl Buffer {
 }
 
 fn buffer(cloud: &PointCloud) -> Result<Buffer> {
-    let size = cloud.points.len() * VERTEX_BYTES + cloud.triangles.len() * 12;
+    let normals = cloud.known_normals();
+    let vertex = VERTEX_BYTES + if normals.is_some() { NORMAL_BYTES } else { 0 };
+    let size = cloud.points.len() * vertex + cloud.triangles.len() * 12;
     if u32::try_from(size).is_err() {
         return Err(too_large(cloud));
     }
@@ -99,10 +106,21 @@ fn buffer(cloud: &PointCloud) -> Result<Buffer> {
     buffer.floats(cloud.points.iter().map(|p| p.noise_mm as f32));
     buffer.floats(cloud.points.iter().map(|p| p.confidence as f32));
     buffer.floats(cloud.points.iter().map(|p| f32::from(p.slit.unwrap_or(0))));
+    for (p, n) in cloud.points.iter().zip(normals.into_iter().flatten()) {
+        buffer.floats(unit_normal(p, n, &cloud.camera_centre));
+    }
     for i in cloud.triangles.iter().flatten() {
         buffer.bytes.extend(i.to_le_bytes());
     }
     Ok(buffer)
+}
+
+/// A normal with y upwards, of length one.
+fn unit_normal(point: &CloudPoint, normal: &Vector3<f32>, camera: &Point3<f64>) -> [f32; 3] {
+    let unit = |v: Vector3<f64>| v.try_normalize(1e-6).filter(|v| v.iter().all(|x| x.is_finite()));
+    let towards_camera = || unit(camera - point.position).unwrap_or_else(|| -Vector3::z());
+    let n = unit(normal.cast()).unwrap_or_else(towards_camera);
+    [n.x, -n.y, -n.z].map(|x| x as f32)
 }
 
 /// Linear light of an sRGB code value.
@@ -134,7 +152,8 @@ fn document(cloud: &PointCloud, buffer: &Buffer) -> Value {
     let count = cloud.points.len();
     let mut primitive = json!({"attributes": {}, "material": 0, "mode": POINTS});
     let (mut accessors, mut views, mut end) = (Vec::new(), Vec::new(), 0);
-    for (i, (name, numbers)) in ATTRIBUTES.into_iter().enumerate() {
+    let normal = cloud.known_normals().map(|_| NORMAL);
+    for (i, (name, numbers)) in ATTRIBUTES.into_iter().chain(normal).enumerate() {
         let (length, kind) = (4 * numbers * count, if numbers == 3 { "VEC3" } else { "SCALAR" });
         primitive["attributes"][name] = json!(i);
         accessors.push(json!({"bufferView": i, "componentType": FLOAT, "count": count, "type": kind}));
@@ -143,7 +162,7 @@ fn document(cloud: &PointCloud, buffer: &Buffer) -> Value {
     }
     accessors[0]["min"] = json!(buffer.min.map(f64::from));
     accessors[0]["max"] = json!(buffer.max.map(f64::from));
-    // Surfaces are visible from both sides. Points have no normals for shading.
+    // Surfaces are visible from both sides. Points have their own colours: few readers shade them, whatever their normals.
     let mut material =
         json!({"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 1}, "doubleSided": true});
     if cloud.triangles.is_empty() {
@@ -260,6 +279,29 @@ mod tests {
         let indices: Vec<f64> =
             elements(&document, &binary, &primitive["indices"]).into_iter().flatten().collect();
         assert_eq!(indices, [0.0, 1.0, 2.0, 0.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn normals_are_unit_vectors_with_y_upwards() {
+        let mut cloud = test_cloud();
+        cloud.camera_centre = Point3::new(0.0, -0.5, 0.0);
+        cloud.normals = vec![Vector3::zeros(), Vector3::new(0.0, 1.2, -1.6), -Vector3::z(), Vector3::x()];
+        let mut bytes = Vec::new();
+        write_glb(&cloud, &mut bytes).unwrap();
+        let (document, binary) = parse(&bytes);
+        let primitive = &document["meshes"][0]["primitives"][0];
+        let of = |name: &Value| elements(&document, &binary, name);
+        let normals = of(&primitive["attributes"]["NORMAL"]);
+        // The first has none of its own and looks at the camera, which lies in front of it.
+        for (n, expected) in
+            normals.iter().zip([[0.0, 0.0, 1.0], [0.0, -0.6, 0.8], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+        {
+            assert!(n.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{n:?}");
+        }
+        let indices: Vec<f64> = of(&primitive["indices"]).into_iter().flatten().collect();
+        assert_eq!(indices, [0.0, 1.0, 2.0, 0.0, 2.0, 3.0]);
+        assert_eq!(of(&primitive["attributes"]["_SLIT"])[3], [60_003.0]);
+        assert_eq!(document["buffers"], json!([{"byteLength": binary.len()}]));
     }
 
     #[test]

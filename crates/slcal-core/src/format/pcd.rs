@@ -7,8 +7,8 @@ use crate::cloud::PointCloud;
 use crate::error::{ErrorSubject, Result};
 
 /// Writes a cloud as PCD version 0.7 with binary data: `x y z` (mm), `rgb` (packed as the Point Cloud Library does: the
-/// bits of 0x00RRGGBB in a float), `sigma` (mm), `slit`, `confidence` and `noise` (mm). `VIEWPOINT` is the camera's centre; the
-/// format has no triangles.
+/// bits of 0x00RRGGBB in a float), `sigma` (mm), `slit`, `confidence` and `noise` (mm), and
+/// `normal_x normal_y normal_z` when the cloud has normals. `VIEWPOINT` is the camera's centre; the format has no triangles.
 ///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io) when the stream fails.
@@ -20,13 +20,15 @@ pub fn write_pcd(cloud: &PointCloud, output: impl Write) -> Result<()> {
             "# .PCD v0.7 - Point Cloud Data file format\n# units mm\n# frame {}\nVERSION 0.7",
             cloud.frame
         )?;
-        writeln!(
-            out,
-            "FIELDS x y z rgb sigma slit confidence noise\nSIZE 4 4 4 4 4 2 4 4\nTYPE F F F F F U F F"
-        )?;
-        writeln!(out, "COUNT 1 1 1 1 1 1 1 1\nWIDTH {n}\nHEIGHT 1")?;
+        let normals = cloud.known_normals();
+        let [names, sizes, types, counts] = match normals {
+            Some(_) => [" normal_x normal_y normal_z", " 4 4 4", " F F F", " 1 1 1"],
+            None => [""; 4],
+        };
+        writeln!(out, "FIELDS x y z rgb sigma slit confidence noise{names}\nSIZE 4 4 4 4 4 2 4 4{sizes}")?;
+        writeln!(out, "TYPE F F F F F U F F{types}\nCOUNT 1 1 1 1 1 1 1 1{counts}\nWIDTH {n}\nHEIGHT 1")?;
         writeln!(out, "VIEWPOINT {} {} {} 1 0 0 0\nPOINTS {n}\nDATA binary", c.x, c.y, c.z)?;
-        for p in &cloud.points {
+        for (i, p) in cloud.points.iter().enumerate() {
             for x in p.position.iter() {
                 out.write_all(&(*x as f32).to_le_bytes())?;
             }
@@ -36,6 +38,9 @@ pub fn write_pcd(cloud: &PointCloud, output: impl Write) -> Result<()> {
             out.write_all(&p.slit.unwrap_or(0).to_le_bytes())?;
             out.write_all(&(p.confidence as f32).to_le_bytes())?;
             out.write_all(&(p.noise_mm as f32).to_le_bytes())?;
+            for x in normals.iter().flat_map(|n| n[i].iter()) {
+                out.write_all(&x.to_le_bytes())?;
+            }
         }
         Ok(())
     })
@@ -43,6 +48,8 @@ pub fn write_pcd(cloud: &PointCloud, output: impl Write) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector3;
+
     use super::*;
     use crate::for_tests::test_cloud;
 
@@ -95,6 +102,21 @@ mod tests {
             assert_eq!(u32::from_le_bytes(record[3]), r << 16 | g << 8 | b);
             assert_eq!((float(4), float(6), float(7)), (p.sigma_mm, p.confidence, p.noise_mm));
             assert_eq!(u32::from_le_bytes(record[5]), u32::from(p.slit.unwrap_or(0)));
+        }
+    }
+
+    #[test]
+    fn normals_follow_when_there_are_any() {
+        let mut cloud = test_cloud();
+        cloud.normals = (0..4).map(|i| Vector3::new(0.25 * i as f32, 0.5, -0.75)).collect();
+        let mut bytes = Vec::new();
+        write_pcd(&cloud, &mut bytes).unwrap();
+        let (header, records) = parse(&bytes);
+        let fields = header.iter().find(|l| l.starts_with("FIELDS")).unwrap();
+        assert!(fields.ends_with(" noise normal_x normal_y normal_z"), "{fields}");
+        for (record, normal) in records.iter().zip(&cloud.normals) {
+            let float = |i: usize| f32::from_le_bytes(record[i]);
+            assert_eq!([float(8), float(9), float(10)], [normal.x, normal.y, normal.z]);
         }
     }
 

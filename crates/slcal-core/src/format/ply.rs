@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use super::budget::{Budget, LONGEST_LINE, Metered};
 use super::buffered::buffered;
@@ -22,7 +22,7 @@ fn malformed(detail: impl Into<String>) -> Error {
 }
 
 /// Writes a cloud as `binary_little_endian` 1.0: vertices with position, colour, σ, slit, confidence and the
-/// noise part of σ, and faces when the cloud has triangles. Positions are 32-bit floats.
+/// noise part of σ, normals when the cloud has them, and faces when it has triangles. Positions are 32-bit floats.
 ///
 /// # Errors
 /// [`Error::Io`] when the stream fails.
@@ -41,11 +41,15 @@ pub fn write_ply(cloud: &PointCloud, output: impl Write) -> Result<()> {
         writeln!(out, "property uchar red\nproperty uchar green\nproperty uchar blue")?;
         writeln!(out, "property float sigma\nproperty ushort slit\nproperty float confidence")?;
         writeln!(out, "property float noise")?;
+        let normals = cloud.known_normals();
+        if normals.is_some() {
+            writeln!(out, "property float nx\nproperty float ny\nproperty float nz")?;
+        }
         if !cloud.triangles.is_empty() {
             writeln!(out, "element face {}\nproperty list uchar int vertex_indices", cloud.triangles.len())?;
         }
         writeln!(out, "end_header")?;
-        for p in &cloud.points {
+        for (i, p) in cloud.points.iter().enumerate() {
             for x in p.position.iter() {
                 out.write_all(&(*x as f32).to_le_bytes())?;
             }
@@ -54,6 +58,9 @@ pub fn write_ply(cloud: &PointCloud, output: impl Write) -> Result<()> {
             out.write_all(&p.slit.unwrap_or(0).to_le_bytes())?;
             out.write_all(&(p.confidence as f32).to_le_bytes())?;
             out.write_all(&(p.noise_mm as f32).to_le_bytes())?;
+            for x in normals.iter().flat_map(|n| n[i].iter()) {
+                out.write_all(&x.to_le_bytes())?;
+            }
         }
         for t in &cloud.triangles {
             out.write_all(&[3])?;
@@ -146,7 +153,7 @@ struct Header {
     camera: Point3<f64>,
 }
 
-/// Reads a cloud. Positions are required; colour, σ, slit, confidence and triangles are optional. Points with coordinates
+/// Reads a cloud. Positions are required; colour, σ, slit, confidence, normals and triangles are optional. Points with coordinates
 /// that are not finite are left out when the file has no faces.
 ///
 /// # Errors
@@ -172,7 +179,12 @@ pub fn read_ply(input: impl Read) -> Result<PointCloud> {
         }
     }
     if cloud.triangles.is_empty() {
-        cloud.points.retain(|p| p.position.iter().all(|x| x.is_finite()));
+        let is_finite = |p: &CloudPoint| p.position.iter().all(|x| x.is_finite());
+        if cloud.known_normals().is_some() {
+            let mut points = cloud.points.iter();
+            cloud.normals.retain(|_| points.next().is_some_and(is_finite));
+        }
+        cloud.points.retain(is_finite);
     }
     Ok(cloud)
 }
@@ -328,8 +340,11 @@ fn read_vertices<R: BufRead>(
     let float_color = rgb[0].is_some_and(|i| matches!(element.properties[i].kind, Type::F32 | Type::F64));
     let color_scale = if float_color { 255.0 } else { 1.0 };
     let [sigma, slit, confidence, noise] = ["sigma", "slit", "confidence", "noise"].map(|n| find(&[n]));
+    let normal = ["nx", "ny", "nz"].map(|n| find(&[n]));
+    let has_normals = normal.iter().all(Option::is_some);
     for _ in 0..element.count {
         let mut p = CloudPoint::at(Point3::origin());
+        let mut n = Vector3::zeros();
         values.record(element, |i, _, v| {
             if let Some(k) = xyz.iter().position(|&x| x == i) {
                 p.position[k] = v;
@@ -343,10 +358,17 @@ fn read_vertices<R: BufRead>(
                 p.confidence = v;
             } else if noise == Some(i) {
                 p.noise_mm = v;
+            } else if let Some(k) = normal.iter().position(|&x| x == Some(i)) {
+                n[k] = v as f32;
             }
         })?;
         budget.keep_list::<CloudPoint>(1)?;
         cloud.points.push(p);
+        if has_normals {
+            budget.keep_list::<Vector3<f32>>(1)?;
+            let is_known = n.iter().all(|x| x.is_finite());
+            cloud.normals.push(if is_known { n } else { Vector3::zeros() });
+        }
     }
     Ok(())
 }
@@ -420,6 +442,43 @@ mod tests {
             write_ply(&cloud(frame), &mut bytes).unwrap();
             assert!(same(&read_ply(&bytes[..]).unwrap(), &cloud(frame)));
         }
+    }
+
+    #[test]
+    fn normals_are_written_and_read() {
+        let normals = vec![
+            Vector3::new(0.0, 0.0, -1.0),
+            Vector3::new(0.6, 0.0, -0.8),
+            Vector3::zeros(),
+            Vector3::new(0.0, 0.28, -0.96),
+        ];
+        for triangles in [cloud(Frame::Camera).triangles, Vec::new()] {
+            let given = PointCloud { normals: normals.clone(), triangles, ..cloud(Frame::Camera) };
+            let mut bytes = Vec::new();
+            write_ply(&given, &mut bytes).unwrap();
+            let read = read_ply(&bytes[..]).unwrap();
+            assert!(same(&read, &given));
+            assert_eq!(read.normals, normals);
+        }
+        // Too few to be those of the points: left out.
+        let short = PointCloud { normals: normals[..3].to_vec(), ..cloud(Frame::Camera) };
+        let (mut with, mut without) = (Vec::new(), Vec::new());
+        write_ply(&short, &mut with).unwrap();
+        write_ply(&cloud(Frame::Camera), &mut without).unwrap();
+        assert_eq!(with, without);
+    }
+
+    #[test]
+    fn normals_from_elsewhere_stay_with_their_points() {
+        let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                      property float nx\nproperty double ny\nproperty float nz\nend_header\n";
+        let text = format!("{header}0 0 1 1 0 0\n0 nan 1 0 1 0\n2 0 1 nan 0 1\n");
+        let c = read_ply(text.as_bytes()).unwrap();
+        assert_eq!(c.points.len(), 2);
+        assert_eq!(c.normals, [Vector3::new(1.0, 0.0, 0.0), Vector3::zeros()]);
+        // Two of three coordinates are no normal.
+        let flat = text.replace("property float nz\n", "property float quality\n");
+        assert!(read_ply(flat.as_bytes()).unwrap().normals.is_empty());
     }
 
     #[test]

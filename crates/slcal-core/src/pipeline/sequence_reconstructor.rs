@@ -51,12 +51,29 @@ impl SequenceReconstructor {
         self.decoder.push(frame, photo)
     }
 
+    /// The cloud of frames that lie in memory, in the order of the pattern.
+    ///
+    /// # Errors
+    /// As [`push`](Self::push) and [`finish`](Self::finish); [`Error::Invalid`](crate::Error::Invalid) for another number of frames than the pattern has.
+    pub fn reconstruct(&mut self, frames: &[PhotoView<'_>]) -> Result<Reconstruction> {
+        for photo in frames {
+            check_photo_size(self.camera, [photo.width(), photo.height()])?;
+        }
+        let decoding = self.decoder.decode(frames)?;
+        self.cloud(decoding)
+    }
+
     /// The cloud, once all frames have come; the next scan can come then.
     ///
     /// # Errors
     /// As [`SequenceDecoder::finish`]; [`Error::NotFound`](crate::Error::NotFound) when no surface is left, or most pixels contradict the rig.
     pub fn finish(&mut self) -> Result<Reconstruction> {
-        let SequenceDecoding { matches, report, .. } = self.decoder.finish()?;
+        let decoding = self.decoder.finish()?;
+        self.cloud(decoding)
+    }
+
+    fn cloud(&mut self, decoding: SequenceDecoding) -> Result<Reconstruction> {
+        let SequenceDecoding { matches, report, .. } = decoding;
         let mut result = self.stages.run(&matches)?;
         result.sequence = Some(report);
         Ok(result)

@@ -16,6 +16,7 @@ from .reports import (
     PlaneFit,
     Quality,
     SceneReport,
+    SequenceDecodeReport,
     SphereFit,
     Verification,
     ViewBend,
@@ -27,6 +28,7 @@ __all__ = [
     "CheckerPattern",
     "CornerDetection",
     "Covariance",
+    "DenseMatches",
     "Detection",
     "Matches",
     "Observations",
@@ -71,6 +73,8 @@ _ImageLike: TypeAlias = NDArray[np.integer[Any] | np.floating[Any]]
 _Size: TypeAlias = tuple[float, float] | str
 _Indices: TypeAlias = slice | NDArray[np.bool_] | NDArray[np.integer[Any]] | Sequence[int]
 _Path: TypeAlias = str | PathLike[str]
+#: The photographs of a sequence, in its order.
+_Frames: TypeAlias = _ImageLike | Iterable[_ImageLike | _Path]
 _ExchangeFormat: TypeAlias = Literal["opencv", "ros", "colmap", "kalibr", "blender", "npz"]
 _File: TypeAlias = _Path | IO[bytes] | IO[str]
 _Gamma: TypeAlias = Literal["srgb", "linear"] | float
@@ -352,9 +356,9 @@ class SequencePattern:
     --------
     >>> sequence = slcal.SequencePattern(projector=(1024, 768), kind="phase")
     >>> sequence
-    SequencePattern(projector=(1024, 768), frames=22)
+    SequencePattern(projector=(1024, 768), frames=24)
     >>> sequence.frames[2]
-    {'axis': 'columns', 'bit': 5, 'file': 'frame_002.png', 'inverted': False, 'is': 'bit'}
+    {'axis': 'columns', 'bit': 6, 'file': 'frame_002.png', 'inverted': False, 'is': 'bit'}
     >>> sequence.image(2).shape
     (768, 1024)
     """
@@ -1693,30 +1697,30 @@ class Rig:
         OSError
             When a file cannot be read.
         """
+    @overload
     def reconstruct(
         self,
-        image: _ImageLike,
-        pattern: StripePattern,
+        image: _Frames,
+        pattern: SequencePattern,
         *,
-        black: _ImageLike | None = None,
-        white: _ImageLike | None = None,
-        gamma: _Gamma = "srgb",
         frame: _Frame = "camera",
         mesh: bool = False,
         cull: _Cull = "auto",
-        min_confidence: float = 0.4,
         near: float | None = None,
         far: float | None = None,
         mirror: bool = False,
     ) -> PointCloud:
-        """Reconstructs the cloud of one photograph of a scene under the stripes. For many photographs use `Reconstructor`.
+        """Reconstructs the cloud of one photograph of a scene under the stripes, or of the photographs of a sequence. For many photographs
+        of stripes use `Reconstructor`.
 
         Parameters
         ----------
-        image : ndarray
-            (H, W, 3), uint8 or uint16, RGB order, of the size of the rig's camera: the scene with the stripes projected.
-        pattern : StripePattern
-            The stripes, drawn for the rig's projector.
+        image : ndarray, or iterable of ndarrays and paths
+            (H, W, 3), uint8 or uint16, RGB order, of the size of the rig's camera: the scene with the stripes projected. Of a sequence
+            its photographs in the order of the pattern, as `slcal.decode` takes them.
+        pattern : StripePattern or SequencePattern
+            What was projected, drawn for the rig's projector. With a sequence, `black`, `white`, `gamma` and `min_confidence` are
+            not allowed.
         black, white : ndarray, optional
             The same scene with the projector dark (ambient light is subtracted) and plain white (surface colours are
             divided out).
@@ -1741,14 +1745,87 @@ class Rig:
         Returns
         -------
         PointCloud
-            Its `report` counts what was found, rejected and removed.
+            Its `report` counts what was found, rejected and removed. A cloud of a sequence has a point per pixel, and `normals`.
 
         Raises
         ------
         TypeError
             When the image is not an array of uint8 or uint16.
         Error
-            When its shape or size is wrong, the rig has no projector (or, for "plane", no view), the pattern is for another
+            When its shape or size is wrong, a sequence has another number of frames than its pattern, the rig has no projector (or, for "plane", no view), the pattern is for another
+            panel, or an option is out of range.
+        DecodeError
+            When the stripes are not found, or cannot be those of this rig. The message says so when they are found with red
+            and blue swapped.
+
+        Examples
+        --------
+        >>> from slcal import simulate
+        >>> scene = simulate.scene("sphere")
+        >>> cloud = scene.rig.reconstruct(scene.photo, scene.pattern)
+        >>> cloud.points.shape == (len(cloud), 3)
+        True
+        """
+    @overload
+    def reconstruct(
+        self,
+        image: _ImageLike,
+        pattern: StripePattern,
+        *,
+        black: _ImageLike | None = None,
+        white: _ImageLike | None = None,
+        gamma: _Gamma = "srgb",
+        frame: _Frame = "camera",
+        mesh: bool = False,
+        cull: _Cull = "auto",
+        min_confidence: float = 0.4,
+        near: float | None = None,
+        far: float | None = None,
+        mirror: bool = False,
+    ) -> PointCloud:
+        """Reconstructs the cloud of one photograph of a scene under the stripes, or of the photographs of a sequence. For many photographs
+        of stripes use `Reconstructor`.
+
+        Parameters
+        ----------
+        image : ndarray, or iterable of ndarrays and paths
+            (H, W, 3), uint8 or uint16, RGB order, of the size of the rig's camera: the scene with the stripes projected. Of a sequence
+            its photographs in the order of the pattern, as `slcal.decode` takes them.
+        pattern : StripePattern or SequencePattern
+            What was projected, drawn for the rig's projector. With a sequence, `black`, `white`, `gamma` and `min_confidence` are
+            not allowed.
+        black, white : ndarray, optional
+            The same scene with the projector dark (ambient light is subtracted) and plain white (surface colours are
+            divided out).
+        gamma : {"srgb", "linear"} or float, default "srgb"
+            The transfer curve of the image.
+        frame : {"camera", "plane"}, default "camera"
+            The coordinate frame of the cloud: the camera's, or that of the sheet in the rig's first view.
+        mesh : bool, default False
+            Whether the cloud keeps the triangles between its points.
+        cull : {"auto", "off"} or float, default "auto"
+            Largest area of a triangle on a surface, mm², or how this limit is chosen. Points without such a triangle are
+            removed.
+        min_confidence : float, default 0.4
+            Matches with a lower confidence are rejected, 0 to 1.
+        near, far : float, optional
+            Limits of the depth along the camera's axis, mm. Points outside are removed and counted in the report.
+        mirror : bool, default False
+            Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+            counts as width - 1 - c.
+            A rig that was calibrated so says it (`Rig.mirrored`), and nothing is needed.
+
+        Returns
+        -------
+        PointCloud
+            Its `report` counts what was found, rejected and removed. A cloud of a sequence has a point per pixel, and `normals`.
+
+        Raises
+        ------
+        TypeError
+            When the image is not an array of uint8 or uint16.
+        Error
+            When its shape or size is wrong, a sequence has another number of frames than its pattern, the rig has no projector (or, for "plane", no view), the pattern is for another
             panel, or an option is out of range.
         DecodeError
             When the stripes are not found, or cannot be those of this rig. The message says so when they are found with red
@@ -1764,7 +1841,7 @@ class Rig:
         """
     def triangulate(
         self,
-        pixels: Matches | ArrayLike,
+        pixels: Matches | DenseMatches | ArrayLike,
         columns: ArrayLike | None = None,
         rows: ArrayLike | None = None,
         *,
@@ -1779,12 +1856,13 @@ class Rig:
 
         Parameters
         ----------
-        pixels : Matches or array_like
-            Matches, or (N, 2) camera px.
+        pixels : Matches, DenseMatches or array_like
+            Matches, those of every pixel, or (N, 2) camera px.
         columns, rows : array_like, optional
             (N,), projector px, NaN where it is not known. With an array of pixels, at least one of the two is needed.
         sigma_px : array_like, optional
-            (N,) or one for all: 1σ of the camera position across the stripe, px. By default that of the matches, or 0.1.
+            (N,) or one for all: 1σ of the camera position across the stripe, px. By default that of the matches, or 0.1. Dense
+            matches have their own.
         frame : {"camera", "plane"}, default "camera"
             The coordinate frame of the cloud: the camera's, or that of the sheet in the rig's first view.
         mesh : bool, default False
@@ -2101,25 +2179,136 @@ class Matches:
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
 
-def decode(
-    image: _ImageLike,
-    pattern: StripePattern,
-    *,
-    black: _ImageLike | None = None,
-    white: _ImageLike | None = None,
-    gamma: _Gamma = "srgb",
-    min_confidence: float = 0.4,
-    rig: Rig | None = None,
-    mirror: bool = False,
-) -> Matches:
-    """Finds the stripes in a photograph and identifies their slits.
+@final
+class DenseMatches:
+    """Which projector column and row illuminate each camera pixel.
+
+    `slcal.decode` returns them for a sequence; they can also be made from the arrays of another decoder. The arrays are those of the
+    object itself: they are not copied, and cannot be written to. Two of them are equal when their numbers are (NaN equals NaN); the
+    report is not compared. The length is the number of pixels with a column, a row, or both.
 
     Parameters
     ----------
-    image : ndarray
-        (H, W, 3), uint8 or uint16, RGB order: the scene with the stripes projected.
-    pattern : StripePattern
-        The stripes.
+    column, row : array_like, optional
+        (H, W), projector px; NaN where it is not known. At least one of the two is needed.
+    sigma_column, sigma_row : array_like, optional
+        (H, W) or one for all: 1σ of them, projector px; 0.1 unless given.
+    confidence : array_like, optional
+        (H, W) or one for all, 0 to 1; 1 unless given.
+    color : ndarray, optional
+        (H, W, 3) uint8, sRGB: the colour of each pixel under white light.
+
+    Raises
+    ------
+    Error
+        When shapes do not match, or a number is out of range.
+    TypeError
+        When something is not an array of numbers.
+
+    Examples
+    --------
+    >>> matches = slcal.DenseMatches([[400, 401.5], [np.nan, 402]], sigma_column=0.02)
+    >>> matches
+    DenseMatches(2x2 px, 3 with columns)
+    >>> len(matches), matches.row is None
+    (3, True)
+    >>> matches.column.dtype, matches.column.flags.writeable
+    (dtype('float32'), False)
+    """
+
+    def __new__(
+        cls,
+        column: ArrayLike | None = None,
+        row: ArrayLike | None = None,
+        *,
+        sigma_column: ArrayLike | None = None,
+        sigma_row: ArrayLike | None = None,
+        confidence: ArrayLike | None = None,
+        color: NDArray[np.uint8] | None = None,
+    ) -> DenseMatches: ...
+    @property
+    def column(self) -> NDArray[np.float32] | _MaybeNone:
+        """Projector column of each pixel: (H, W) float32, px, NaN where there is none; None when columns are not coded."""
+    @property
+    def sigma_column(self) -> NDArray[np.float32] | _MaybeNone:
+        """1σ of `column`: (H, W) float32, projector px, NaN where there is none; None when columns are not coded."""
+    @property
+    def row(self) -> NDArray[np.float32] | _MaybeNone:
+        """Projector row of each pixel: (H, W) float32, px, NaN where there is none; None when rows are not coded."""
+    @property
+    def sigma_row(self) -> NDArray[np.float32] | _MaybeNone:
+        """1σ of `row`: (H, W) float32, projector px, NaN where there is none; None when rows are not coded."""
+    @property
+    def confidence(self) -> NDArray[np.float32]:
+        """Confidence of each pixel: (H, W) float32, 0 to 1."""
+    @property
+    def color(self) -> NDArray[np.uint8] | _MaybeNone:
+        """Colour of each pixel under white light: (H, W, 3) uint8, sRGB; None when the sequence has no white picture."""
+    @property
+    def report(self) -> SequenceDecodeReport | _MaybeNone:
+        """Counts and measurements of decoding; None for matches that were constructed or loaded."""
+    def to_matches(self) -> Matches:
+        """The pixels that have a match, as a list without gaps.
+
+        `Matches.sigma_px` is in camera px. It is set to the σ of the projector's position, as if pixels of both had the same size on the
+        surface; `Rig.triangulate` of the dense matches themselves needs no such assumption.
+
+        Returns
+        -------
+        Matches
+            In the order of the pixels, row by row.
+        """
+    def save(self, file: _Path | IO[bytes]) -> None:
+        """Writes the pixels that have a match as NumPy's .npz: u, v, projector_column, sigma_column_px, projector_row, sigma_row_px,
+        confidence, color, image_size.
+
+        Parameters
+        ----------
+        file : path or binary file object
+            A path, where the file appears when it is complete and replaces an older one, or an object with write().
+        """
+    @staticmethod
+    def load(file: _Path | IO[bytes]) -> DenseMatches:
+        """Reads matches from `save`, ``slcal decode`` or another program.
+
+        Parameters
+        ----------
+        file : path or binary file object
+            A .npz. The arrays u, v and at least one of projector_column and projector_row are needed; the others are taken when they are
+            there.
+
+        Returns
+        -------
+        DenseMatches
+
+        Raises
+        ------
+        OSError
+            When the file cannot be read.
+        FormatError
+            When it does not have this format; the message names the array.
+        """
+    def __len__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+
+@overload
+def decode(
+    image: _Frames,
+    pattern: SequencePattern,
+    *,
+    rig: Rig | None = None,
+    mirror: bool = False,
+) -> DenseMatches:
+    """Finds the stripes in a photograph and identifies their slits; or decodes the photographs of a sequence pixel by pixel.
+
+    Parameters
+    ----------
+    image : ndarray, or iterable of ndarrays and paths
+        (H, W, 3), uint8 or uint16, RGB order: the scene with the stripes projected. Of a sequence its photographs in the order of
+        the pattern: (N, H, W) or (N, H, W, 3), or an iterable of arrays and paths. Paths are read, and items of an iterator
+        taken, one by one, so that memory holds few.
+    pattern : StripePattern or SequencePattern
+        What was projected. With a sequence, `black`, `white`, `gamma` and `min_confidence` are not allowed.
     black, white : ndarray, optional
         The same view with the projector dark (ambient light is subtracted) and plain white (surface colours are divided
         out).
@@ -2137,19 +2326,21 @@ def decode(
 
     Returns
     -------
-    Matches
-        One per slit and image row (image column, where the stripes are horizontal). Its `report` counts what was found, and
-        what was rejected and why.
+    Matches or DenseMatches
+        Of stripes, `Matches`: one per slit and image row (image column, where the stripes are horizontal). Of a sequence,
+        `DenseMatches`: the column, the row, or both of every pixel. Its `report` counts what was found, and what was rejected
+        and why.
 
     Raises
     ------
     TypeError
         When the image is not an array of uint8 or uint16.
     Error
-        When the shape is wrong, the image is grey, images differ in size, or an option is out of range.
+        When the shape is wrong, an image of stripes is grey, images differ in size, a sequence has another number of frames than its
+        pattern, or an option is out of range.
     DecodeError
         When the stripes are not found, or are not those of the pattern. The message says so when they are found with red
-        and blue swapped.
+        and blue swapped. When nothing can be read from a sequence.
 
     Examples
     --------
@@ -2159,6 +2350,80 @@ def decode(
     True
     >>> matches.report.slits
     64
+    >>> shifts = slcal.SequencePattern(projector=(320, 240), kind="phase")
+    >>> frames = (shifts.image(i)[:, 20:] for i in range(len(shifts)))  # A part of the projected pictures.
+    >>> dense = slcal.decode(frames, shifts)
+    >>> bool(np.nanmax(np.abs(dense.column - np.arange(20, 320))) < 0.1)
+    True
+    """
+@overload
+def decode(
+    image: _ImageLike,
+    pattern: StripePattern,
+    *,
+    black: _ImageLike | None = None,
+    white: _ImageLike | None = None,
+    gamma: _Gamma = "srgb",
+    min_confidence: float = 0.4,
+    rig: Rig | None = None,
+    mirror: bool = False,
+) -> Matches:
+    """Finds the stripes in a photograph and identifies their slits; or decodes the photographs of a sequence pixel by pixel.
+
+    Parameters
+    ----------
+    image : ndarray, or iterable of ndarrays and paths
+        (H, W, 3), uint8 or uint16, RGB order: the scene with the stripes projected. Of a sequence its photographs in the order of
+        the pattern: (N, H, W) or (N, H, W, 3), or an iterable of arrays and paths. Paths are read, and items of an iterator
+        taken, one by one, so that memory holds few.
+    pattern : StripePattern or SequencePattern
+        What was projected. With a sequence, `black`, `white`, `gamma` and `min_confidence` are not allowed.
+    black, white : ndarray, optional
+        The same view with the projector dark (ambient light is subtracted) and plain white (surface colours are divided
+        out).
+    gamma : {"srgb", "linear"} or float, default "srgb"
+        The transfer curve of the image.
+    min_confidence : float, default 0.4
+        Matches with a lower confidence are rejected and counted, 0 to 1.
+    rig : Rig, optional
+        The calibrated rig of the camera that took the image: its registration of the colour channels is used. Without it the registration is estimated from the
+        stripes where they show it.
+    mirror : bool, default False
+        Whether the projector's pictures appear mirrored, left and right exchanged (rear projection): column c of the pattern
+        counts as width - 1 - c.
+        A rig that was calibrated so says it (`Rig.mirrored`), and nothing is needed.
+
+    Returns
+    -------
+    Matches or DenseMatches
+        Of stripes, `Matches`: one per slit and image row (image column, where the stripes are horizontal). Of a sequence,
+        `DenseMatches`: the column, the row, or both of every pixel. Its `report` counts what was found, and what was rejected
+        and why.
+
+    Raises
+    ------
+    TypeError
+        When the image is not an array of uint8 or uint16.
+    Error
+        When the shape is wrong, an image of stripes is grey, images differ in size, a sequence has another number of frames than its
+        pattern, or an option is out of range.
+    DecodeError
+        When the stripes are not found, or are not those of the pattern. The message says so when they are found with red
+        and blue swapped. When nothing can be read from a sequence.
+
+    Examples
+    --------
+    >>> stripes = slcal.StripePattern(projector=(1024, 768))
+    >>> matches = slcal.decode(stripes.image(), stripes)  # The projected picture itself.
+    >>> bool(np.abs(matches.pixels[:, 0] - matches.columns).max() < 0.05)
+    True
+    >>> matches.report.slits
+    64
+    >>> shifts = slcal.SequencePattern(projector=(320, 240), kind="phase")
+    >>> frames = (shifts.image(i)[:, 20:] for i in range(len(shifts)))  # A part of the projected pictures.
+    >>> dense = slcal.decode(frames, shifts)
+    >>> bool(np.nanmax(np.abs(dense.column - np.arange(20, 320))) < 0.1)
+    True
     """
 
 @final
@@ -2190,6 +2455,8 @@ class PointCloud:
         (N,) or one for all, 0 to 1; 1 unless given.
     triangles : array_like, optional
         (M, 3): indices into the points, counter-clockwise as the camera sees them.
+    normals : array_like, optional
+        (N, 3): unit vectors towards the camera, zero where one is not known.
     frame : {"camera", "plane"}, default "camera"
         The coordinate frame: the camera's, or that of the sheet in the rig's first view.
     camera_centre : array_like, optional
@@ -2224,6 +2491,7 @@ class PointCloud:
         slits: ArrayLike | None = None,
         confidence: ArrayLike | None = None,
         triangles: ArrayLike | None = None,
+        normals: ArrayLike | None = None,
         frame: _Frame = "camera",
         camera_centre: ArrayLike | None = None,
     ) -> PointCloud: ...
@@ -2252,6 +2520,11 @@ class PointCloud:
     def triangles(self) -> NDArray[np.uint32]:
         """Indices into the points: (M, 3) uint32, counter-clockwise as the camera sees them; (0, 3) without a mesh."""
     @property
+    def normals(self) -> NDArray[np.float32] | _MaybeNone:
+        """Unit vectors perpendicular to the surface, towards the camera: (N, 3) float32, zero for a point without neighbours; None where they
+        are not known. Clouds of a sequence have them.
+        """
+    @property
     def frame(self) -> _Frame:
         """The coordinate frame: "camera", or "plane" for that of the sheet in the rig's first view."""
     @property
@@ -2265,8 +2538,8 @@ class PointCloud:
     def save(self, file: _File, *, format: Literal["ply", "pcd", "xyz", "obj", "glb"] | None = None) -> None:
         """Writes the cloud.
 
-        PLY holds all but pixels, in single precision; OBJ and GLB hold points, colours and triangles (GLB in metres, y up); PCD and
-        XYZ have no triangles.
+        PLY holds all but pixels, in single precision; OBJ and GLB hold points, colours, normals and triangles (GLB in metres, y up);
+        PCD and XYZ have no triangles, XYZ no normals.
 
         Parameters
         ----------
@@ -2289,7 +2562,7 @@ class PointCloud:
         Parameters
         ----------
         file : path or file object
-            Positions are needed; colours, sigma, noise, slit, confidence and faces are taken when they are there.
+            Positions are needed; colours, sigma, noise, slit, confidence, normals and faces are taken when they are there.
 
         Returns
         -------

@@ -328,6 +328,34 @@ class DecodeReport(Report):
 
 
 @dataclass(frozen=True)
+class SequenceDecodeReport(Report):
+    """Counts and measurements of decoding the photographs of a sequence."""
+
+    #: Frames of the sequence.
+    frames: int
+    #: Pixels of the camera.
+    pixels: int
+    #: Pixels on which white differs from black, or any bit from its inverse.
+    lit: int
+    #: Pixels with a position.
+    decoded: int
+    #: Lit pixels of which too little is certain: bits without contrast, or no amplitude.
+    undecided: int
+    #: Lit pixels whose bits mean no place on the panel, or contradict the sinusoid.
+    contradicting: int
+    #: 1σ of a pixel's level in a frame, as a share of white of the file: the median of the lit pixels.
+    noise: float
+    #: White less black, as a share of white of the file: the median of the lit pixels; None when they are not shown.
+    contrast: float | _MaybeNone
+    #: Median 1σ of columns, projector px; None when they are not coded.
+    median_sigma_column_px: float | _MaybeNone
+    #: Median 1σ of rows, projector px; None when they are not coded.
+    median_sigma_row_px: float | _MaybeNone
+    #: What makes the result doubtful, such as ``moved``.
+    warnings: tuple[Warning, ...]
+
+
+@dataclass(frozen=True)
 class TriangulateReport(Report):
     """Counts of triangulation."""
 
@@ -407,13 +435,15 @@ class CloudReport(Report):
 
     points: int
     triangles: int
-    #: None for a cloud from matches.
+    #: None for a cloud from matches or of a sequence.
     decode: DecodeReport | _MaybeNone
     triangulate: TriangulateReport
     cull: CullReport
     rig_check: RigCheckReport
     #: What makes the cloud doubtful, such as ``rig-moved``.
     warnings: tuple[Warning, ...]
+    #: None for a cloud that is not of a sequence.
+    sequence: SequenceDecodeReport | _MaybeNone = None
 
 
 # Evaluation

@@ -30,8 +30,8 @@ fn bytes_as(format: CloudFormat, cloud: &slcal_core::PointCloud) -> slcal_core::
 impl PointCloud {
     /// Writes the cloud.
     ///
-    /// PLY holds all but pixels, in single precision; OBJ and GLB hold points, colours and triangles (GLB in metres, y up); PCD and
-    /// XYZ have no triangles.
+    /// PLY holds all but pixels, in single precision; OBJ and GLB hold points, colours, normals and triangles (GLB in metres, y up);
+    /// PCD and XYZ have no triangles, XYZ no normals.
     ///
     /// Parameters
     /// ----------
@@ -59,7 +59,7 @@ impl PointCloud {
     /// Parameters
     /// ----------
     /// file : path or file object
-    ///     Positions are needed; colours, sigma, noise, slit, confidence and faces are taken when they are there.
+    ///     Positions are needed; colours, sigma, noise, slit, confidence, normals and faces are taken when they are there.
     ///
     /// Returns
     /// -------

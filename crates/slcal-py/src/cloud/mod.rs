@@ -6,7 +6,7 @@ mod subset;
 
 use std::path::Path;
 
-use nalgebra::{Point2, Point3};
+use nalgebra::{Point2, Point3, Vector3};
 use numpy::PyReadonlyArray2;
 use numpy::ndarray::ArrayView1;
 use pyo3::exceptions::PyValueError;
@@ -52,6 +52,8 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 ///     (N,) or one for all, 0 to 1; 1 unless given.
 /// triangles : array_like, optional
 ///     (M, 3): indices into the points, counter-clockwise as the camera sees them.
+/// normals : array_like, optional
+///     (N, 3): unit vectors towards the camera, zero where one is not known.
 /// frame : {"camera", "plane"}, default "camera"
 ///     The coordinate frame: the camera's, or that of the sheet in the rig's first view.
 /// camera_centre : array_like, optional
@@ -83,6 +85,7 @@ impl PartialEq for PointCloud {
     fn eq(&self, other: &Self) -> bool {
         let (a, b) = (&self.cloud, &other.cloud);
         a.triangles == b.triangles
+            && a.normals == b.normals
             && a.frame == b.frame
             && a.camera_centre == b.camera_centre
             && a.points.len() == b.points.len()
@@ -124,6 +127,12 @@ fn triangles_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<[u32; 3]>> 
     rows_of::<3>(values, "triangles")?.into_iter().enumerate().map(triangle).collect()
 }
 
+fn normals_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<Vector3<f32>>> {
+    let normals = rows_of::<3>(values, "normals")?;
+    as_many(values.py(), "normals", normals.len(), n)?;
+    Ok(normals.into_iter().map(|n| Vector3::from(n).cast()).collect())
+}
+
 fn slits_of(values: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<u16>> {
     let slits = integers_of(values, "slits", [0, i64::from(u16::MAX)])?;
     as_many(values.py(), "slits", slits.len(), n)?;
@@ -158,10 +167,10 @@ impl PointCloud {
     #[pyo3(
         signature = (
             points, *, colors=None, sigma=None, noise=None, pixels=None, slits=None, confidence=None, triangles=None,
-            frame=None, camera_centre=None
+            normals=None, frame=None, camera_centre=None
         ),
         text_signature = "(points, *, colors=None, sigma=None, noise=None, pixels=None, slits=None, confidence=None, \
-                          triangles=None, frame='camera', camera_centre=None)"
+                          triangles=None, normals=None, frame='camera', camera_centre=None)"
     )]
     #[allow(clippy::too_many_arguments, reason = "what is known of points")]
     fn new(
@@ -173,6 +182,7 @@ impl PointCloud {
         slits: Option<&Bound<'_, PyAny>>,
         confidence: Option<&Bound<'_, PyAny>>,
         triangles: Option<&Bound<'_, PyAny>>,
+        normals: Option<&Bound<'_, PyAny>>,
         frame: Option<&Bound<'_, PyAny>>,
         camera_centre: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
@@ -185,6 +195,7 @@ impl PointCloud {
         let slits = slits.map(|v| slits_of(v, n)).transpose()?;
         let confidence = confidence.map(|v| within(v, n, "confidence", 1.0)).transpose()?;
         let triangles = triangles.map_or(Ok(Vec::new()), |v| triangles_of(v, n))?;
+        let normals = normals.map_or(Ok(Vec::new()), |v| normals_of(v, n))?;
         let camera_centre = camera_centre.map_or(Ok([0.0; 3]), |v| vector_of(v, "camera_centre"))?;
         let point = |(i, p): (usize, [f64; 3])| CloudPoint {
             position: Point3::from(p),
@@ -197,7 +208,7 @@ impl PointCloud {
         };
         let points = points.into_iter().enumerate().map(point).collect();
         let (frame, camera_centre) = (parsed_or(frame, "frame", Frame::Camera)?, Point3::from(camera_centre));
-        Ok(slcal_core::PointCloud { points, triangles, frame, camera_centre, ..Default::default() }.into())
+        Ok(slcal_core::PointCloud { points, triangles, normals, frame, camera_centre }.into())
     }
 
     /// Positions: (N, 3) float64, mm.
@@ -246,6 +257,14 @@ impl PointCloud {
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         rows(py, self.cloud.triangles.iter().copied())
+    }
+
+    /// Unit vectors perpendicular to the surface, towards the camera: (N, 3) float32, zero for a point without neighbours; None where they
+    /// are not known. Clouds of a sequence have them.
+    #[getter]
+    fn normals<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let known = self.cloud.known_normals();
+        known.map(|n| rows(py, n.iter().map(|n| [n.x, n.y, n.z]))).transpose()
     }
 
     /// The coordinate frame: "camera", or "plane" for that of the sheet in the rig's first view.
@@ -298,11 +317,14 @@ impl PointCloud {
             self.frame().into_pyobject(py)?.into_any(),
             self.camera_centre(py)?,
             self.report(py)?.into_pyobject(py)?,
+            self.normals(py)?.into_pyobject(py)?,
         ];
         Ok((py.get_type::<Self>().getattr("_restored")?, PyTuple::new(py, state)?))
     }
 
     #[staticmethod]
+    #[pyo3(signature = (numbers, colors, slits, triangles, frame, camera_centre, report, normals=None))]
+    #[allow(clippy::too_many_arguments, reason = "a pickle's state")]
     fn _restored(
         numbers: PyReadonlyArray2<'_, f64>,
         colors: &Bound<'_, PyAny>,
@@ -311,6 +333,7 @@ impl PointCloud {
         frame: &Bound<'_, PyAny>,
         camera_centre: [f64; 3],
         report: Option<Py<PyAny>>,
+        normals: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let py = colors.py();
         let numbers = numbers.as_array();
@@ -332,7 +355,7 @@ impl PointCloud {
             triangles: triangles_of(triangles, n)?,
             frame: parsed(frame, "frame")?,
             camera_centre: Point3::from(camera_centre),
-            ..slcal_core::PointCloud::default()
+            normals: normals.map_or(Ok(Vec::new()), |v| normals_of(v, n))?,
         };
         Ok(Self { cloud, report: LazyReport::restored(py, report) })
     }

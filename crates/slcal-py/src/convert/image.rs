@@ -74,6 +74,14 @@ impl<'py> Photo<'py> {
             Self::Words(array) => Pixels::Words(stored(array.as_array())),
         }
     }
+
+    /// The samples where they lie; `None` where they would have to be copied.
+    pub(crate) fn borrowed(&self) -> Option<Pixels<'_>> {
+        Some(match self {
+            Self::Bytes(array) => Pixels::Bytes(borrowed(array.as_array())?),
+            Self::Words(array) => Pixels::Words(borrowed(array.as_array())?),
+        })
+    }
 }
 
 /// Several photographs, or one.
@@ -115,22 +123,28 @@ fn advice_on_dtype(dtype: &str) -> &'static str {
     }
 }
 
-fn stored<T: Element + Copy>(mut view: ArrayViewD<'_, T>) -> Stored<'_, T> {
+fn borrowed<T: Element + Copy>(mut view: ArrayViewD<'_, T>) -> Option<Stored<'_, T>> {
     let (height, width) = (view.shape()[0], view.shape()[1]);
     let color = view.ndim() == 3;
     let layout = if color { Layout::Rgb } else { Layout::Grey };
     if let Some(samples) = view.to_slice() {
-        return Stored { samples: samples.into(), height, width, layout };
+        return Some(Stored { samples: samples.into(), height, width, layout });
     }
-    if color {
-        // What image[..., ::-1] makes of OpenCV's order.
-        view.invert_axis(Axis(2));
-        if let Some(samples) = view.to_slice() {
-            return Stored { samples: samples.into(), height, width, layout: Layout::Bgr };
-        }
-        view.invert_axis(Axis(2));
+    if !color {
+        return None;
     }
-    Stored { samples: view.iter().copied().collect(), height, width, layout }
+    // What image[..., ::-1] makes of OpenCV's order.
+    view.invert_axis(Axis(2));
+    let samples = view.to_slice()?;
+    Some(Stored { samples: samples.into(), height, width, layout: Layout::Bgr })
+}
+
+fn stored<T: Element + Copy>(view: ArrayViewD<'_, T>) -> Stored<'_, T> {
+    borrowed(view.clone()).unwrap_or_else(|| {
+        let layout = if view.ndim() == 3 { Layout::Rgb } else { Layout::Grey };
+        let (height, width) = (view.shape()[0], view.shape()[1]);
+        Stored { samples: view.iter().copied().collect(), height, width, layout }
+    })
 }
 
 impl Pixels<'_> {

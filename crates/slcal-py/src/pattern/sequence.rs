@@ -53,9 +53,9 @@ fn sequence(py: Python<'_>, pattern: Pattern) -> PyResult<SequencePattern> {
 /// --------
 /// >>> sequence = slcal.SequencePattern(projector=(1024, 768), kind="phase")
 /// >>> sequence
-/// SequencePattern(projector=(1024, 768), frames=22)
+/// SequencePattern(projector=(1024, 768), frames=24)
 /// >>> sequence.frames[2]
-/// {'axis': 'columns', 'bit': 5, 'file': 'frame_002.png', 'inverted': False, 'is': 'bit'}
+/// {'axis': 'columns', 'bit': 6, 'file': 'frame_002.png', 'inverted': False, 'is': 'bit'}
 /// >>> sequence.image(2).shape
 /// (768, 1024)
 #[pyclass(frozen, module = "slcal", eq, hash)]

@@ -72,11 +72,10 @@ def find_photos(place: Path, *, storage_options: StorageOptions | None = None) -
     if any(c in path for c in "*?[") and not fs.exists(path):
         seen = [p for p in fs.glob(path) if not fs.isdir(p)]
     elif fs.isdir(path):
-        seen = [p for p in fs.ls(path, detail=False) if p.lower().endswith(ENDINGS)]
+        seen = photos_in(fs, path)
     else:
         return [url]
-    # Hidden files are what systems leave beside photographs.
-    found = sorted(p for p in seen if not p.rpartition("/")[2].startswith("."))
+    found = _shown(seen)
     if not found:
         raise Error(
             f"{url}: expected photographs ({', '.join(ENDINGS)}), found none; give their folder, or a pattern such as "
@@ -84,6 +83,41 @@ def find_photos(place: Path, *, storage_options: StorageOptions | None = None) -
             what="photographs",
         )
     return [_again(url, fs, p) for p in found]
+
+
+def photos_in(fs: fsspec.AbstractFileSystem, folder: str) -> list[str]:
+    """The photographs in a folder, not those of folders in it."""
+    return _shown(p for p in fs.ls(folder, detail=False) if p.lower().endswith(ENDINGS))
+
+
+def find_scans(place: Path, *, storage_options: StorageOptions | None = None) -> list[str]:
+    """The folders of a glob pattern, or the one folder that is given: each has the photographs of a scan.
+
+    Raises
+    ------
+    OSError
+        When the store cannot be read.
+    slcal.Error
+        When there is no folder.
+    """
+    url = location(place)
+    fs, path = open_location(url, storage_options or {})
+    if any(c in path for c in "*?[") and not fs.exists(path):
+        found = _shown(p.rstrip("/") for p in fs.glob(path) if fs.isdir(p))
+        if found:
+            return [_again(url, fs, p) for p in found]
+    elif fs.isdir(path):
+        return [url]
+    raise Error(
+        f"{url}: expected folders, each with the photographs of a scan, found none; give a list of folders, or a pattern such "
+        "as scans/*",
+        what="photos",
+    )
+
+
+def _shown(paths: Iterable[str]) -> list[str]:
+    """Without hidden files, which are what systems leave beside photographs; sorted."""
+    return sorted(p for p in paths if not p.rpartition("/")[2].startswith("."))
 
 
 def _again(url: str, fs: fsspec.AbstractFileSystem, path: str) -> str:
@@ -95,8 +129,10 @@ def _again(url: str, fs: fsspec.AbstractFileSystem, path: str) -> str:
     return str(fs.unstrip_protocol(path)) if "://" in url else path
 
 
-def name_frames(photos: Mapping[str, Path] | Iterable[Path], root: Path | None) -> list[Frame]:
-    """Names the frames of a job: by their keys, or by their paths below `root`, without the extension.
+def name_frames(
+    photos: Mapping[str, Path] | Iterable[Path], root: Path | None, *, folders: bool = False
+) -> list[Frame]:
+    """Names the frames of a job: by their keys, or by their paths below `root`, without the extension (which folders have not).
 
     Without a root it is the deepest folder that holds all photographs, so that a.png and b.png of one folder are frames a
     and b, and equal names in different folders stay apart.
@@ -111,7 +147,7 @@ def name_frames(photos: Mapping[str, Path] | Iterable[Path], root: Path | None) 
     else:
         paths = [location(path) for path in photos]
         above = _parts(location(root)) if root is not None else _common([_parts(p)[:-1] for p in paths])
-        frames = [Frame(_below(_parts(path), above, path), path) for path in paths]
+        frames = [Frame(_below(_parts(path), above, path, folders), path) for path in paths]
     if not frames:
         raise Error("photos: expected at least one photograph, found none; give paths, URIs or a dataset", what="photos")
     seen: dict[str, str] = {}
@@ -127,13 +163,13 @@ def name_frames(photos: Mapping[str, Path] | Iterable[Path], root: Path | None) 
     return frames
 
 
-def name_of_row(path: str, root: str | None) -> str:
+def name_of_row(path: str, root: str | None, *, folders: bool = False) -> str:
     """The name of a frame of a dataset, whose other frames are not known: its path below the root, or made unique by a digest."""
     parts = _parts(path)
     if root is not None:
-        return _below(parts, _parts(root), path)
+        return _below(parts, _parts(root), path, folders)
     digest = hashlib.blake2s(path.encode(), digest_size=4).hexdigest()
-    return checked_name(f"{PurePosixPath(parts[-1]).stem}-{digest}")
+    return checked_name(f"{_last(parts[-1], folders)}-{digest}")
 
 
 def checked_name(name: str) -> str:
@@ -169,7 +205,12 @@ def _common(folders: list[tuple[str, ...]]) -> tuple[str, ...]:
     return tuple(os.path.commonprefix(folders)) if folders else ()
 
 
-def _below(parts: tuple[str, ...], above: tuple[str, ...], path: str) -> str:
+def _last(part: str, folders: bool) -> str:
+    """The last part of a frame's name."""
+    return part if folders else PurePosixPath(part).stem
+
+
+def _below(parts: tuple[str, ...], above: tuple[str, ...], path: str, folders: bool) -> str:
     inner = parts[len(above) :]
     if parts[: len(above)] != above or not inner:
         raise Error(
@@ -178,5 +219,5 @@ def _below(parts: tuple[str, ...], above: tuple[str, ...], path: str) -> str:
         )
     # The store's own part, as in s3:, would not do as a folder's name everywhere.
     names = [part.rstrip(":") for part in inner]
-    names[-1] = PurePosixPath(names[-1]).stem
+    names[-1] = _last(names[-1], folders)
     return checked_name("/".join(names))

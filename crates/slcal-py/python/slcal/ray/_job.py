@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._slcal import Reconstructor, Rig, StripePattern, __version__
+from .._slcal import Reconstructor, Rig, SequencePattern, StripePattern, __version__
+from ._scanner import SequenceScanner
 from ._store import Store
 from ._table import RESULTS
 
@@ -27,7 +28,7 @@ class Job:
     """Rig, pattern and options; sent to each worker once."""
 
     rig: Rig
-    pattern: StripePattern
+    pattern: StripePattern | SequencePattern
     options: Mapping[str, Any]
     #: The dark and the white frame, by the names of the arguments that take them.
     frames: Mapping[str, NDArray[Any]] = field(default_factory=dict)
@@ -48,7 +49,7 @@ class Job:
         """Equal for jobs that make the same clouds from the same photographs."""
         return digest(json.dumps(self.parts, sort_keys=True).encode())
 
-    def reconstructor(self) -> Reconstructor:
+    def reconstructor(self) -> Reconstructor | SequenceScanner:
         """A new reconstructor.
 
         Raises
@@ -56,6 +57,8 @@ class Job:
         slcal.Error
             When the rig has no projector, the pattern is for another one, or an option is out of range.
         """
+        if isinstance(self.pattern, SequencePattern):
+            return SequenceScanner(self.rig, self.pattern, self.options)
         return Reconstructor(self.rig, self.pattern, **self.options)
 
 

@@ -14,8 +14,8 @@ import ray.data
 from numpy.typing import NDArray
 
 from .._errors import Error
-from .._slcal import Rig, StripePattern
-from ._frames import Frame, Path, StorageOptions, find_photos, location, name_frames
+from .._slcal import CheckerPattern, Rig, SequencePattern, StripePattern, load_pattern
+from ._frames import Frame, Path, StorageOptions, find_photos, find_scans, location, name_frames
 from ._job import Job, claim
 from ._ledger import new_ledger
 from ._store import Store
@@ -32,7 +32,7 @@ _MAX_PIECE = 16
 def reconstruct(
     photos: Path | Iterable[Path] | Mapping[str, Path] | ray.data.Dataset,
     rig: Rig | Path,
-    pattern: StripePattern | Path,
+    pattern: StripePattern | SequencePattern | Path,
     output: Path,
     *,
     black: NDArray[Any] | None = None,
@@ -65,18 +65,21 @@ def reconstruct(
         A folder, a glob pattern or a photograph (see :func:`find_photos`); or paths and URIs; or a mapping from frame names
         to them; or a dataset with a column ``path`` and, optionally, the photographs themselves: a
         column ``image`` of (H, W, 3) or (H, W) uint8 or uint16 arrays in RGB order, or ``bytes`` of files. A column
-        ``frame`` names the frames.
+        ``frame`` names the frames. With a sequence each frame is a scan: a folder of photographs, in the order of the pattern
+        (by the names of files that it has, else by their own). `photos` are then a folder, a glob pattern that matches
+        folders, a list of folders, a mapping from names to them, or a dataset with a column ``path`` of them.
     rig : Rig or path
         The calibrated rig.
-    pattern : StripePattern or path
-        The stripes that were projected.
+    pattern : StripePattern, SequencePattern or path
+        What was projected.
     output : path or URI
         The folder for ``NAME.ply`` of each frame, ``results.parquet``, and a hidden folder ``.slcal`` that records which
         frames are finished. It is created if it does not exist.
     black, white : (H, W, 3) or (H, W) array, optional
         The view with the projector dark, and under its full white; the same for all frames.
     gamma, frame, mesh, cull, min_confidence, near, far
-        As for :class:`slcal.Reconstructor`.
+        As for :class:`slcal.Reconstructor`. With a sequence, `gamma` and `min_confidence` are not allowed, nor are `black` and
+        `white`.
     root : path, optional
         Frames are named after the paths of their photographs below this folder, without the extension. By default it is the
         deepest common folder of a list. Frames of a dataset are then named after the file and a digest of its path, as in
@@ -114,19 +117,26 @@ def reconstruct(
     >>> table = slcal.ray.reconstruct("photos/*.png", "rig.json", "stripes.json", "clouds")  # doctest: +SKIP
     >>> table.filter(pc.is_valid(table["error"])).to_pandas()[["frame", "error"]]  # doctest: +SKIP
     """
+    drawn = _pattern(pattern)
+    scans = isinstance(drawn, SequencePattern)
+    of_stripes = {"gamma": gamma, "min_confidence": min_confidence}
+    images = {name: image for name, image in (("black", black), ("white", white)) if image is not None}
+    if scans:
+        _check_of_stripes(of_stripes, images)
     job = Job(
         rig if isinstance(rig, Rig) else Rig.load(rig),
-        pattern if isinstance(pattern, StripePattern) else StripePattern.load(pattern),
+        drawn,
         {
-            **{"gamma": gamma, "frame": frame, "mesh": mesh, "cull": cull, "min_confidence": min_confidence},
+            **{"frame": frame, "mesh": mesh, "cull": cull},
+            **({} if scans else of_stripes),
             **{name: limit for name, limit in (("near", near), ("far", far)) if limit is not None},
         },
-        {name: image for name, image in (("black", black), ("white", white)) if image is not None},
+        images,
     )
     job.reconstructor()  # Refuses arguments that no worker could use.
     _check_counts(workers, attempts)
     options = storage_options or {}
-    frames = _frames(photos, root, options) if not isinstance(photos, ray.data.Dataset) else _checked(photos)
+    frames = _checked(photos) if isinstance(photos, ray.data.Dataset) else _frames(photos, root, options, scans)
     store = Store(location(output), options)
     claim(store, job, overwrite)
     store.tidy()
@@ -143,6 +153,7 @@ def reconstruct(
         overwrite=overwrite,
         attempts=attempts,
         options=options,
+        scans=scans,
     )
     table = _run(dataset, task, workers)
     store.put(RESULTS, parquet(table))
@@ -156,10 +167,28 @@ def _check_counts(workers: int | None, attempts: int) -> None:
             raise Error(f"{name}: expected at least 1, found {count}", what=name, found=str(count))
 
 
-def _frames(photos: Path | Iterable[Path] | Mapping[str, Path], root: Path | None, options: StorageOptions) -> list[Frame]:
+def _pattern(pattern: StripePattern | SequencePattern | Path) -> StripePattern | SequencePattern:
+    if isinstance(pattern, (str, os.PathLike)):
+        loaded = load_pattern(pattern)
+        # Says what it is instead.
+        return StripePattern.load(pattern) if isinstance(loaded, CheckerPattern) else loaded
+    return pattern
+
+
+def _check_of_stripes(options: Mapping[str, Any], images: Mapping[str, Any]) -> None:
+    """Refuses options of stripes beside a sequence."""
+    usual = {"gamma": "srgb", "min_confidence": 0.4}
+    for name in [*(name for name, value in options.items() if value != usual[name]), *images]:
+        raise Error(f"{name}: expected none with a SequencePattern: its frames are all that is needed, found one", what=name)
+
+
+def _frames(
+    photos: Path | Iterable[Path] | Mapping[str, Path], root: Path | None, options: StorageOptions, scans: bool
+) -> list[Frame]:
     if isinstance(photos, (str, os.PathLike)):
-        photos = find_photos(photos, storage_options=options)
-    return name_frames(photos, root)
+        find = find_scans if scans else find_photos
+        photos = find(photos, storage_options=options)
+    return name_frames(photos, root, folders=scans)
 
 
 def _checked(dataset: ray.data.Dataset) -> ray.data.Dataset:

@@ -54,6 +54,8 @@ class Row:
         self.median_noise_mm = _finite(report.triangulate.median_noise_mm)
         if (decode := report.decode) is not None:
             self.crossings, self.decoded, self.slits = decode.crossings, decode.decoded, decode.slits
+        if (sequence := report.sequence) is not None:
+            self.decoded = sequence.decoded
 
     def fail(self, error: BaseException) -> None:
         """Sets an error instead of a result."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import io
 import json
 import os
 import platform
@@ -17,9 +16,12 @@ import ray
 from numpy.typing import NDArray
 
 from .._errors import Error
-from .._slcal import PointCloud, Reconstructor, read_image
+from .._slcal import PointCloud, Reconstructor, SequencePattern
 from ._frames import StorageOptions, checked_name, name_of_row, open_location
 from ._job import HIDDEN, Job, digest, digest_of_image
+from ._read import read
+from ._scan import Scan, identity_of
+from ._scanner import SequenceScanner
 from ._store import Store
 from ._table import Row, as_table, row_of
 
@@ -39,6 +41,8 @@ class Task:
     overwrite: bool
     attempts: int
     options: StorageOptions
+    #: Whether the paths are folders, each with the photographs of a sequence.
+    scans: bool = False
 
 
 class Photo(NamedTuple):
@@ -64,9 +68,7 @@ class Photo(NamedTuple):
         if content is None:
             fs, path = open_location(self.path, options)
             content = fs.cat_file(path)
-        file = io.BytesIO(content)
-        file.name = self.path
-        return read_image(file, as_stored=as_stored)
+        return read(content, self.path, as_stored=as_stored)
 
 
 def work(batch: Any, task: Task) -> pa.Table:
@@ -84,7 +86,7 @@ def _row(photo: Photo, name: str | None, task: Task) -> Row:
     row = Row(frame=name if name is not None else photo.path, source=photo.path)
     begin = time.perf_counter()
     try:
-        row.frame = checked_name(name) if name is not None else name_of_row(photo.path, task.root)
+        row.frame = checked_name(name) if name is not None else name_of_row(photo.path, task.root, folders=task.scans)
         return _FrameWork(photo, row, task).do()
     except (KeyboardInterrupt, SystemExit):
         raise
@@ -109,7 +111,7 @@ class _FrameWork:
 
     def do(self) -> Row:
         started = time.perf_counter()
-        identity = self.photo.identity(self.task.options)
+        identity = self.identity()
         if (finished := self.finished(identity)) is not None:
             return finished
         self.row.attempts, source = ray.get(self.task.ledger.begin.remote(self.row.frame, self.row.source))
@@ -118,14 +120,31 @@ class _FrameWork:
             self.check_attempts(source)
             self.task.store.remove(self.output)
             job, reconstructor = _kept(self.task)
-            # A gamma that was asked for is that of the samples in the file.
-            as_stored = job.options.get("gamma", "srgb") != "srgb"
-            image = self.photo.image(self.task.options, as_stored=as_stored)
-            cloud = reconstructor.reconstruct(image, **job.frames)
+            cloud = self.cloud(job, reconstructor)
             self.write(cloud, identity, started)
         finally:
             self.task.ledger.end.remote(self.row.frame)
         return self.row
+
+    def identity(self) -> str:
+        if not self.task.scans:
+            return self.photo.identity(self.task.options)
+        if self.photo.content is not None:
+            raise Error(
+                f"{self.row.source}: expected the folder of a scan, found the content of a photograph; leave the columns 'image' "
+                "and 'bytes' out",
+                what="photos",
+            )
+        return identity_of(self.photo.path, self.task.options)
+
+    def cloud(self, job: Job, reconstructor: Reconstructor | SequenceScanner) -> PointCloud:
+        if isinstance(reconstructor, SequenceScanner):
+            assert isinstance(job.pattern, SequencePattern)
+            return reconstructor.reconstruct(Scan(self.photo.path, job.pattern, self.task.options))
+        # A gamma that was asked for is that of the samples in the file.
+        as_stored = job.options.get("gamma", "srgb") != "srgb"
+        image = self.photo.image(self.task.options, as_stored=as_stored)
+        return reconstructor.reconstruct(image, **job.frames)
 
     def finished(self, identity: str) -> Row | None:
         """The row as it was, when this run or an earlier one has finished the frame.
@@ -185,10 +204,10 @@ class _FrameWork:
 
 
 #: What a worker process keeps from frame to frame: the run that it is of, and its buffers.
-_keeping: tuple[str, Job, Reconstructor] | None = None
+_keeping: tuple[str, Job, Reconstructor | SequenceScanner] | None = None
 
 
-def _kept(task: Task) -> tuple[Job, Reconstructor]:
+def _kept(task: Task) -> tuple[Job, Reconstructor | SequenceScanner]:
     """The job, and the reconstructor of this process."""
     global _keeping
     if _keeping is None or _keeping[0] != task.run:
