@@ -17,6 +17,7 @@ mod photo_tags;
 mod reconstruct;
 mod rendered;
 mod report;
+mod sequences;
 mod simulate;
 mod sizes;
 mod snapshots;

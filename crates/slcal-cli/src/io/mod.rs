@@ -16,6 +16,7 @@ mod picture_memory;
 mod raw;
 mod read;
 mod sample_coding;
+mod sequence_files;
 mod signals;
 mod temporary;
 mod text;
@@ -39,6 +40,7 @@ pub(crate) use raw::{RawFormat, RawFrame};
 #[cfg(feature = "studio")]
 pub(crate) use read::read_bytes;
 pub(crate) use read::{check_one_stdin, open_stream};
+pub(crate) use sequence_files::sequence_files;
 #[cfg(feature = "studio")]
 pub(crate) use signals::end_normally_on_signals;
 pub(crate) use signals::end_whole_on_signals;
