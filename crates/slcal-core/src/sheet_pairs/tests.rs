@@ -128,7 +128,7 @@ fn columns_alone_and_a_dark_sheet_are_refused() {
     columns.row.clear();
     columns.sigma_row.clear();
     let message = sheet_pairs(&columns, &sheet()).unwrap_err().to_string();
-    assert!(message.contains("--axis both") && message.contains("columns alone"), "{message}");
+    assert!(message.contains("columns and rows") && message.contains("columns alone"), "{message}");
     let mut dark = matches(0.1, |_, _| [0.0; 2]);
     dark.column.fill(f32::NAN);
     let error = sheet_pairs(&dark, &sheet()).unwrap_err();

@@ -81,7 +81,7 @@ fn check_axes(matches: &DenseMatches) -> Result<()> {
     };
     Err(Error::invalid(
         ErrorSubject::Pattern,
-        "a sequence of columns and rows, as calibration needs (slcal pattern gray --axis both)",
+        "columns and rows, as calibration needs (a sequence of the axis \"both\")",
         missing,
     ))
 }
