@@ -14,7 +14,7 @@ use crate::io::{input_name, load_pattern, load_tagged_photo, sequence_files};
 use crate::output::Printer;
 
 /// The sequence that --pattern names; `None` for other patterns, also those that cannot be read, which is said later.
-pub(super) fn sequence_of(args: &CalibrateArgs) -> Option<SequencePattern> {
+pub(in crate::verbs) fn sequence_of(args: &CalibrateArgs) -> Option<SequencePattern> {
     match load_pattern(args.pattern.as_deref()?) {
         Ok(Pattern::Sequence(sequence)) => Some(sequence),
         _ => None,
