@@ -3,6 +3,7 @@
 mod advise;
 mod bad_input;
 mod calibrate;
+mod calibrate_sequence;
 mod earlier_files;
 mod evaluate;
 mod exchange;

@@ -123,6 +123,7 @@ mod named;
 mod observations;
 mod parameter;
 mod rig;
+mod sheet_pairs;
 
 pub use assumption::{Assumption, AssumptionStatus, Moves};
 pub use calibrate::{
@@ -161,6 +162,8 @@ pub use rig::{
     Covariance, Device, DeviceSigma, Projector, Quality, Rig, Sag, StereoPose, Verdict, View, ViewBend,
     ViewRms, Warning,
 };
+#[cfg(feature = "stages")]
+pub use sheet_pairs::{SheetPairs, sheet_pairs};
 
 // Their types are part of the interface: points, matrices and pictures.
 pub use image;

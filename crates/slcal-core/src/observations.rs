@@ -63,7 +63,8 @@ impl SheetObservation {
     }
 }
 
-/// A point of the projected pattern: its projector pixel is known exactly, its camera pixel was measured.
+/// A point of the projected pattern: its projector pixel is known exactly, its camera pixel was measured. Of a sequence it is the other way
+/// round, and the uncertainty of the projector pixel is stated as that of the camera pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CornerPair {
     /// Measured in the camera image, px.

@@ -19,7 +19,8 @@ pub(crate) struct CalibrateArgs {
     /// Photographs of the sheet, one per pose, in files or folders; `-` for one on stdin.
     ///
     /// A folder stands for its photographs in natural order (img2 before img10), as does a name with * or ? that the
-    /// shell has not expanded.
+    /// shell has not expanded. Under a sequence (--pattern sequence.json) every folder is one pose: it holds a photograph of each
+    /// picture, by the names in the sequence or in natural order.
     #[arg(required_unless_present = "observations", value_name = "PHOTO")]
     pub(crate) photos: Vec<PathBuf>,
     /// Size of the sheet: 594x420mm, 59.4x42cm, 11x8.5in, A4, A4-landscape, letter, legal, tabloid.
@@ -29,9 +30,10 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_name = "SIZE", value_parser = parse_sheet_size, allow_hyphen_values = true,
           required_unless_present = "observations", help_heading = INPUT)]
     pub(crate) size: Option<SheetSize>,
-    /// Checkerboard that was projected; without it, only the camera is calibrated.
+    /// Checkerboard or sequence that was projected; without it, only the camera is calibrated.
     ///
-    /// `slcal pattern checker` writes this JSON beside the picture.
+    /// `slcal pattern checker` writes this JSON beside the picture, `slcal pattern gray --axis both` and `slcal pattern phase --axis both`
+    /// write sequence.json. The sheet is found in the photograph under white.
     #[arg(long, value_name = "FILE.json", help_heading = INPUT)]
     pub(crate) pattern: Option<PathBuf>,
     #[command(flatten)]

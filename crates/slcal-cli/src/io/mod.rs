@@ -38,7 +38,7 @@ pub(crate) use photo_kind::Foreign;
 pub(crate) use photo_kind::extension_of;
 pub(crate) use raw::{RawFormat, RawFrame};
 pub(crate) use read::{check_one_stdin, open_stream, read_bytes};
-pub(crate) use scan_frames::{ScanFrames, scans};
+pub(crate) use scan_frames::{ScanFrames, scans, sequence_files};
 #[cfg(feature = "studio")]
 pub(crate) use signals::end_normally_on_signals;
 pub(crate) use signals::end_whole_on_signals;

@@ -48,6 +48,17 @@ pub(crate) fn scans(paths: &[PathBuf], pattern: &SequencePattern) -> Outcome<Vec
     Ok(vec![ScanFrames { name, files }])
 }
 
+/// The photographs of one pose in a folder, one per frame.
+pub(crate) fn sequence_files(folder: &Path, pattern: &SequencePattern) -> Outcome<Vec<PathBuf>> {
+    if !folder.is_dir() {
+        let found = if folder.exists() { "a file" } else { "none of this name" };
+        let message =
+            format!("expected a folder with the photographs of one pose under the sequence, found {found}");
+        return Err(Failure::input(folder, message));
+    }
+    of_folder(folder, pattern).map(|scan| scan.files)
+}
+
 /// The photographs of a folder: those that the pattern names, whatever their format; if it names none of them, all in natural order.
 fn of_folder(folder: &Path, pattern: &SequencePattern) -> Outcome<ScanFrames> {
     let all = photographs(&[folder.to_owned()])?;

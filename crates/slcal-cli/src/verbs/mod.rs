@@ -31,7 +31,10 @@ pub(crate) fn run(verb: Verb, typed: &CommandLine, printer: Printer) -> Outcome 
         Verb::Pattern(verb) => pattern::run(verb, printer),
         Verb::Advise(args) => advise::run(&args),
         Verb::Calibrate(mut args) => {
-            args.photos = photographs(&args.photos)?;
+            // A folder under a sequence is one pose.
+            if calibrate::sequence_of(&args).is_none() {
+                args.photos = photographs(&args.photos)?;
+            }
             args.plain = photographs(&args.plain)?;
             calibrate::run(&args, typed, printer)
         }

@@ -158,7 +158,7 @@ impl Board {
 }
 
 /// `undistorted_from_projector` and its inverse.
-fn fit(pairs: &[CornerPair], lens: &RoughLens) -> Option<(Homography, Homography)> {
+pub(super) fn fit(pairs: &[CornerPair], lens: &RoughLens) -> Option<(Homography, Homography)> {
     let points: Vec<_> = pairs.iter().map(|p| (p.projector, lens.undistort(p.camera))).collect();
     let h = homography_from_points(&points).ok()?;
     // The sign that gives points of the board positive weight. A negative weight is then beyond the horizon.

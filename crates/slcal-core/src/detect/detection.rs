@@ -149,7 +149,12 @@ pub fn observe(
     let of_plain = plain.as_ref().map(Downsampled::new);
     let outline = (plain.as_ref().unwrap_or(&photo), of_plain.as_ref().unwrap_or(&downsampled));
     let find_sheet = |footprint: &ProjectorFootprint| {
-        let projected = ProjectedEdges { footprint, lens: &board.lens, board: Some((&board, pattern)) };
+        let projected = ProjectedEdges {
+            footprint,
+            lens: &board.lens,
+            board: Some((&board, pattern)),
+            lit: &board.pairs,
+        };
         sheet::find(outline.0, outline.1, &projected, config.corners)
     };
     let mut found = find_sheet(&footprint);
@@ -218,7 +223,8 @@ pub fn find_sheet(photo: PhotoView<'_>, config: &DetectConfig) -> Result<SheetDe
     let steady = Steady::new(photo, config.encoding);
     let photo = steady.photo();
     let lens = RoughLens::none(photo.width(), photo.height());
-    let projected = ProjectedEdges { footprint: &ProjectorFootprint::none(), lens: &lens, board: None };
+    let projected =
+        ProjectedEdges { footprint: &ProjectorFootprint::none(), lens: &lens, board: None, lit: &[] };
     let mut found = sheet::find(&photo, &Downsampled::new(&photo), &projected, config.corners)
         .map_err(|e| steady.explain(e))?;
     found.notes.extend(steady.notes.iter().cloned());

@@ -6,7 +6,7 @@
 //! `channel_offsets` finds how red and blue lie beside green there. The border of the projector footprint on the sheet follows
 //! (`projector_footprint`), and is looked for where it is seen, with the marks beside it (`panel_points`). The sheet is the quadrilateral of straight edges (`edge_map`, `lines`, `quad`) that holds the
 //! board. Its sides are measured on linear light at full resolution (`edge`). `find_corners` and `find_sheet` do one of
-//! the two. These functions are public with the feature `stages`.
+//! the two; `lit_sheet` is for a sheet under white light of the projector. These functions are public with the feature `stages`.
 
 mod board;
 mod board_registration;
@@ -23,6 +23,7 @@ mod erf;
 mod flicker_tests;
 mod light_border;
 mod lines;
+mod lit_sheet;
 mod marks;
 mod panel_points;
 mod panel_view;
@@ -40,5 +41,6 @@ mod tests;
 
 pub(crate) use clipping::{CLIPPED, CLIPPED_COST_PERCENT};
 pub use detection::Detection;
+pub(crate) use lit_sheet::find_lit_sheet;
 public_with! { "stages": pub use detection::{CornerDetection, DetectConfig, find_corners, find_sheet, observe}; }
 public_with! { "stages": pub use sheet::SheetDetection; }

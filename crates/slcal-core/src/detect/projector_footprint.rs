@@ -7,6 +7,7 @@ use nalgebra::{Point2, Vector2};
 use super::board::Board;
 use super::rough_undistort::RoughLens;
 use crate::geometry::{Homography, Line};
+use crate::observations::CornerPair;
 use crate::pattern::CheckerPattern;
 
 /// The images of the four borders of the panel on the plane of the sheet.
@@ -62,6 +63,8 @@ pub(super) struct ProjectedEdges<'a> {
     pub(super) footprint: &'a ProjectorFootprint,
     pub(super) lens: &'a RoughLens,
     pub(super) board: Option<(&'a Board, &'a CheckerPattern)>,
+    /// Points of the sheet that the projector lights: those of the board, or of a sequence. None without a projector.
+    pub(super) lit: &'a [CornerPair],
 }
 
 impl ProjectedEdges<'_> {
@@ -73,9 +76,11 @@ impl ProjectedEdges<'_> {
     /// Whether a point of the sheet, seen at `p`, lies in the projector footprint; true without a projector.
     pub(super) fn lights(&self, p: Point2<f64>) -> bool {
         let p = self.lens.undistort(p);
-        let Some((board, _)) = self.board else { return true };
-        let n = board.pairs.len() as f64;
-        let middle = board.pairs.iter().fold(Vector2::zeros(), |sum, q| sum + q.camera.coords / n);
+        if self.lit.is_empty() {
+            return true;
+        }
+        let n = self.lit.len() as f64;
+        let middle = self.lit.iter().fold(Vector2::zeros(), |sum, q| sum + q.camera.coords / n);
         let middle = self.lens.undistort(middle.into());
         let borders = &self.footprint.borders;
         borders.iter().all(|l| l.signed_distance_px(p) * l.signed_distance_px(middle) > 0.0)

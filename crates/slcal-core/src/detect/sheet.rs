@@ -57,7 +57,7 @@ pub(super) fn contains(corners: &[Point2<f64>; 4], p: Point2<f64>) -> bool {
     (0..4).all(|i| (corners[(i + 1) % 4] - corners[i]).perp(&(p - corners[i])) > 0.0)
 }
 
-/// Finds the sheet around the board, or the brightest one.
+/// Finds the sheet around the points that the projector lights, or the brightest one.
 pub(super) fn find(
     photo: &LinearPhoto<'_>,
     downsampled: &Downsampled,
@@ -88,19 +88,20 @@ pub(super) fn find(
         );
     }
     let edges = DistortedEdges::new(downsampled);
-    let outcome = match projected.board {
-        Some(_) => search(&edges, projected, projected.lens),
+    let outcome = if projected.lit.is_empty() {
         // Only the sheet's sides show the lens: under the right coefficient they are straight.
-        None => TRIED_LENSES
+        TRIED_LENSES
             .iter()
             .map(|&k| search(&edges, projected, &RoughLens::radial(width, height, k)))
             .reduce(|best, next| if next.score > WORTHWHILE * best.score { next } else { best })
-            .unwrap_or_else(|| search(&edges, projected, projected.lens)),
+            .unwrap_or_else(|| search(&edges, projected, projected.lens))
+    } else {
+        search(&edges, projected, projected.lens)
     };
     let Some(corners) = outcome.corners else {
         // A side along the footprint's border is truncated where its edges are attributed to the border.
         let unlit = ProjectedEdges { footprint: &ProjectorFootprint::none(), ..*projected };
-        let again = projected.board.map(|_| search(&edges, &unlit, projected.lens));
+        let again = (!projected.lit.is_empty()).then(|| search(&edges, &unlit, projected.lens));
         let along = again.and_then(|again| {
             let corners = again.corners?;
             (0..4).find(|i| along_border(*i, &corners, again.uncertainty_px, projected))
@@ -117,7 +118,7 @@ pub(super) fn find(
     Ok(sides.into())
 }
 
-/// Coefficients tried when there is no board to estimate the lens from (r = 1 at half the diagonal). The values for barrel
+/// Coefficients tried when there are no points to estimate the lens from (r = 1 at half the diagonal). The values for barrel
 /// distortion of common cameras come first.
 const TRIED_LENSES: [f64; 7] = [0.0, 0.03, 0.06, 0.1, 0.14, -0.03, -0.06];
 /// A coefficient is preferred over a smaller one when the score is better by this factor.
@@ -142,12 +143,11 @@ fn search(edges: &DistortedEdges, projected: &ProjectedEdges<'_>, lens: &RoughLe
             || projected.board.is_some_and(|(board, pattern)| board.explains(pattern, p, e.normal))
     };
     let lines = find_lines(&map, |e| !foreign(e));
-    let (content, toward) = match projected.board {
-        Some((board, _)) => {
-            let corners = board.pairs.iter().map(|p| map.to_working(lens.undistort(p.camera))).collect();
-            (Content::Board(corners), "towards the pattern")
-        }
-        None => (Content::Anything, "inside"),
+    let (content, toward) = if projected.lit.is_empty() {
+        (Content::Anything, "inside")
+    } else {
+        let lit = projected.lit.iter().map(|p| map.to_working(lens.undistort(p.camera))).collect();
+        (Content::Board(lit), "towards the pattern")
     };
     let found = find_sheet(&map, &lines, &content, foreign);
     let seen = format!(
@@ -169,6 +169,16 @@ fn not_found(seen: String) -> Error {
     let advice = "show the whole sheet on a background that is darker than it, with its four sides free, or give its \
                   corners by hand";
     Error::NotFound { what: ErrorSubject::Sheet, seen, advice: advice.into() }
+}
+
+/// Whether a side of the outline lies too near to the border of the footprint to be distinguished from it.
+pub(super) fn is_along_border(
+    corners: &[Point2<f64>; 4],
+    projected: &ProjectedEdges<'_>,
+    uncertainty_px: f64,
+) -> bool {
+    let corners = corners.map(|c| projected.lens.undistort(c));
+    (0..4).any(|i| along_border(i, &corners, uncertainty_px, projected))
 }
 
 /// Whether most of side `i` lies too near to the border of the footprint to be distinguished from it.

@@ -2,22 +2,24 @@
 
 use super::common_orientation::{Outcome, differ, settle, warning};
 use super::photo_tags::{Finding, PhotoTags, TaggedFocal, Turn};
+use super::sequence_sheet::observe_sequence;
 use super::sheet_photo::SheetPhoto;
 use super::sheet_sides::SheetSides;
 use super::tag_warnings::of_tags;
 use super::taken::Taken;
 use crate::assumption::AssumptionStatus;
 use crate::calibrate::{CalibrateConfig, Calibration, calibrate_observations};
+use crate::dense_matches::DenseMatches;
 use crate::detect::{CLIPPED, CLIPPED_COST_PERCENT, DetectConfig, Detection, observe};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::geometry::SheetSize;
 use crate::observations::{Observations, ViewObservation};
-use crate::pattern::CheckerPattern;
-use crate::photo::Encoding;
+use crate::pattern::{CheckerPattern, SequencePattern};
+use crate::photo::{Encoding, PhotoView};
 use crate::rig::{Rig, Warning};
 
 /// Calibrates a camera and a projector from photographs of a white sheet with a checkerboard projected on it; without a
-/// pattern, the camera alone.
+/// pattern, the camera alone. Instead of the checkerboard it may be a sequence ([`with_sequence`](Self::with_sequence)).
 ///
 /// [`add`](Self::add) finds sheet and pattern in one photograph per pose and keeps what it found, not the pixels: each
 /// photograph can be loaded, added and dropped before the next. [`calibrate`](Self::calibrate) estimates the rig from all
@@ -43,8 +45,7 @@ use crate::rig::{Rig, Warning};
 pub struct Calibrator {
     sheet: SheetSize,
     sides: SheetSides,
-    /// As it lies on the panel.
-    pattern: Option<CheckerPattern>,
+    projected: Option<Projected>,
     mirrored: bool,
     encoding: Encoding,
     config: CalibrateConfig,
@@ -57,6 +58,24 @@ pub struct Calibrator {
     turning: Option<(Outcome, Vec<ViewObservation>)>,
 }
 
+/// What the projector shows.
+#[derive(Debug, Clone)]
+enum Projected {
+    /// As it lies on the panel.
+    Checker(CheckerPattern),
+    /// A sequence for this panel.
+    Sequence([u32; 2]),
+}
+
+impl Projected {
+    fn panel(&self) -> [u32; 2] {
+        match self {
+            Self::Checker(pattern) => pattern.projector,
+            Self::Sequence(panel) => *panel,
+        }
+    }
+}
+
 impl Calibrator {
     /// For a sheet of this size. The width belongs to the side that runs most nearly along the image's x axis; a paper by its
     /// name alone is tried both ways round in every photograph.
@@ -65,7 +84,7 @@ impl Calibrator {
         Self {
             sheet,
             sides: SheetSides::default(),
-            pattern: None,
+            projected: None,
             mirrored: false,
             encoding: Encoding::default(),
             config: CalibrateConfig::default(),
@@ -79,7 +98,7 @@ impl Calibrator {
     /// The checkerboard that is projected; without it the camera alone is calibrated.
     #[must_use]
     pub fn with_pattern(mut self, pattern: &CheckerPattern) -> Self {
-        self.pattern = Some(pattern.clone());
+        self.projected = Some(Projected::Checker(pattern.clone()));
         self.mirrored = false;
         self
     }
@@ -88,7 +107,25 @@ impl Calibrator {
     /// counts as width − 1 − c, and the rig says so ([`Projector::mirrored`](crate::Projector::mirrored)).
     #[must_use]
     pub fn with_mirrored_pattern(mut self, pattern: &CheckerPattern) -> Self {
-        self.pattern = Some(pattern.mirrored());
+        self.projected = Some(Projected::Checker(pattern.mirrored()));
+        self.mirrored = true;
+        self
+    }
+
+    /// The sequence that is projected instead of a checkerboard: in every pose a photograph under white light, with the
+    /// [matches](SheetPhoto::matches) that were decoded from all of them. The sequence must code columns and rows.
+    #[must_use]
+    pub fn with_sequence(mut self, pattern: &SequencePattern) -> Self {
+        self.projected = Some(Projected::Sequence(pattern.projector));
+        self.mirrored = false;
+        self
+    }
+
+    /// The same where the projector's pictures appear with left and right exchanged. The matches must be decoded so, too
+    /// ([`SequenceDecodeConfig::mirrored`](crate::decode::SequenceDecodeConfig::mirrored)): they are of the panel.
+    #[must_use]
+    pub fn with_mirrored_sequence(mut self, pattern: &SequencePattern) -> Self {
+        self.projected = Some(Projected::Sequence(pattern.projector));
         self.mirrored = true;
         self
     }
@@ -121,11 +158,12 @@ impl Calibrator {
     /// Finds sheet and pattern in one photograph. After an error the photograph is left out, and others can be added.
     ///
     /// # Errors
-    /// [`Error::NotFound`] when the checkerboard or the sheet is not seen; [`Error::Invalid`] for a photograph of another
+    /// [`Error::NotFound`] when the checkerboard, the code of the sequence or the sheet is not seen; [`Error::Invalid`] for a photograph of another
     /// size or focal length than the first or of another size than the known camera's images, a plain photograph of another
     /// size than its twin, and corners that are no convex quadrilateral.
     pub fn add<'a>(&mut self, photo: impl Into<SheetPhoto<'a>>) -> Result<&Detection> {
-        let SheetPhoto { view, name, plain, corners, tags, focal_from_tags, focal_35mm } = photo.into();
+        let SheetPhoto { view, name, plain, matches, corners, tags, focal_from_tags, focal_35mm } =
+            photo.into();
         let title = name.clone().unwrap_or_else(|| title(self.detections.len()));
         let size = [view.width() as u32, view.height() as u32];
         let taken = Taken { title, size, tags, turn: Turn(0) };
@@ -137,7 +175,7 @@ impl Calibrator {
             self.check_focal_length(focal)?;
         }
         let detect = DetectConfig { encoding: self.encoding, corners, ..DetectConfig::default() };
-        let mut found = observe(view, plain, self.sheet.upright(), self.pattern.as_ref(), &detect)?;
+        let mut found = self.observe(view, plain, matches, &detect)?;
         if let Some(focal) = focal {
             self.config.focal_prior = Some(focal.prior);
             self.focal.get_or_insert_with(|| (focal, taken.title.clone()));
@@ -149,6 +187,29 @@ impl Calibrator {
         self.detections.push(found);
         self.sides.settle(self.sheet, size, &mut self.detections, &self.config);
         Ok(&self.detections[self.detections.len() - 1])
+    }
+
+    fn observe(
+        &self,
+        view: PhotoView<'_>,
+        plain: Option<PhotoView<'_>>,
+        matches: Option<&DenseMatches>,
+        detect: &DetectConfig,
+    ) -> Result<Detection> {
+        let size = self.sheet.upright();
+        let expected = match (&self.projected, matches) {
+            (Some(Projected::Sequence(panel)), Some(matches)) => {
+                return observe_sequence(view, plain, size, matches, *panel, detect);
+            }
+            (Some(Projected::Checker(pattern)), None) => {
+                return observe(view, plain, size, Some(pattern), detect);
+            }
+            (None, None) => return observe(view, plain, size, None, detect),
+            (Some(Projected::Sequence(_)), None) => "the matches of the sequence with every white photograph",
+            (_, Some(_)) => "photographs without matches, because no sequence is projected",
+        };
+        let found = if matches.is_some() { "matches" } else { "none" };
+        Err(Error::invalid(ErrorSubject::Photograph, expected, found))
     }
 
     fn check_size(&self, taken: &Taken) -> Result<()> {
@@ -216,7 +277,7 @@ impl Calibrator {
             .ok_or_else(|| Error::invalid(ErrorSubject::Photographs, "at least one", "none"))?;
         Ok(Observations {
             camera: first.turned_size(),
-            projector: self.pattern.as_ref().map(|p| p.projector),
+            projector: self.projected.as_ref().map(Projected::panel),
             mirrored: self.mirrored,
             views: self.detections.iter().map(|d| d.observation.clone()).collect(),
         })

@@ -12,6 +12,9 @@ mod photo_tags;
 mod photo_verifier;
 mod reconstructor;
 mod sequence_reconstructor;
+mod sequence_sheet;
+#[cfg(test)]
+mod sequence_sheet_tests;
 mod sheet_photo;
 mod sheet_sides;
 mod tag_warnings;

@@ -3,6 +3,7 @@
 use nalgebra::Point2;
 
 use super::photo_tags::PhotoTags;
+use crate::dense_matches::DenseMatches;
 use crate::photo::PhotoView;
 
 /// A photograph of the sheet and what is known about it.
@@ -11,6 +12,7 @@ pub struct SheetPhoto<'a> {
     pub(super) view: PhotoView<'a>,
     pub(super) name: Option<String>,
     pub(super) plain: Option<PhotoView<'a>>,
+    pub(super) matches: Option<&'a DenseMatches>,
     pub(super) corners: Option<[Point2<f64>; 4]>,
     pub(super) tags: Option<PhotoTags>,
     /// Whether the focal length in the tags is a prior.
@@ -26,6 +28,7 @@ impl<'a> SheetPhoto<'a> {
             view,
             name: None,
             plain: None,
+            matches: None,
             corners: None,
             tags: None,
             focal_from_tags: false,
@@ -44,6 +47,14 @@ impl<'a> SheetPhoto<'a> {
     #[must_use]
     pub fn plain(mut self, plain: PhotoView<'a>) -> Self {
         self.plain = Some(plain);
+        self
+    }
+
+    /// What a sequence says of every pixel of this pose ([`SequenceDecoder`](crate::decode::SequenceDecoder)), for
+    /// [`Calibrator::with_sequence`](super::Calibrator::with_sequence). The photograph is then that under white light.
+    #[must_use]
+    pub fn matches(mut self, matches: &'a DenseMatches) -> Self {
+        self.matches = Some(matches);
         self
     }
 

@@ -2,6 +2,7 @@
 
 mod overlay;
 mod photographs;
+mod sequences;
 
 use std::path::PathBuf;
 
@@ -13,6 +14,7 @@ use slcal_core::{
 
 use self::overlay::Gallery;
 use self::photographs::observe_all;
+pub(super) use self::sequences::sequence_of;
 use crate::args::CalibrateArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
@@ -73,7 +75,7 @@ fn report(
     let page = RigPage {
         rig,
         rig_name: file.map(input_name).unwrap_or_default(),
-        checker_name: args.pattern.as_deref().map(input_name),
+        checker_name: args.pattern.as_deref().filter(|_| sequence_of(args).is_none()).map(input_name),
         photos,
         observations: Some(observations),
         residuals,

@@ -10,6 +10,7 @@ use slcal_core::photo::PhotoView;
 use slcal_core::{CalibrateConfig, Calibrator, Error, ErrorSubject, PhotoTags, SheetPhoto, TaggedFocal};
 
 use super::overlay::Gallery;
+use super::sequences::{SequencePose, SequencePoses, sequence_of};
 use crate::args::CalibrateArgs;
 use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{input_name, load_checker, load_photo, load_tagged_photo};
@@ -30,7 +31,15 @@ pub(super) fn observe_all(
     if args.mirror.mirror && args.pattern.is_none() {
         return Err(Failure::usage("--mirror: expected --pattern; without a projector nothing is mirrored"));
     }
-    if let Some(path) = &args.pattern {
+    let mut sequence = None;
+    if let Some((path, pattern)) = args.pattern.as_ref().zip(sequence_of(args)) {
+        sequence = Some(SequencePoses::new(path, &pattern, args.mirror.mirror)?);
+        calibrator = if args.mirror.mirror {
+            calibrator.with_mirrored_sequence(&pattern)
+        } else {
+            calibrator.with_sequence(&pattern)
+        };
+    } else if let Some(path) = &args.pattern {
         let pattern = load_checker(path)?;
         calibrator = if args.mirror.mirror {
             calibrator.with_mirrored_pattern(&pattern)
@@ -42,14 +51,25 @@ pub(super) fn observe_all(
     let busy = printer.progress("photographs", Some(args.photos.len()));
     for (i, path) in args.photos.iter().enumerate() {
         let name = input_name(path);
+        let mut matches = None;
+        let (photo, tags) = if let Some(poses) = &mut sequence {
+            busy.say(format!("decoding the photographs in {name}"));
+            let SequencePose { white, tags, matches: decoded } = poses.read(path, args, printer)?;
+            matches = Some(decoded);
+            (white, tags)
+        } else {
+            load_tagged_photo(path, args.gamma.samples(), printer)?
+        };
         busy.say(format!("finding the sheet in {name}"));
-        let (photo, tags) = load_tagged_photo(path, args.gamma.samples(), printer)?;
         let size = [photo.width(), photo.height()];
         if let Some((file, known)) = known.filter(|_| i == 0) {
             // Checked before any detection.
             calibrator.config_mut().known_camera = Some(known.for_image(size).in_file(file)?);
         }
         let mut shot = SheetPhoto::new(PhotoView::try_from(&photo).in_file(path)?).name(&name);
+        if let Some(matches) = &matches {
+            shot = shot.matches(matches);
+        }
         if args.exif {
             stated = Some(tagged_focal(path, &tags, size)?);
             shot = shot.focal_from_tags();
