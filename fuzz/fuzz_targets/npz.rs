@@ -3,11 +3,12 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use slcal_core::format::{ExchangeFormat, ImportConfig, NamedBytes, import_rig};
+use slcal_core::format::{ExchangeFormat, ImportConfig, NamedBytes, import_rig, read_dense_matches};
 
-const NAMES: [&str; 16] = [
+const NAMES: [&str; 25] = [
     "camera_K", "camera_dist", "camera_size", "camera_sigma", "projector_K", "projector_dist", "projector_size", "R", "t",
     "view_photo", "view_size_mm", "camera_from_sheet_R", "warnings", "covariance", "covariance_parameters", "projector_mirrored",
+    "u", "v", "projector_column", "projector_row", "sigma_column_px", "sigma_row_px", "confidence", "color", "image_size",
 ];
 
 fuzz_target!(|data: &[u8]| {
@@ -21,6 +22,9 @@ fuzz_target!(|data: &[u8]| {
     }
     let bytes = archive.finish();
     let files = [NamedBytes { name: "rig.npz", bytes: &bytes }];
+    if let Ok(matches) = read_dense_matches(&bytes) {
+        assert!(matches.known() <= matches.width * matches.height);
+    }
     let _ = import_rig(Some(ExchangeFormat::Npz), &files, &ImportConfig::default());
 });
 

@@ -50,9 +50,9 @@ impl DenseMatches {
         (0..self.width * self.height).filter(|i| self.is_known(*i)).count()
     }
 
-    /// The same as a list without gaps. [`Match::sigma_px`] is in camera px, so that it is taken for a camera and a projector of the same
-    /// resolution on the surface; [`Triangulator`](crate::reconstruct::Triangulator) uses it so. The dense reconstruction uses the σ
-    /// of each coordinate instead.
+    /// The same as a list without gaps. `sigma_px` of a [`Match`] is in camera px; here it is that of the panel's coordinate, as if camera and
+    /// projector had the same resolution on the surface. [`cloud_from_dense_matches`](crate::cloud_from_dense_matches) uses the σ of each
+    /// coordinate instead.
     #[must_use]
     pub fn to_matches(&self) -> Matches {
         let value = |of: &[f32], i: usize| of.get(i).copied().filter(|x| x.is_finite()).map(f64::from);
