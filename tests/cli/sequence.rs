@@ -83,3 +83,14 @@ fn folders_are_scans_and_what_does_not_fit_is_named() {
     bench.run(&format!("{RECONSTRUCT} - -o x.ply")).fails(2, &["not from stdin"]);
     bench.run(&format!("{RECONSTRUCT} stack -o x.ply --depth d.tif")).fails(2, &[".pfm or .png"]);
 }
+
+#[test]
+fn a_pattern_from_stdin_is_read_once() {
+    let bench = bench();
+    bench.put("sphere.jpg", fs::read(slcal_tests::repository().join("fixtures/sphere.jpg")).unwrap());
+    let _ = bench.run("pattern stripes --projector 1024x768 -o stripes.png").ok();
+    let stripes = fs::read(bench.path("stripes.json")).unwrap();
+    let decode = ["decode", "--pattern", "-", "sphere.jpg", "-o", "matches.csv"];
+    let _ = bench.run_args(&decode, &stripes).ok();
+    assert!(bench.text("matches.csv").lines().count() > 1000);
+}

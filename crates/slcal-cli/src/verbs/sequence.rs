@@ -18,8 +18,11 @@ use crate::summary;
 
 /// The sequence in a pattern file; `None` where it has another kind, cannot be read, or comes from stdin.
 pub(super) fn sequence_in(pattern: &Path) -> Option<SequencePattern> {
+    // What comes from stdin can be read once.
+    if is_dash(pattern) {
+        return None;
+    }
     match load_pattern(pattern) {
-        _ if is_dash(pattern) => None,
         Ok(Pattern::Sequence(sequence)) => Some(sequence),
         _ => None,
     }

@@ -4,21 +4,19 @@ use std::path::Path;
 
 use image::DynamicImage;
 use slcal_core::decode::{SequenceDecodeConfig, SequenceDecoder, SequenceDecoding};
-use slcal_core::pattern::{Axis, FrameLight, Pattern};
+use slcal_core::pattern::{Axis, FrameLight};
 use slcal_core::photo::PhotoView;
 use slcal_core::{DenseMatches, PhotoTags, SequencePattern};
 
 use crate::args::CalibrateArgs;
 use crate::exit::{Failure, InFile as _, Outcome};
-use crate::io::{input_name, load_pattern, load_tagged_photo, sequence_files};
+use crate::io::{input_name, load_tagged_photo, sequence_files};
 use crate::output::Printer;
+use crate::verbs::sequence::sequence_in;
 
 /// The sequence that --pattern names; `None` for other patterns, also those that cannot be read, which is said later.
 pub(in crate::verbs) fn sequence_of(args: &CalibrateArgs) -> Option<SequencePattern> {
-    match load_pattern(args.pattern.as_deref()?) {
-        Ok(Pattern::Sequence(sequence)) => Some(sequence),
-        _ => None,
-    }
+    sequence_in(args.pattern.as_deref()?)
 }
 
 /// Reads poses one after another.
