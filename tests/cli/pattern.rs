@@ -123,13 +123,13 @@ fn a_sequence_is_a_folder_of_pictures_and_their_description() {
     assert_eq!(lights(&json), expected);
     assert_eq!(
         json["frames"][2],
-        serde_json::json!({"file": "frame_002.png", "is": "bit", "axis": "columns", "bit": 5, "inverted": false})
+        serde_json::json!({"file": "frame_002.png", "is": "bit", "axis": "columns", "bit": 6, "inverted": false})
     );
     assert_eq!(
         json["frames"][20],
         serde_json::json!({"file": "frame_020.png", "is": "sinusoid", "axis": "columns", "period_px": 20.0, "step": 4, "of": 5})
     );
-    for i in 0..19 {
+    for i in 0..21 {
         let picture = image::open(bench.path(&format!("shifts/frame_{i:03}.png"))).unwrap();
         assert_eq!((picture.color(), picture.width(), picture.height()), (image::ColorType::L8, 640, 480));
         // Nothing changes along columns.

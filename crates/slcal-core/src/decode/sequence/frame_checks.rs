@@ -21,12 +21,11 @@ const MOST_CELLS: u16 = 4;
 const LEAST_AGREEING: f64 = 0.8;
 /// Another order is named when this share of neighbours agrees by it.
 const CLEARLY_AGREEING: f64 = 0.9;
-/// Sums of a bit and its inverse that differ by more from white and black were exposed otherwise.
-const SAME_EXPOSURE: f64 = 0.04;
-/// The share of white that may be light from other parts of the scene, which a bit lights by half.
-const REFLECTED: f64 = 0.4;
-/// A bit and its inverse contradict white and black when their sums differ by more than this share of white less black.
-const CONTRADICTION: f32 = 0.4;
+/// A frame that is brighter than white by more than this was exposed otherwise.
+const SAME_EXPOSURE: f64 = 0.05;
+/// A bit and its inverse contradict white and black when both are so near to the same of them, as a share of white less black. On a
+/// border, and in light from other parts of the scene, both are well between.
+const CONTRADICTION: f32 = 0.12;
 /// Pairs of frames that must contradict white and black at a sample before something moved there.
 const CONTRADICTING_PAIRS: usize = 2;
 /// A scene in which less moved is not told.
@@ -98,28 +97,21 @@ impl FrameChecks<'_> {
         Ok(())
     }
 
-    /// A bit and its inverse add up to white and black, whatever light other parts of the scene reflect. A bit without inverse is white in
-    /// its brighter part, but for that light.
+    /// A frame of a code is nowhere brighter than white, whatever other parts of the scene reflect and however blurred its stripes are. One
+    /// that was exposed less is not told apart from light that other parts reflect. (That a bit and its inverse add up to white and black holds for light alone, not for code values.)
     fn check_exposures(&self, lit: &[usize], white: &[u16], black: &[u16]) -> Result<()> {
         for (i, light) in self.plan.lights.iter().enumerate() {
             if !matches!(light, FrameLight::Bit { .. }) {
                 continue;
             }
             let own = self.samples.levels(i);
-            let other = self.plan.partners[i].map(|partner| self.samples.levels(partner));
+            let ratio = |s: &usize, of: &[u16]| f64::from(own[*s]) / f64::from(of[*s].max(1));
             let is_bright =
                 |s: &&usize| u32::from(own[**s]) * 2 > u32::from(black[**s]) + u32::from(white[**s]);
-            let factor = |s: &usize| {
-                let [own, white, black] = [own, white, black].map(|levels| f64::from(levels[*s]));
-                match other {
-                    Some(other) => (own + f64::from(other[*s])) / (white + black).max(1.0),
-                    None => own / white.max(1.0),
-                }
-            };
-            let most = if other.is_some() { SAME_EXPOSURE } else { REFLECTED };
-            // All of them are brighter or darker, not those alone where something moved.
-            if let Some([least, middle, largest]) = quartiles(lit.iter().filter(is_bright).map(factor))
-                && (least > 1.0 + most || largest < 1.0 - most)
+            let bright = quartiles(lit.iter().filter(is_bright).map(|s| ratio(s, white)));
+            if let Some([least, middle, _]) = bright
+                && least > 1.0
+                && middle > 1.0 + SAME_EXPOSURE
             {
                 return Err(exposure(i, light, middle));
             }
@@ -213,7 +205,7 @@ impl FrameChecks<'_> {
         )))
     }
 
-    /// Where a bit and its inverse do not add up to white and black.
+    /// Where a bit and its inverse are both white or both black.
     fn moved(&self, lit: &[usize], white: &[u16], black: &[u16]) -> Option<Warning> {
         let pairs: Vec<(usize, usize)> = self
             .plan
@@ -229,7 +221,8 @@ impl FrameChecks<'_> {
             let [w, b] = [white[s], black[s]].map(f32::from);
             let off = |(i, p): &(usize, usize)| {
                 let sum = f32::from(self.samples.levels(*i)[s]) + f32::from(self.samples.levels(*p)[s]);
-                (sum - w - b).abs() > CONTRADICTION * (w - b).abs()
+                let share = (0.5 * sum - b) / (w - b);
+                !(CONTRADICTION..=1.0 - CONTRADICTION).contains(&share)
             };
             pairs.iter().filter(|pair| off(pair)).count() >= CONTRADICTING_PAIRS
         };
