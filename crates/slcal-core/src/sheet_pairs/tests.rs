@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, Point2};
 use super::*;
 use crate::dense_matches::DenseMatches;
 use crate::error::Error;
+use crate::for_tests::Noise;
 use crate::geometry::Homography;
 use crate::observations::{CornerPair, SheetObservation};
 
@@ -21,20 +22,6 @@ fn truth(camera: Point2<f64>) -> Point2<f64> {
     let h = Homography(Matrix3::new(1.5, 0.1, 80.0, -0.15, 1.7, 60.0, 4e-4, -2e-4, 1.0));
     let from_middle = (camera - Point2::new(239.5, 179.5)) / 500.0;
     h.map(camera + from_middle * (500.0 * 0.06 * from_middle.norm_squared())).unwrap()
-}
-
-/// Normal deviates, the same for the same seed.
-struct Noise(u64);
-
-impl Noise {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
-    }
 }
 
 /// Matches with these errors of column and row, in panel px.
@@ -69,7 +56,7 @@ fn error_over_sigma(pairs: &[CornerPair]) -> f64 {
 
 #[test]
 fn sigma_is_that_of_the_errors_independent_or_alike() {
-    let mut noise = Noise(3);
+    let mut noise = Noise::new(3);
     let independent = matches(0.3, |_, _| [0.3 * noise.normal(), 0.3 * noise.normal()]);
     let found = sheet_pairs(&independent, &sheet()).unwrap();
     assert_eq!(found.pairs.len(), found.cells);
@@ -79,7 +66,7 @@ fn sigma_is_that_of_the_errors_independent_or_alike() {
     let of_independent = found.pairs[100].sigma_px.unwrap();
 
     // What the decoder does not know: a scale of σ of its own, and errors that pixels of a row of a cell share.
-    let mut common = Noise(5);
+    let mut common = Noise::new(5);
     let rows: Vec<[f64; 2]> =
         (0..HEIGHT * 32).map(|_| [0.2 * common.normal(), 0.2 * common.normal()]).collect();
     let alike = matches(0.1, |u, v| {
@@ -94,7 +81,7 @@ fn sigma_is_that_of_the_errors_independent_or_alike() {
 
 #[test]
 fn outliers_and_what_lies_on_the_sheet_do_not_matter() {
-    let mut noise = Noise(7);
+    let mut noise = Noise::new(7);
     let mut some = matches(0.1, |_, _| {
         let wrong = noise.uniform() < 0.1;
         let scale = if wrong { 60.0 } else { 0.1 };

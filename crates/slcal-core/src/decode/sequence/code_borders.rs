@@ -5,9 +5,8 @@ use super::planes::{AxisPlanes, border_bit};
 
 /// Neighbouring pixels whose cells differ by more see different surfaces.
 const MOST_CELLS: u16 = 4;
-/// 1σ of a border of which nothing is known but between which pixels it lies, px: uniform over one.
-const SOMEWHERE: f32 = 0.289;
-/// 1σ of a uniform distribution over its width.
+/// 1σ of a uniform distribution over its width: of a position of which the cell alone is known, and of a border of which it is known
+/// between which pixels it lies.
 const UNIFORM: f32 = 0.289;
 /// A position farther from the mean of its neighbourhood is wrong, cells.
 const MOST_STRAY: f32 = 0.75;
@@ -132,20 +131,20 @@ fn border(
     let first = end as f32 - 1.0;
     if a.abs_diff(b) > 1 {
         // Several borders between two pixels.
-        return Border { at: first + 0.5, sigma: SOMEWHERE, on_panel };
+        return Border { at: first + 0.5, sigma: UNIFORM, on_panel };
     }
     let bit = border_bit(a.max(b));
     let contrast = |i: usize| f32::from(planes.contrast(index(i), bit));
     let (one, other) = (contrast(end - 1), contrast(end));
     let sum = one + other;
     if sum <= 0.0 {
-        return Border { at: first + 0.5, sigma: SOMEWHERE, on_panel };
+        return Border { at: first + 0.5, sigma: UNIFORM, on_panel };
     }
     let share = one / sum;
     // Contrasts are halves of differences of two levels; that of a border moves by (1 − share) of the one and share of the other.
     let noise = 0.5 * std::f32::consts::SQRT_2 * 0.5 * (sigma(end - 1) + sigma(end));
     let moved = noise * ((1.0 - share).powi(2) + share.powi(2)).sqrt() / sum;
-    Border { at: first + share, sigma: moved.min(SOMEWHERE), on_panel }
+    Border { at: first + share, sigma: moved.min(UNIFORM), on_panel }
 }
 
 /// On the straight line through two borders.
@@ -156,7 +155,7 @@ fn between(a: Border, b: Border, at: f32) -> (f32, f32) {
     (a.on_panel + slope * (at - a.at), sigma)
 }
 
-/// Beyond the last border, with the slope between it and the last but one. It is a prediction: σ is half of what the plateau's is.
+/// Beyond the last border, with the slope between it and the last but one. It is a prediction: its σ grows with the distance.
 fn beyond(last: Border, other: Option<Border>, at: f32) -> Option<(f32, f32)> {
     let other = other?;
     let slope = (last.on_panel - other.on_panel) / (last.at - other.at);

@@ -105,10 +105,10 @@ impl FrameChecks<'_> {
                 continue;
             }
             let own = self.samples.levels(i);
-            let ratio = |s: &usize, of: &[u16]| f64::from(own[*s]) / f64::from(of[*s].max(1));
             let is_bright =
                 |s: &&usize| u32::from(own[**s]) * 2 > u32::from(black[**s]) + u32::from(white[**s]);
-            let bright = quartiles(lit.iter().filter(is_bright).map(|s| ratio(s, white)));
+            let of_white = |s: &usize| f64::from(own[*s]) / f64::from(white[*s].max(1));
+            let bright = quartiles(lit.iter().filter(is_bright).map(of_white));
             if let Some([least, middle, _]) = bright
                 && least > 1.0
                 && middle > 1.0 + SAME_EXPOSURE

@@ -1,9 +1,15 @@
 //! Photographs of a sequence (Gray code, shifted sinusoids) → [`DenseMatches`](crate::DenseMatches).
+//!
+//! `decoder` takes frames in any order (`frame_plan` has the best one). Each becomes grey `levels` and is folded (`folded_frames`) into `planes`, a fixed
+//! number of bytes per pixel; along some lines all levels are kept (`sample_lines`). Those tell the noise (`frame_noise`), and whether the
+//! frames are what they are said to be (`frame_checks`). `positions` reads the cell of a pixel (`pixel_code`) and its position from the
+//! phase (`phase_positions`) or between the borders of the code (`code_borders`); `result_checks` refuses what is no scene.
 
 #[cfg(test)]
 mod bad_input_tests;
 mod code_borders;
 mod decoder;
+mod folded_frames;
 mod frame_checks;
 mod frame_noise;
 mod frame_plan;
@@ -11,8 +17,12 @@ mod levels;
 mod phase_positions;
 mod pixel_code;
 mod planes;
+mod positions;
+mod report;
+mod result_checks;
 mod sample_lines;
 #[cfg(test)]
 mod tests;
 
-pub use decoder::{SequenceDecodeConfig, SequenceDecodeReport, SequenceDecoder, SequenceDecoding};
+pub use decoder::SequenceDecoder;
+pub use report::{SequenceDecodeConfig, SequenceDecodeReport, SequenceDecoding};

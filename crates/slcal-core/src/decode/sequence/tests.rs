@@ -4,7 +4,7 @@ use image::DynamicImage;
 
 use super::*;
 use crate::error::Result;
-use crate::for_tests::shared_data;
+use crate::for_tests::{Noise, shared_data};
 use crate::pattern::{FrameLight, SequenceConfig, SequencePattern, SequencePreset, SinusoidConfig};
 use crate::photo::{Layout, PhotoView, Samples};
 
@@ -31,20 +31,6 @@ fn truth(u: usize, v: usize) -> [f64; 2] {
         150.3 + 1.3 * u + 0.11 * v + 25.0 * (u / 90.0).sin(),
         60.7 - 0.07 * u + 1.9 * v + 12.0 * (v / 70.0).cos(),
     ]
-}
-
-/// Normal deviates, the same for the same seed.
-struct Noise(u64);
-
-impl Noise {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
-    }
 }
 
 impl Scene {
@@ -75,7 +61,7 @@ impl Scene {
     }
 
     pub(super) fn frames(&self, pattern: &SequencePattern, seed: u64) -> Vec<Vec<u8>> {
-        let mut noise = Noise(seed);
+        let mut noise = Noise::new(seed);
         let mut frame = |light: FrameLight| {
             let pixels = (0..WIDTH * HEIGHT).map(|i| {
                 let of_projector = self.light(pattern, light, truth(i % WIDTH, i / WIDTH));
