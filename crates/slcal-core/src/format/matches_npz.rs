@@ -11,11 +11,11 @@
 
 use std::io::{Cursor, Read as _, Write};
 
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipArchive, ZipWriter};
+use zip::{ZipArchive, ZipWriter};
 
 use super::budget::Budget;
 use super::exchange::npy::{Array, header};
+use super::exchange::npz::stored;
 use crate::dense_matches::DenseMatches;
 use crate::error::{Error, ErrorSubject, Result};
 
@@ -47,12 +47,7 @@ pub fn write_dense_matches(matches: &DenseMatches, output: impl Write) -> Result
     let n = matches.known();
     let known = || (0..width * height).filter(|i| matches.is_known(*i));
     let mut plane = |name: &str, kind: &str, shape: &[usize], mut bytes: &mut dyn Iterator<Item = u8>| {
-        // Uncompressed, as numpy.savez; the time is the format's first, so that the same matches give the same bytes.
-        let options = SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Stored)
-            .last_modified_time(zip::DateTime::default())
-            .large_file(true);
-        zip.start_file(format!("{name}.npy"), options)?;
+        zip.start_file(format!("{name}.npy"), stored().large_file(true))?;
         zip.write_all(&header(kind, shape))?;
         let mut chunk = Vec::with_capacity(CHUNK);
         loop {

@@ -226,24 +226,17 @@ struct Stages {
     rig_checker: RigChecker,
     culler: Culler,
     rule: CullRule,
-    mesh: bool,
-    /// The transform into the requested frame, unless that is the camera's.
-    sheet_from_camera: Option<Pose>,
+    finish: Finish,
 }
 
 impl Stages {
     fn new(rig: &Rig, config: &ReconstructConfig) -> Result<Self> {
-        let sheet_from_camera = match config.frame {
-            Frame::Camera => None,
-            Frame::Plane => Some(first_view(rig)?.camera_from_sheet.inverse()),
-        };
         Ok(Self {
             triangulator: Triangulator::new(rig, config.triangulate)?,
             rig_checker: RigChecker::new(rig, config.triangulate.min_angle_rad)?,
             culler: Culler::default(),
             rule: config.cull,
-            mesh: config.mesh,
-            sheet_from_camera,
+            finish: Finish::new(rig, config)?,
         })
     }
 
@@ -260,12 +253,36 @@ impl Stages {
         let cloud = &mut result.cloud;
         result.triangulate = self.triangulator.triangulate(matches, cloud);
         result.rig_check = self.rig_checker.check(matches);
-        if self.mesh || self.rule != CullRule::Off {
+        if self.finish.mesh || self.rule != CullRule::Off {
             result.cull = self.culler.cull(cloud, self.rule)?;
         }
         if cloud.points.is_empty() {
             return Err(no_surface(matches.items.len(), &result.triangulate, &result.cull));
         }
+        self.finish.apply(cloud);
+        Ok(())
+    }
+}
+
+/// What becomes of a cloud once its points are known.
+#[derive(Debug, Clone)]
+pub(super) struct Finish {
+    /// Whether the triangles stay.
+    mesh: bool,
+    /// The transform into the requested frame, unless that is the camera's.
+    sheet_from_camera: Option<Pose>,
+}
+
+impl Finish {
+    pub(super) fn new(rig: &Rig, config: &ReconstructConfig) -> Result<Self> {
+        let sheet_from_camera = match config.frame {
+            Frame::Camera => None,
+            Frame::Plane => Some(first_view(rig)?.camera_from_sheet.inverse()),
+        };
+        Ok(Self { mesh: config.mesh, sheet_from_camera })
+    }
+
+    pub(super) fn apply(&self, cloud: &mut PointCloud) {
         if !self.mesh {
             cloud.triangles.clear();
         }
@@ -273,7 +290,6 @@ impl Stages {
             turn(cloud, pose);
             cloud.frame = Frame::Plane;
         }
-        Ok(())
     }
 }
 

@@ -1,14 +1,12 @@
 //! Photographs of a sequence → cloud, one scan after another.
 
-use super::reconstructor::{ReconstructConfig, Reconstruction, check_possible, no_surface};
-use crate::cloud::Frame;
+use super::reconstructor::{Finish, ReconstructConfig, Reconstruction, check_possible, no_surface};
 use crate::decode::{SequenceDecodeConfig, SequenceDecoder, SequenceDecoding};
 use crate::dense_matches::DenseMatches;
 use crate::error::{ErrorSubject, Result};
-use crate::geometry::Pose;
 use crate::pattern::SequencePattern;
 use crate::photo::PhotoView;
-use crate::reconstruct::{CullReport, CullRule, Culler, DenseTriangulator, first_view, turn};
+use crate::reconstruct::{CullRule, Culler, DenseTriangulator};
 use crate::rig::{Rig, check_photo_size};
 
 /// Reconstructs scans by Gray code or phase shift with the same rig and pattern: a point per pixel.
@@ -103,25 +101,14 @@ struct DenseStages {
     triangulator: DenseTriangulator,
     culler: Culler,
     rule: CullRule,
-    mesh: bool,
-    /// The transform into the requested frame, unless that is the camera's.
-    sheet_from_camera: Option<Pose>,
+    finish: Finish,
 }
 
 impl DenseStages {
     fn new(rig: &Rig, config: &ReconstructConfig) -> Result<Self> {
-        let sheet_from_camera = match config.frame {
-            Frame::Camera => None,
-            Frame::Plane => Some(first_view(rig)?.camera_from_sheet.inverse()),
-        };
         let triangulator = DenseTriangulator::new(rig, config.triangulate)?;
-        Ok(Self {
-            triangulator,
-            culler: Culler::default(),
-            rule: config.cull,
-            mesh: config.mesh,
-            sheet_from_camera,
-        })
+        let (culler, finish) = (Culler::default(), Finish::new(rig, config)?);
+        Ok(Self { triangulator, culler, rule: config.cull, finish })
     }
 
     fn run(&mut self, matches: &DenseMatches) -> Result<Reconstruction> {
@@ -132,15 +119,11 @@ impl DenseStages {
         check_possible(&result.triangulate, known)?;
         result.cull = self.triangulator.connect(matches.width, cloud, self.rule, &mut self.culler)?;
         if cloud.points.is_empty() {
-            return Err(no_surface(known, &result.triangulate, &CullReport::default()));
+            return Err(no_surface(known, &result.triangulate, &result.cull));
         }
-        if !self.mesh {
-            cloud.triangles = Vec::new();
-        }
-        if let Some(pose) = &self.sheet_from_camera {
-            turn(cloud, pose);
-            cloud.frame = Frame::Plane;
-        }
+        self.finish.apply(cloud);
+        // Those of millions of pixels are not held in vain.
+        cloud.triangles.shrink_to_fit();
         Ok(result)
     }
 }

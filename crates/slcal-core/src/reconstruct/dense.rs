@@ -6,19 +6,17 @@ use super::camera_ray::{CameraRay, CameraRays};
 use super::cull::{CullReport, CullRule, Culler};
 use super::light_plane::{Hit, ProjectorLight, Rejection};
 use super::point_covariance::RigSigma;
+use super::sampled_median::sampled_median;
 use super::triangulate_config::{TriangulateConfig, TriangulateReport};
 use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::dense_matches::DenseMatches;
 use crate::error::Result;
 use crate::rig::{Projector, Rig};
-use crate::solve::median;
 
 /// The rig's share of σ is computed once for a square of this share of the image's longer side…
 const BLOCK_SHARE: f64 = 1.0 / 128.0;
 /// …and for each depth in it, which may differ by this share.
 const SAME_DEPTH: f64 = 0.02;
-/// The median σ is that of about this many points, spread evenly.
-const SAMPLE: usize = 1024;
 /// No point.
 const NONE: u32 = u32::MAX;
 
@@ -91,8 +89,9 @@ impl DenseTriangulator {
         }
         report.points = cloud.points.len();
         report.rig_sigma_known = self.rig.is_some();
-        report.median_sigma_mm = middle(&cloud.points, |p| p.sigma_mm);
-        report.median_noise_mm = middle(&cloud.points, |p| p.noise_mm);
+        let mut sample = Vec::new();
+        report.median_sigma_mm = sampled_median(&cloud.points, &mut sample, |p| p.sigma_mm);
+        report.median_noise_mm = sampled_median(&cloud.points, &mut sample, |p| p.noise_mm);
         report
     }
 
@@ -231,11 +230,4 @@ fn normals(cloud: &PointCloud) -> Vec<Vector3<f32>> {
         *sum = sum.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
     }
     sums
-}
-
-/// The median of a quantity over a sample of the points; 0 for none.
-fn middle(points: &[CloudPoint], what: impl Fn(&CloudPoint) -> f64) -> f64 {
-    let mut sample: Vec<f64> =
-        points.iter().step_by(points.len().div_ceil(SAMPLE).max(1)).map(what).collect();
-    median(&mut sample).unwrap_or(0.0)
 }

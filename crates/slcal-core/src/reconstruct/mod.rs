@@ -12,6 +12,7 @@ mod light_plane;
 mod local_slant;
 mod point_covariance;
 mod rig_check;
+mod sampled_median;
 mod synthetic_match;
 mod triangle_metrics;
 mod triangulate;

@@ -8,12 +8,12 @@ use nalgebra::{Point3, Vector2};
 use super::camera_ray::{CameraRay, CameraRays};
 use super::light_plane::{Hit, ProjectorLight, Rejection};
 use super::point_covariance::RigSigma;
+use super::sampled_median::{SAMPLE, sampled_median};
 use super::triangulate_config::{TriangulateConfig, TriangulateReport};
 use crate::cloud::{CloudPoint, Frame, PointCloud};
 use crate::error::Result;
 use crate::matches::{Match, Matches};
 use crate::rig::{Projector, Rig};
-use crate::solve::median;
 
 /// Matches that are processed together. What is carried from match to match never crosses the end of such a part, so
 /// that the result does not depend on threads.
@@ -22,8 +22,6 @@ const PART: usize = 4096;
 const SAME_SHARE: f64 = 1.0 / 128.0;
 /// Slits whose last share is cached; patterns have fewer, and others only recompute it more often.
 const REMEMBERED: usize = 128;
-/// The median σ is that of about this many points, spread evenly.
-const SAMPLE: usize = 1024;
 /// The surface's slope follows from neighbouring slits when those to the left and to the right of a crossing agree to
 /// this factor. Otherwise one of them lies on another surface.
 const SAME_SLOPE: f64 = 1.5;
@@ -123,8 +121,8 @@ impl Triangulator {
         self.all(&matches.items, &mut cloud.points, &mut report);
         report.points = cloud.points.len();
         report.rig_sigma_known = self.rig.is_some();
-        report.median_sigma_mm = self.middle(&cloud.points, |p| p.sigma_mm);
-        report.median_noise_mm = self.middle(&cloud.points, |p| p.noise_mm);
+        report.median_sigma_mm = sampled_median(&cloud.points, &mut self.sample, |p| p.sigma_mm);
+        report.median_noise_mm = sampled_median(&cloud.points, &mut self.sample, |p| p.noise_mm);
         report
     }
 
@@ -258,13 +256,6 @@ impl Triangulator {
             *last = Share { at: m.camera.coords, coordinate, scaled: exact() };
         }
         last.scaled
-    }
-
-    /// The median of a quantity over a sample of the points; 0 for none.
-    fn middle(&mut self, points: &[CloudPoint], what: impl Fn(&CloudPoint) -> f64) -> f64 {
-        self.sample.clear();
-        self.sample.extend(points.iter().step_by(points.len().div_ceil(SAMPLE).max(1)).map(what));
-        median(&mut self.sample).unwrap_or(0.0)
     }
 }
 

@@ -16,7 +16,7 @@ mod losses;
 #[cfg(feature = "npz")]
 pub(super) mod npy;
 #[cfg(feature = "npz")]
-mod npz;
+pub(super) mod npz;
 mod opencv;
 mod ros;
 mod storage;

@@ -180,15 +180,19 @@ fn flat(value: &Value) -> Vec<f64> {
 fn zipped(arrays: &Named) -> Result<Vec<u8>> {
     let failed = |e: std::io::Error| Error::writing(ErrorSubject::NpzFile, e);
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    // Uncompressed, as numpy.savez; the time is the format's first, so that the same rig gives the same bytes.
-    let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Stored)
-        .last_modified_time(zip::DateTime::default());
+    let options = stored();
     for (name, array) in arrays {
         zip.start_file(format!("{name}.npy"), options).map_err(|e| failed(e.into()))?;
         zip.write_all(&array.encoded()).map_err(failed)?;
     }
     zip.finish().map(Cursor::into_inner).map_err(|e| failed(e.into()))
+}
+
+/// How arrays stand in an archive: uncompressed, as numpy.savez; the time is the format's first, so that the same arrays give the same bytes.
+pub(in crate::format) fn stored() -> SimpleFileOptions {
+    SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(zip::DateTime::default())
 }
 
 /// The names that the values of devices and their pose go by.
