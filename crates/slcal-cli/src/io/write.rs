@@ -81,10 +81,9 @@ impl Destination {
         Self::prepare_beside("--report", path, force)
     }
 
-    /// The same for a depth image.
-    pub(crate) fn prepare_depth(path: &PathBuf, force: bool) -> Outcome<Self> {
-        Self::prepare_beside("--depth", Some(path), force)?
-            .ok_or_else(|| Failure::usage("--depth: expected a file"))
+    /// The same for an optional depth image.
+    pub(crate) fn prepare_depth(path: Option<&PathBuf>, force: bool) -> Outcome<Option<Self>> {
+        Self::prepare_beside("--depth", path, force)
     }
 
     fn prepare_beside(option: &str, path: Option<&PathBuf>, force: bool) -> Outcome<Option<Self>> {

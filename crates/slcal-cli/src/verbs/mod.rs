@@ -31,12 +31,13 @@ pub(crate) fn run(verb: Verb, typed: &CommandLine, printer: Printer) -> Outcome 
         Verb::Pattern(verb) => pattern::run(verb, printer),
         Verb::Advise(args) => advise::run(&args),
         Verb::Calibrate(mut args) => {
+            let sequence = args.pattern.as_deref().and_then(sequence::sequence_in);
             // A folder under a sequence is one pose.
-            if calibrate::sequence_of(&args).is_none() {
+            if sequence.is_none() {
                 args.photos = photographs(&args.photos)?;
             }
             args.plain = photographs(&args.plain)?;
-            calibrate::run(&args, typed, printer)
+            calibrate::run(&args, sequence.as_ref(), typed, printer)
         }
         Verb::Rectify(args) => rectify::run(&args, printer),
         Verb::Verify(args) => verify::run(&args, printer),

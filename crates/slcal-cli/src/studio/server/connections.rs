@@ -21,7 +21,7 @@ const HEAD: Duration = Duration::from_secs(10);
 /// The pause after the system refused a connection, as it does when files are used up.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// Accepts connections for ever. WebSockets are not counted: they are opened with a session, and `socket` sees to them.
+/// Accepts connections until the process ends. WebSockets are not counted: only a page that has a role opens one, and `socket` sees to them.
 pub(super) async fn serve(listener: TcpListener, router: Router) -> ! {
     let places = Arc::new(Semaphore::new(MOST));
     let guests = Guests::default();

@@ -8,13 +8,12 @@ use std::path::PathBuf;
 
 use slcal_core::format::{write_observations, write_rig};
 use slcal_core::{
-    CalibrateConfig, Calibration, Method, NoiseFound, Observations, ViewResiduals, calibrate_observations,
-    residuals,
+    CalibrateConfig, Calibration, Method, NoiseFound, Observations, SequencePattern, ViewResiduals,
+    calibrate_observations, residuals,
 };
 
 use self::overlay::Gallery;
 use self::photographs::observe_all;
-pub(super) use self::sequences::sequence_of;
 use crate::args::CalibrateArgs;
 use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::io::{
@@ -25,12 +24,18 @@ use crate::output::{Printer, print_json};
 use crate::report::{CommandLine, Photo, RigPage, rig_html};
 use crate::summary;
 
-pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -> Outcome {
+/// `sequence` is what --pattern names, where that is one.
+pub(super) fn run(
+    args: &CalibrateArgs,
+    sequence: Option<&SequencePattern>,
+    typed: &CommandLine,
+    printer: Printer,
+) -> Outcome {
     let places = Places::prepare(args)?;
     let pictured = places.overlay.is_some() || places.report.is_some();
     let mut gallery = pictured.then(|| Gallery::new(args.photos.len()));
     let mut files = Vec::new();
-    let done = calibrate(args, &places, gallery.as_mut(), &mut files, printer);
+    let done = calibrate(args, sequence, &places, gallery.as_mut(), &mut files, printer);
     let misses = match &done {
         Ok(c) if pictured => residuals(&c.rig, &c.observations).map_err(|e| e.to_string()),
         _ => Ok(Vec::new()),
@@ -54,7 +59,7 @@ pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -
     };
     files.extend(drawn?);
     if let Some((place, gallery)) = places.report.as_ref().zip(gallery) {
-        files.push((place.clone(), report(args, &calibration, misses, &gallery, typed)?));
+        files.push((place.clone(), report(args, sequence, &calibration, misses, &gallery, typed)?));
     }
     finish(args, &calibration, places, files, printer)
 }
@@ -62,6 +67,7 @@ pub(super) fn run(args: &CalibrateArgs, typed: &CommandLine, printer: Printer) -
 /// The report on a calibration.
 fn report(
     args: &CalibrateArgs,
+    sequence: Option<&SequencePattern>,
     Calibration { rig, observations, .. }: &Calibration,
     residuals: Result<Vec<ViewResiduals>, String>,
     gallery: &Gallery,
@@ -75,7 +81,7 @@ fn report(
     let page = RigPage {
         rig,
         rig_name: file.map(input_name).unwrap_or_default(),
-        checker_name: args.pattern.as_deref().filter(|_| sequence_of(args).is_none()).map(input_name),
+        checker_name: args.pattern.as_deref().filter(|_| sequence.is_none()).map(input_name),
         photos,
         observations: Some(observations),
         residuals,
@@ -88,6 +94,7 @@ fn report(
 /// The calibration; the observations join the files to write.
 fn calibrate(
     args: &CalibrateArgs,
+    sequence: Option<&SequencePattern>,
     places: &Places,
     mut gallery: Option<&mut Gallery>,
     files: &mut Vec<(Destination, Vec<u8>)>,
@@ -109,7 +116,8 @@ fn calibrate(
         given
     } else {
         let known = known.as_ref().map(|(path, camera)| (*path, camera));
-        let mut calibrator = observe_all(args, config.clone(), known, gallery.as_deref_mut(), printer)?;
+        let mut calibrator =
+            observe_all(args, sequence, config.clone(), known, gallery.as_deref_mut(), printer)?;
         calibrator.settle_orientation().in_file(&inputs)?;
         if let Some(gallery) = gallery {
             gallery.turn(&calibrator);

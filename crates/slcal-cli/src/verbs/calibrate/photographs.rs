@@ -7,10 +7,12 @@ use slcal_core::detect::{DetectConfig, observe};
 use slcal_core::format::KnownCamera;
 use slcal_core::geometry::SheetSize;
 use slcal_core::photo::PhotoView;
-use slcal_core::{CalibrateConfig, Calibrator, Error, ErrorSubject, PhotoTags, SheetPhoto, TaggedFocal};
+use slcal_core::{
+    CalibrateConfig, Calibrator, Error, ErrorSubject, PhotoTags, SequencePattern, SheetPhoto, TaggedFocal,
+};
 
 use super::overlay::Gallery;
-use super::sequences::{SequencePose, SequencePoses, sequence_of};
+use super::sequences::{SequencePose, SequencePoses};
 use crate::args::CalibrateArgs;
 use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{input_name, load_checker, load_photo, load_tagged_photo};
@@ -21,6 +23,7 @@ use crate::picture::sheet::Partly;
 /// Detects sheet and pattern in every photograph, and adds the detections to the gallery.
 pub(super) fn observe_all(
     args: &CalibrateArgs,
+    sequence: Option<&SequencePattern>,
     config: CalibrateConfig,
     known: Option<(&Path, &KnownCamera)>,
     mut gallery: Option<&mut Gallery>,
@@ -31,13 +34,13 @@ pub(super) fn observe_all(
     if args.mirror.mirror && args.pattern.is_none() {
         return Err(Failure::usage("--mirror: expected --pattern; without a projector nothing is mirrored"));
     }
-    let mut sequence = None;
-    if let Some((path, pattern)) = args.pattern.as_ref().zip(sequence_of(args)) {
-        sequence = Some(SequencePoses::new(path, &pattern, args.mirror.mirror)?);
+    let mut poses = None;
+    if let Some((path, pattern)) = args.pattern.as_ref().zip(sequence) {
+        poses = Some(SequencePoses::new(path, pattern, args.mirror.mirror)?);
         calibrator = if args.mirror.mirror {
-            calibrator.with_mirrored_sequence(&pattern)
+            calibrator.with_mirrored_sequence(pattern)
         } else {
-            calibrator.with_sequence(&pattern)
+            calibrator.with_sequence(pattern)
         };
     } else if let Some(path) = &args.pattern {
         let pattern = load_checker(path)?;
@@ -52,7 +55,7 @@ pub(super) fn observe_all(
     for (i, path) in args.photos.iter().enumerate() {
         let name = input_name(path);
         let mut matches = None;
-        let (photo, tags) = if let Some(poses) = &mut sequence {
+        let (photo, tags) = if let Some(poses) = &mut poses {
             busy.say(format!("decoding the photographs in {name}"));
             let SequencePose { white, tags, matches: decoded } = poses.read(path, args, printer)?;
             matches = Some(decoded);

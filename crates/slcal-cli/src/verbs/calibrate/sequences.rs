@@ -12,12 +12,6 @@ use crate::args::CalibrateArgs;
 use crate::exit::{Failure, InFile as _, Outcome};
 use crate::io::{input_name, load_tagged_photo, sequence_files};
 use crate::output::Printer;
-use crate::verbs::sequence::sequence_in;
-
-/// The sequence that --pattern names; `None` for other patterns, also those that cannot be read, which is said later.
-pub(in crate::verbs) fn sequence_of(args: &CalibrateArgs) -> Option<SequencePattern> {
-    sequence_in(args.pattern.as_deref()?)
-}
 
 /// Reads poses one after another.
 pub(super) struct SequencePoses {

@@ -109,7 +109,7 @@ pub(super) fn depth_place(args: &ReconstructArgs) -> Outcome<Option<Destination>
             input_name(path)
         )));
     }
-    Destination::prepare_depth(path, args.force).map(Some)
+    Destination::prepare_depth(Some(path), args.force)
 }
 
 /// A stream of another size would fail frame by frame.
