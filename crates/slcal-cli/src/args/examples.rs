@@ -53,7 +53,7 @@ pub(super) const PHASE: &str = "\
 Example:
     slcal pattern phase --projector 1024x768 --out-dir phase
 
-writes phase/frame_000.png to phase/frame_021.png, the pictures to show one
+writes phase/frame_000.png to phase/frame_023.png, the pictures to show one
 after another, full screen at the native resolution of the projector, and
 phase/sequence.json, their description.
 

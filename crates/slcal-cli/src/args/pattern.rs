@@ -126,8 +126,8 @@ pub(crate) struct SequenceArgs {
     /// Use columns for a projector beside the camera, rows for a projector above or below the camera, and both for calibration.
     #[arg(long, value_parser = choice::<SequenceAxes>(SequenceAxes::NAMES), default_value_t, help_heading = SETTINGS)]
     pub(crate) axis: SequenceAxes,
-    /// Number of bits of the Gray code, the most significant ones [default: all, with a sinusoid those that tell its periods
-    /// apart].
+    /// Number of bits of the Gray code, the most significant ones [default: all, with a sinusoid one more
+    /// than tell its periods apart].
     #[arg(long, value_name = "N", allow_hyphen_values = true, help_heading = SETTINGS)]
     pub(crate) bits: Option<u32>,
 }

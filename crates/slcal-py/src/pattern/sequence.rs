@@ -40,7 +40,7 @@ fn sequence(py: Python<'_>, pattern: Pattern) -> PyResult<SequencePattern> {
 /// steps : int, default 8
 ///     Shifts of the sinusoid within its period; only with "phase". From 5 on an unknown gamma does not matter.
 /// bits : int, optional
-///     Bits of the Gray code, the most significant ones; by default all, or with a sinusoid as many as tell its periods apart.
+///     Bits of the Gray code, the most significant ones; by default all, or with a sinusoid one more than tell its periods apart.
 /// preset : {"opencv-gray", "slstudio-gray"}, optional
 ///     The pictures of OpenCV's GrayCodePattern or of SLStudio in their order, instead; only with "gray" and without `axis`.
 ///
