@@ -47,7 +47,11 @@ impl DenseMatches {
     /// Number of pixels with a column, a row, or both.
     #[must_use]
     pub fn known(&self) -> usize {
-        (0..self.width * self.height).filter(|i| self.is_known(*i)).count()
+        match (self.column.is_empty(), self.row.is_empty()) {
+            (_, true) => self.column.iter().filter(|c| c.is_finite()).count(),
+            (true, _) => self.row.iter().filter(|r| r.is_finite()).count(),
+            _ => self.column.iter().zip(&self.row).filter(|(c, r)| c.is_finite() | r.is_finite()).count(),
+        }
     }
 
     /// The same as a list without gaps. `sigma_px` of a [`Match`] is in camera px; here it is that of the panel's coordinate, as if camera and

@@ -67,7 +67,7 @@ fn view(photo: &DynamicImage) -> PhotoView<'_> {
 
 fn decoded(scene: &SimulatedScene, mirrored: bool) -> DenseMatches {
     let Pattern::Sequence(pattern) = &scene.pattern else { panic!("{:?}", scene.pattern) };
-    let config = SequenceDecodeConfig { mirrored };
+    let config = SequenceDecodeConfig { mirrored, ..SequenceDecodeConfig::default() };
     let mut decoder = SequenceDecoder::new(pattern, config).unwrap();
     for i in decoder.reading_order().to_vec() {
         decoder.push(i, view(&scene.frame(i).unwrap().picture)).unwrap();

@@ -61,8 +61,14 @@ impl DenseTriangulator {
     /// A pixel's ray meets the light of its column, of its row, or of both, as in [`Triangulator`](super::Triangulator). σ has two parts:
     /// that of the panel's coordinate, which is independent from pixel to pixel, and that of the rig.
     pub fn triangulate(&mut self, matches: &DenseMatches, cloud: &mut PointCloud) -> TriangulateReport {
-        *cloud =
-            PointCloud { frame: Frame::Camera, camera_centre: Point3::origin(), ..PointCloud::default() };
+        let mut points = std::mem::take(&mut cloud.points);
+        points.clear();
+        *cloud = PointCloud {
+            points,
+            frame: Frame::Camera,
+            camera_centre: Point3::origin(),
+            ..PointCloud::default()
+        };
         cloud.points.reserve(matches.known());
         let mut report = TriangulateReport::default();
         self.point_of.clear();

@@ -1,16 +1,13 @@
 //! Frames of a sequence → the panel coordinates of every pixel.
 
+use super::decoding::decoding;
 use super::folded_frames::FoldedFrames;
 use super::frame_plan::FramePlan;
 use super::levels::LevelScale;
-use super::positions::decoding;
 use super::report::{SequenceDecodeConfig, SequenceDecoding};
 use crate::error::{Error, ErrorSubject, Result};
 use crate::pattern::SequencePattern;
 use crate::photo::PhotoView;
-
-/// Pixels that are worked on together: what is kept of them stays in the processor's cache.
-const BAND: usize = 1 << 14;
 
 /// Decodes sequences of frames. A frame is folded into what is kept of every pixel and can be dropped: memory does not grow with the
 /// number of frames (as long as they come in the [order](Self::reading_order) that needs least).
@@ -48,7 +45,7 @@ impl SequenceDecoder {
     pub fn push(&mut self, frame: usize, photo: PhotoView<'_>) -> Result<()> {
         self.accept(frame, &photo)?;
         if let Some(state) = &mut self.state {
-            state.fold(&self.plan, &self.seen, frame, &photo, 0..photo.height());
+            state.fold(&self.plan, &self.seen, frame, &photo, self.config.parallel);
         }
         Ok(())
     }
@@ -71,26 +68,14 @@ impl SequenceDecoder {
             self.accept(i, photo)?;
         }
         if let Some(state) = &mut self.state {
-            let rows = BAND.div_ceil(state.width);
-            for first in (0..state.height).step_by(rows) {
-                for &i in &self.plan.reading_order {
-                    let rows = first..(first + rows).min(state.height);
-                    state.fold(&self.plan, &self.seen, i, &frames[i], rows);
-                }
-            }
+            state.fold_all(&self.plan, frames, self.config.parallel);
         }
         self.finish()
     }
 
     /// Drops what has come.
     pub fn clear(&mut self) {
-        if !self.seen.contains(&true) {
-            return;
-        }
         self.seen.fill(false);
-        if let Some(state) = &mut self.state {
-            state.clear();
-        }
     }
 
     /// Checks a frame, and prepares for its size.
@@ -146,14 +131,9 @@ impl SequenceDecoder {
 }
 
 fn unlike(frame: usize, photo: &PhotoView<'_>, scale: LevelScale, state: &FoldedFrames) -> Error {
-    let kind = |s: LevelScale| match s {
-        LevelScale { full: u16::MAX, .. } => "16 bit",
-        LevelScale { step: 1, .. } => "8 bit in colour",
-        LevelScale { .. } => "8 bit in grey",
-    };
     Error::invalid(
         ErrorSubject::Named("frames of the sequence"),
-        format!("{}x{} px, {}, as the others", state.width, state.height, kind(state.scale)),
-        format!("{}x{} px, {} (frame {frame})", photo.width(), photo.height(), kind(scale)),
+        format!("{}x{} px, {}, as the others", state.width, state.height, state.scale.name()),
+        format!("{}x{} px, {} (frame {frame})", photo.width(), photo.height(), scale.name()),
     )
 }

@@ -1,11 +1,14 @@
-//! Frames are folded into the planes as they come; what needs another frame first is held.
+//! Frames are folded into what is kept of every pixel, band by band of the image's rows.
 
+use super::folded_band::FoldedBand;
 use super::frame_plan::FramePlan;
-use super::levels::{LevelScale, levels};
-use super::planes::{AxisPlanes, Planes};
+use super::levels::LevelScale;
 use super::sample_lines::SampleLines;
 use crate::pattern::{Axis, FrameLight, SequencePattern};
 use crate::photo::PhotoView;
+
+/// Pixels of a band: what is kept of them, and what is on the way, stays in the processor's cache.
+const BAND: usize = 1 << 14;
 
 /// What is kept while frames come.
 #[derive(Debug, Clone)]
@@ -13,18 +16,9 @@ pub(super) struct FoldedFrames {
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) scale: LevelScale,
-    pub(super) planes: Planes,
-    pub(super) samples: SampleLines,
-    /// Levels of frames whose partners have not come, with the first pixel that they are of.
-    held: Vec<Held>,
-    spare: Vec<Vec<u16>>,
-}
-
-#[derive(Debug, Clone)]
-struct Held {
-    frame: usize,
-    start: usize,
-    levels: Vec<u16>,
+    /// Rows of every band but the last, which may have fewer: a power of two.
+    pub(super) band_rows: usize,
+    pub(super) bands: Vec<FoldedBand>,
 }
 
 impl FoldedFrames {
@@ -36,100 +30,72 @@ impl FoldedFrames {
     ) -> Self {
         let (width, height) = (photo.width(), photo.height());
         let codes = [Axis::Columns, Axis::Rows].map(|axis| pattern.code(axis));
-        let shown = |light| plan.position(light).is_some();
-        let planes = Planes::new(codes, width * height, shown(FrameLight::White), shown(FrameLight::Black));
-        let samples = SampleLines::new(width, height, plan.lights.len());
-        Self { width, height, scale, planes, samples, held: Vec::new(), spare: Vec::new() }
+        let band_rows = BAND.div_ceil(width).next_power_of_two();
+        let bands = (0..height).step_by(band_rows).map(|first| {
+            let rows = first..(first + band_rows).min(height);
+            FoldedBand::new(codes, plan, [width, height], rows)
+        });
+        Self { width, height, scale, band_rows, bands: bands.collect() }
     }
 
-    pub(super) fn clear(&mut self) {
-        self.planes.axes.iter_mut().flatten().for_each(AxisPlanes::clear);
-        self.spare.extend(self.held.drain(..).map(|held| held.levels));
-    }
-
-    /// Folds rows of a frame into the planes, or holds them until the frames come that they need.
+    /// Folds one frame; `seen` are those that came, with this one.
     pub(super) fn fold(
         &mut self,
         plan: &FramePlan,
         seen: &[bool],
         frame: usize,
         photo: &PhotoView<'_>,
-        rows: std::ops::Range<usize>,
+        parallel: bool,
     ) {
-        let levels_known =
-            [FrameLight::White, FrameLight::Black].iter().all(|l| plan.position(*l).is_some_and(|i| seen[i]));
-        let start = rows.start * self.width;
-        let mut own = self.spare.pop().unwrap_or_default();
-        levels(photo, rows.clone(), &mut own);
-        self.samples.keep(frame, rows.start, &own);
-        let range = start..start + own.len();
-        match plan.lights[frame] {
-            FrameLight::White => {
-                self.planes.white[range.clone()].copy_from_slice(&own);
-                for (to, i) in self.planes.color[range.clone()].iter_mut().zip(range.clone()) {
-                    *to = photo.rgb_bytes(i % self.width, i / self.width);
-                }
+        let shown = |light| plan.position(light).is_some_and(|i| seen[i]);
+        let levels_known = shown(FrameLight::White) && shown(FrameLight::Black);
+        let is_first = seen.iter().filter(|s| **s).count() == 1;
+        for_each(&mut self.bands, parallel, |band| {
+            if is_first {
+                band.clear();
             }
-            FrameLight::Black => self.planes.black[range.clone()].copy_from_slice(&own),
-            FrameLight::Sinusoid { axis, step, of, .. } => {
-                if let Some(planes) = self.planes.axis(axis) {
-                    planes.fold_step(f64::from(step) / f64::from(of), start, &own);
-                }
-            }
-            FrameLight::Bit { axis, bit, inverted } => {
-                if let Some(partner) = plan.partners[frame] {
-                    let Some(at) = self.held.iter().position(|h| h.frame == partner && h.start == start)
-                    else {
-                        self.held.push(Held { frame, start, levels: own });
-                        return;
-                    };
-                    let other = self.held.swap_remove(at).levels;
-                    let (set, unset) = if inverted { (&other, &own) } else { (&own, &other) };
-                    if let Some(planes) = self.planes.axis(axis) {
-                        let pairs = set.iter().zip(unset);
-                        planes.fold_bit(bit, start, pairs.map(|(a, b)| i32::from(*a) - i32::from(*b)));
-                    }
-                    self.spare.push(other);
-                } else if levels_known {
-                    self.fold_single(axis, bit, inverted, start, &own);
-                } else {
-                    self.held.push(Held { frame, start, levels: own });
-                    return;
-                }
-            }
-        }
-        self.spare.push(own);
-        if levels_known {
-            self.fold_waiting(plan);
-        }
+            band.fold(plan, levels_known, frame, photo);
+        });
     }
 
-    /// Folds bits without inverses that came before white and black.
-    fn fold_waiting(&mut self, plan: &FramePlan) {
-        let mut i = 0;
-        while i < self.held.len() {
-            match plan.lights[self.held[i].frame] {
-                FrameLight::Bit { axis, bit, inverted } if plan.partners[self.held[i].frame].is_none() => {
-                    let Held { start, levels, .. } = self.held.swap_remove(i);
-                    self.fold_single(axis, bit, inverted, start, &levels);
-                    self.spare.push(levels);
-                }
-                _ => i += 1,
+    /// Folds all frames, which lie in memory, in the order of the plan.
+    pub(super) fn fold_all(&mut self, plan: &FramePlan, frames: &[PhotoView<'_>], parallel: bool) {
+        for_each(&mut self.bands, parallel, |band| {
+            band.clear();
+            for &i in &plan.reading_order {
+                // White and black come first.
+                band.fold(plan, true, i, &frames[i]);
             }
-        }
+        });
     }
 
-    /// Folds a bit without an inverse: its threshold is the mean of white and black.
-    fn fold_single(&mut self, axis: Axis, bit: u32, inverted: bool, start: usize, own: &[u16]) {
-        let Planes { white, black, axes, .. } = &mut self.planes;
-        let Some(planes) = &mut axes[axis.index()] else { return };
-        let sign = if inverted { -1 } else { 1 };
-        let thresholds =
-            white[start..].iter().zip(&black[start..]).map(|(w, b)| i32::from(*w) + i32::from(*b));
-        planes.fold_bit(
-            bit,
-            start,
-            own.iter().zip(thresholds).map(|(v, sum)| sign * (2 * i32::from(*v) - sum)),
-        );
+    /// Which band a row of the image is in, and which row of it.
+    #[inline]
+    pub(super) fn band_row(&self, y: usize) -> (usize, usize) {
+        (y >> self.band_rows.trailing_zeros(), y & (self.band_rows - 1))
     }
+
+    /// The band of a row of the image, and the row in it.
+    #[inline]
+    pub(super) fn band_of(&self, y: usize) -> (&FoldedBand, usize) {
+        let (band, y) = self.band_row(y);
+        (&self.bands[band], y)
+    }
+
+    /// What was kept along some lines.
+    pub(super) fn samples(&self) -> SampleLines {
+        SampleLines::of([self.width, self.height], self.bands.iter().map(|band| &band.samples))
+    }
+}
+
+/// Does the same to every item, on the threads of the caller's pool where it asks for them.
+pub(super) fn for_each<T: Send>(items: &mut [T], parallel: bool, work: impl Fn(&mut T) + Sync + Send) {
+    #[cfg(feature = "rayon")]
+    if parallel {
+        use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
+        items.par_iter_mut().for_each(work);
+        return;
+    }
+    let _ = parallel;
+    items.iter_mut().for_each(work);
 }

@@ -10,10 +10,15 @@ use crate::solve::median;
 const BINS: usize = 32;
 /// A part has a noise of its own when so many samples lie in it.
 const ENOUGH: usize = 100;
+/// Sums of two levels that are told apart, so that their noise lies in the processor's cache.
+const MOST_SUMS: u32 = 2048;
 /// Deviations beyond are not noise: pixels that a border of a stripe runs through.
 const MOST_SIGMAS: f64 = 4.0;
 /// Median absolute deviation over σ of a normal distribution.
 const MAD: f64 = 0.674_489_75;
+
+/// Of about this many sums the noise is measured, spread evenly.
+const SUMS: usize = 1 << 16;
 
 /// 1σ of a level, by level.
 #[derive(Debug, Clone)]
@@ -29,11 +34,13 @@ impl FrameNoise {
         let mut parts: Vec<Vec<f64>> = vec![Vec::new(); BINS];
         let white = plan.position(FrameLight::White).map(|i| samples.levels(i));
         let black = plan.position(FrameLight::Black).map(|i| samples.levels(i));
+        let step = (samples.len() * plan.lights.len()).div_ceil(SUMS).max(1);
         for (i, light) in plan.lights.iter().enumerate() {
             let FrameLight::Bit { inverted, .. } = light else { continue };
             let own = samples.levels(i);
             let level = |levels: &[u16], s: usize| f64::from(levels[s]);
-            for s in 0..samples.len() {
+            // Other samples of every frame.
+            for s in (i % step..samples.len()).step_by(step) {
                 let levels = (white.map(|w| level(w, s)), black.map(|b| level(b, s)));
                 let (sum, sigmas, middle) = match (levels, plan.partners[i]) {
                     _ if plan.partners[i].is_some() && *inverted => continue,
@@ -79,6 +86,30 @@ impl FrameNoise {
     #[inline]
     pub(super) fn at(&self, level: f32) -> f32 {
         self.sigma[((level * self.per_level) as usize).min(BINS - 1)]
+    }
+}
+
+/// 1σ by the sum of two levels, a value for each sum: the noise at their mean.
+#[derive(Debug, Clone)]
+pub(super) struct NoiseOfSums {
+    sigma: Vec<f32>,
+    /// Sums are told apart without their last bits.
+    shift: u32,
+}
+
+impl NoiseOfSums {
+    pub(super) fn of(noise: &FrameNoise, scale: LevelScale) -> Self {
+        let most = 2 * u32::from(scale.full);
+        let shift = (most / MOST_SUMS).checked_ilog2().map_or(0, |bits| bits + 1);
+        let middle = |i: u32| ((i << shift) + (1 << shift) / 2) as f32;
+        let sigma = (0..=most >> shift).map(|i| noise.at(0.5 * middle(i))).collect();
+        Self { sigma, shift }
+    }
+
+    /// 1σ of a level at half of a sum.
+    #[inline]
+    pub(super) fn at(&self, sum: u16) -> f32 {
+        self.sigma[usize::from(sum >> self.shift).min(self.sigma.len() - 1)]
     }
 }
 

@@ -1,9 +1,11 @@
-//! The levels of a frame: grey values of 16 bit.
+//! The levels of a frame: grey values of 15 bit, so that the difference of any two fits into 16.
 
 use crate::photo::{Layout, PhotoView, Samples};
 
 /// Largest level of frames of 8 bit: three times 255. The sum of the channels has less noise than any one of them.
 const FULL_8_BIT: u16 = 765;
+/// Largest level of frames of 16 bit, whose samples are halved. No camera tells the last of 16 bits.
+const FULL_16_BIT: u16 = u16::MAX / 2;
 
 /// How the samples of a frame become levels; the same for all frames of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,7 +21,16 @@ impl LevelScale {
         match (photo.samples(), photo.layout().has_color()) {
             (Samples::U8(_), false) => Self { full: FULL_8_BIT, step: 3 },
             (Samples::U8(_), true) => Self { full: FULL_8_BIT, step: 1 },
-            (Samples::U16(_), _) => Self { full: u16::MAX, step: 1 },
+            (Samples::U16(_), _) => Self { full: FULL_16_BIT, step: 1 },
+        }
+    }
+
+    /// What frames of this scale are.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self { full: FULL_16_BIT, .. } => "16 bit",
+            Self { step: 1, .. } => "8 bit in colour",
+            Self { .. } => "8 bit in grey",
         }
     }
 }
@@ -43,13 +54,30 @@ pub(super) fn levels(photo: &PhotoView<'_>, rows: std::ops::Range<usize>, out: &
             Samples::U16(samples) => {
                 let row = photo.row_of(samples, y);
                 match photo.layout() {
-                    Layout::Grey => out.extend_from_slice(row),
+                    Layout::Grey => out.extend(row.iter().map(|v| v / 2)),
                     _ => out.extend(photo.pixels_of(row).map(|p| {
                         let [r, g, b] = p.map(u32::from);
-                        ((r + g + b + 1) / 3) as u16
+                        ((r + g + b + 3) / 6) as u16
                     })),
                 }
             }
+        }
+    }
+}
+
+/// Writes the colours of rows into `out`, 8 bit.
+pub(super) fn colors(photo: &PhotoView<'_>, rows: std::ops::Range<usize>, out: &mut Vec<[u8; 3]>) {
+    out.clear();
+    for y in rows {
+        match photo.samples() {
+            Samples::U8(samples) => {
+                let row = photo.row_of(samples, y);
+                match photo.layout() {
+                    Layout::Grey => out.extend(row.iter().map(|v| [*v; 3])),
+                    _ => out.extend(photo.pixels_of(row)),
+                }
+            }
+            Samples::U16(_) => out.extend((0..photo.width()).map(|x| photo.rgb_bytes(x, y))),
         }
     }
 }
@@ -71,6 +99,6 @@ mod tests {
         let deep = [0_u16, 65535, 65535, 0];
         let view = PhotoView::new(Samples::U16(&deep), 1, 1, 4, Layout::Rgba).unwrap();
         levels(&view, 0..1, &mut a);
-        assert_eq!(a, [43690]);
+        assert_eq!(a, [21845]);
     }
 }

@@ -2,18 +2,20 @@
 
 use crate::pattern::{Axis, AxisCode};
 
-/// What is kept of the code of one axis.
+/// What is kept of the code of one axis. Lists by pixel, one for each value: most of the work is done on many pixels at once.
 #[derive(Debug, Clone)]
 pub(super) struct AxisPlanes {
     pub(super) code: AxisCode,
     /// The Gray code, as the signs of the bits' contrasts say.
     pub(super) word: Vec<u16>,
-    /// Contrast of bit 0: its frame less its inverse, in half steps.
+    /// Contrast of bit 0: its frame less its inverse, or twice its frame less white and black.
     pub(super) finest: Vec<i16>,
-    /// The two least contrasts of the other bits, in half steps.
-    pub(super) weakest: Vec<[u16; 2]>,
-    /// Which bit has the least contrast of the others.
+    /// The least contrast of the other bits, whatever its sign.
+    pub(super) weakest: Vec<i16>,
+    /// Which bit has it.
     pub(super) weakest_bit: Vec<u8>,
+    /// The second least contrast of the other bits.
+    pub(super) second: Vec<i16>,
     /// Sums of the sinusoid's frames times cosine and sine of their shifts.
     pub(super) cosine: Vec<f32>,
     pub(super) sine: Vec<f32>,
@@ -27,8 +29,9 @@ impl AxisPlanes {
             code,
             word: vec![0; bits],
             finest: vec![0; bits],
-            weakest: vec![[u16::MAX; 2]; bits],
+            weakest: vec![i16::MAX; bits],
             weakest_bit: vec![u8::MAX; bits],
+            second: vec![i16::MAX; bits],
             cosine: vec![0.0; waves],
             sine: vec![0.0; waves],
         }
@@ -38,61 +41,54 @@ impl AxisPlanes {
     pub(super) fn clear(&mut self) {
         self.word.fill(0);
         self.finest.fill(0);
-        self.weakest.fill([u16::MAX; 2]);
+        self.weakest.fill(i16::MAX);
         self.weakest_bit.fill(u8::MAX);
+        self.second.fill(i16::MAX);
         self.cosine.fill(0.0);
         self.sine.fill(0.0);
     }
 
-    /// Folds the contrasts of a bit into the pixels from `start` on.
-    pub(super) fn fold_bit(&mut self, bit: u32, start: usize, contrasts: impl Iterator<Item = i32>) {
+    /// Folds the contrasts of a bit.
+    pub(super) fn fold_bit(&mut self, bit: u32, contrasts: impl Iterator<Item = i16>) {
         let set = 1_u16 << bit;
+        let word = self.word.iter_mut();
         if bit == 0 {
-            let to = self.word[start..].iter_mut().zip(&mut self.finest[start..]);
-            for ((word, finest), contrast) in to.zip(contrasts) {
+            for ((word, finest), contrast) in word.zip(&mut self.finest).zip(contrasts) {
                 *word |= if contrast > 0 { set } else { 0 };
-                *finest = half(contrast);
+                *finest = contrast;
             }
             return;
         }
-        let to = self.word[start..].iter_mut().zip(&mut self.weakest[start..]);
-        for (((word, weakest), which), contrast) in to.zip(&mut self.weakest_bit[start..]).zip(contrasts) {
+        let least = self.weakest.iter_mut().zip(&mut self.second);
+        for (((word, (weakest, second)), which), contrast) in
+            word.zip(least).zip(&mut self.weakest_bit).zip(contrasts)
+        {
             *word |= if contrast > 0 { set } else { 0 };
-            let size = half(contrast).unsigned_abs();
-            let [least, second] = *weakest;
-            *which = if size < least { bit as u8 } else { *which };
-            *weakest = [least.min(size), second.min(least.max(size))];
+            let size = contrast.max(-contrast);
+            *which = if size < *weakest { bit as u8 } else { *which };
+            *second = (*second).min(size.max(*weakest));
+            *weakest = size.min(*weakest);
         }
     }
 
-    /// Folds a step of the sinusoid into the pixels from `start` on.
-    pub(super) fn fold_step(&mut self, turns: f64, start: usize, levels: &[u16]) {
+    /// Folds a step of the sinusoid.
+    pub(super) fn fold_step(&mut self, turns: f64, levels: &[u16]) {
         let angle = std::f64::consts::TAU * turns;
         let (sin, cos) = (angle.sin() as f32, angle.cos() as f32);
-        let to = self.cosine[start..].iter_mut().zip(&mut self.sine[start..]);
-        for ((cosine, sine), level) in to.zip(levels) {
+        for ((cosine, sine), level) in self.cosine.iter_mut().zip(&mut self.sine).zip(levels) {
             let level = f32::from(*level);
             *cosine += level * cos;
             *sine += level * sin;
         }
     }
 
-    /// The contrast of a bit at a pixel, in half steps; at least that where it was not kept.
-    pub(super) fn contrast(&self, pixel: usize, bit: u32) -> u16 {
-        if bit == 0 {
-            self.finest[pixel].unsigned_abs()
-        } else if u32::from(self.weakest_bit[pixel]) == bit {
-            self.weakest[pixel][0]
-        } else {
-            self.weakest[pixel][1]
-        }
+    /// The contrast of a bit at a pixel, whatever its sign; at least that where it was not kept.
+    #[inline]
+    pub(super) fn contrast(&self, pixel: usize, bit: u32) -> i16 {
+        let is_weakest = u32::from(self.weakest_bit[pixel]) == bit;
+        let other = if is_weakest { self.weakest[pixel] } else { self.second[pixel] };
+        if bit == 0 { self.finest[pixel].abs() } else { other }
     }
-}
-
-/// Half of a difference of two levels of 16 bit fits into 16 bit.
-#[inline]
-fn half(contrast: i32) -> i16 {
-    (contrast >> 1) as i16
 }
 
 /// What is kept of all frames.
@@ -108,12 +104,11 @@ pub(super) struct Planes {
 }
 
 impl Planes {
-    pub(super) fn new(codes: [Option<AxisCode>; 2], pixels: usize, white: bool, black: bool) -> Self {
-        let plane = |is_shown| if is_shown { vec![0; pixels] } else { Vec::new() };
+    pub(super) fn new(codes: [Option<AxisCode>; 2], pixels: usize) -> Self {
         Self {
-            white: plane(white),
-            black: plane(black),
-            color: vec![[0; 3]; if white { pixels } else { 0 }],
+            white: Vec::new(),
+            black: Vec::new(),
+            color: Vec::new(),
             axes: codes.map(|code| code.map(|code| AxisPlanes::new(code, pixels))),
         }
     }
@@ -160,10 +155,12 @@ mod tests {
         let code = AxisCode { extent: 16, bits: 4, cell_px: 1, sinusoid: None };
         let mut planes = AxisPlanes::new(code, 1);
         for (bit, contrast) in [(3, -400), (2, 90), (1, -200), (0, 6)] {
-            planes.fold_bit(bit, 0, [contrast].into_iter());
+            planes.fold_bit(bit, [contrast].into_iter());
         }
-        assert_eq!((planes.word[0], planes.finest[0], planes.weakest_bit[0]), (0b0101, 3, 2));
-        assert_eq!(planes.weakest[0], [45, 100]);
-        assert_eq!([0, 1, 2, 3].map(|bit| planes.contrast(0, bit)), [3, 100, 45, 100]);
+        assert_eq!((planes.word[0], planes.finest[0], planes.weakest_bit[0]), (0b0101, 6, 2));
+        assert_eq!((planes.weakest[0], planes.second[0]), (90, 200));
+        assert_eq!([0, 1, 2, 3].map(|bit| planes.contrast(0, bit)), [6, 200, 90, 200]);
+        planes.clear();
+        assert_eq!((planes.word[0], planes.contrast(0, 2)), (0, i16::MAX));
     }
 }

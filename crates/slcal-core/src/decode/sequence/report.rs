@@ -12,6 +12,9 @@ use crate::rig::Warning;
 pub struct SequenceDecodeConfig {
     /// Whether the projector's pictures appear with left and right exchanged.
     pub mirrored: bool,
+    /// Rows are read on the threads of the caller's rayon pool (the cargo feature `rayon`; without it on one thread). The result is the
+    /// same, bit for bit.
+    pub parallel: bool,
 }
 
 /// Counts of a sequence.

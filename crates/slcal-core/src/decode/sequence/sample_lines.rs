@@ -1,8 +1,49 @@
 //! Some rows and columns of the image, of which the levels in every frame are kept: what is asked of the sequence as a whole is
 //! asked of them.
 
+use std::ops::Range;
+
 /// Rows that are kept, and columns.
 const LINES: usize = 24;
+
+/// Evenly spread rows or columns of `n`.
+fn spread(n: usize) -> impl Iterator<Item = usize> {
+    let lines = LINES.min(n);
+    (0..lines).map(move |i| (2 * i + 1) * n / (2 * lines))
+}
+
+/// The samples of a band of rows.
+#[derive(Debug, Clone)]
+pub(super) struct BandSamples {
+    /// The rows that are kept, counted from the band's first.
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+    width: usize,
+    /// For each frame, the levels of the rows that are kept one after another, then those of the columns, row by row.
+    frames: Vec<Vec<u16>>,
+}
+
+impl BandSamples {
+    /// `size` is that of the image, `rows` those of the band.
+    pub(super) fn new(size: [usize; 2], rows: &Range<usize>, frames: usize) -> Self {
+        let [width, height] = size;
+        let kept = spread(height).filter(|y| rows.contains(y)).map(|y| y - rows.start).collect();
+        let frames = vec![Vec::new(); frames];
+        Self { rows: kept, columns: spread(width).collect(), width, frames }
+    }
+
+    /// Keeps the levels of a frame on the lines, of all levels of the band.
+    pub(super) fn keep(&mut self, frame: usize, levels: &[u16]) {
+        let kept = &mut self.frames[frame];
+        kept.clear();
+        for y in &self.rows {
+            kept.extend_from_slice(&levels[y * self.width..][..self.width]);
+        }
+        for row in levels.chunks_exact(self.width) {
+            kept.extend(self.columns.iter().map(|x| row[*x]));
+        }
+    }
+}
 
 /// The levels of the frames along some rows and columns.
 #[derive(Debug, Clone)]
@@ -16,29 +57,26 @@ pub(super) struct SampleLines {
 }
 
 impl SampleLines {
-    pub(super) fn new(width: usize, height: usize, frames: usize) -> Self {
-        let spread = |n: usize| {
-            let lines = LINES.min(n);
-            (0..lines).map(|i| (2 * i + 1) * n / (2 * lines)).collect::<Vec<_>>()
+    /// Of bands that follow one another; every frame was kept.
+    pub(super) fn of<'a>(size: [usize; 2], bands: impl Iterator<Item = &'a BandSamples> + Clone) -> Self {
+        let [width, height] = size;
+        let (rows, columns): (Vec<_>, Vec<_>) = (spread(height).collect(), spread(width).collect());
+        let n = bands.clone().next().map_or(0, |band| band.frames.len());
+        let frame = |i: usize| {
+            let mut levels = Vec::with_capacity(rows.len() * width + columns.len() * height);
+            for band in bands.clone() {
+                levels.extend_from_slice(&band.frames[i][..band.rows.len() * width]);
+            }
+            for column in 0..columns.len() {
+                for band in bands.clone() {
+                    let of_columns = &band.frames[i][band.rows.len() * width..];
+                    levels.extend(of_columns.chunks_exact(columns.len()).map(|row| row[column]));
+                }
+            }
+            levels
         };
-        let (rows, columns) = (spread(height), spread(width));
-        let length = rows.len() * width + columns.len() * height;
-        Self { rows, columns, width, height, frames: vec![vec![0; length]; frames] }
-    }
-
-    /// Keeps the levels of a frame on those of the lines that lie in rows from `first` on.
-    pub(super) fn keep(&mut self, frame: usize, first: usize, levels: &[u16]) {
-        let kept = &mut self.frames[frame];
-        let last = first + levels.len() / self.width;
-        for (i, y) in self.rows.iter().enumerate().filter(|(_, y)| (first..last).contains(*y)) {
-            let row = &levels[(y - first) * self.width..][..self.width];
-            kept[i * self.width..][..self.width].copy_from_slice(row);
-        }
-        let columns = &mut kept[self.rows.len() * self.width..];
-        for (i, x) in self.columns.iter().enumerate() {
-            let to = columns[i * self.height..][first..last].iter_mut();
-            to.zip(levels[*x..].iter().step_by(self.width)).for_each(|(to, level)| *to = *level);
-        }
+        let frames = (0..n).map(frame).collect();
+        Self { rows, columns, width, height, frames }
     }
 
     /// The levels of a frame at all samples.
@@ -62,7 +100,7 @@ impl SampleLines {
     }
 
     /// The samples that lie along rows, or along columns, a range for each line.
-    pub(super) fn lines(&self, along_rows: bool) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
+    pub(super) fn lines(&self, along_rows: bool) -> impl Iterator<Item = Range<usize>> + use<> {
         let of_rows = self.rows.len() * self.width;
         let (start, length, n) = if along_rows {
             (0, self.width, self.rows.len())
@@ -81,11 +119,20 @@ mod tests {
     fn lines_are_kept_whatever_the_bands() {
         let (width, height) = (70, 50);
         let levels: Vec<u16> = (0..width * height).map(|i| i as u16).collect();
-        let [mut whole, mut parts] = [SampleLines::new(width, height, 2), SampleLines::new(width, height, 2)];
-        whole.keep(1, 0, &levels);
-        for first in (0..height).step_by(7) {
-            parts.keep(1, first, &levels[first * width..(first + 7).min(height) * width]);
-        }
+        let of_bands = |height_of_band: usize| {
+            let firsts = (0..height).step_by(height_of_band);
+            let bands: Vec<BandSamples> = firsts
+                .map(|first| {
+                    let rows = first..(first + height_of_band).min(height);
+                    let mut band = BandSamples::new([width, height], &rows, 2);
+                    let own = &levels[first * width..rows.end * width];
+                    (0..2).for_each(|frame| band.keep(frame, own));
+                    band
+                })
+                .collect();
+            SampleLines::of([width, height], bands.iter())
+        };
+        let (whole, parts) = (of_bands(height), of_bands(7));
         assert_eq!(whole.levels(1), parts.levels(1));
         assert_eq!(whole.len(), 24 * (width + height));
         for i in 0..whole.len() {
