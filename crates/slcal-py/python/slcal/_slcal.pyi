@@ -411,6 +411,7 @@ class SequencePattern:
     @staticmethod
     def from_json(text: str) -> SequencePattern:
         """The pattern that `to_json` wrote, or another program."""
+    def _frame_order(self, names: Sequence[str], folder: str) -> list[int]: ...
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
@@ -2777,6 +2778,20 @@ class Reconstructor:
     True
     """
 
+    @overload
+    def __new__(
+        cls,
+        rig: Rig,
+        pattern: SequencePattern,
+        *,
+        frame: _Frame = "camera",
+        mesh: bool = False,
+        cull: _Cull = "auto",
+        near: float | None = None,
+        far: float | None = None,
+        mirror: bool = False,
+    ) -> Reconstructor: ...
+    @overload
     def __new__(
         cls,
         rig: Rig,
@@ -2792,7 +2807,7 @@ class Reconstructor:
         mirror: bool = False,
     ) -> Reconstructor: ...
     def reconstruct(
-        self, image: _ImageLike, *, black: _ImageLike | None = None, white: _ImageLike | None = None
+        self, image: _Frames, *, black: _ImageLike | None = None, white: _ImageLike | None = None
     ) -> PointCloud:
         """The cloud of one photograph.
 
