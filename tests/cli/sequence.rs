@@ -88,7 +88,7 @@ fn folders_are_scans_and_what_does_not_fit_is_named() {
         .run(&format!("{RECONSTRUCT} a -o x.ply"))
         .fails(3, &["one photograph of frame 5", "frame_005.jpg and frame_005.png"]);
     // The pictures of the pattern are no photographs of a scene.
-    bench.run(&format!("{RECONSTRUCT} shown -o x.ply")).fails(3, &["parallax"]);
+    bench.run(&format!("{RECONSTRUCT} shown -o x.ply")).fails(4, &["parallax"]);
     assert!(!bench.path("x.ply").exists());
     bench.run(&format!("{RECONSTRUCT} a -o x.ply --black a/frame_001.png")).fails(2, &["--black"]);
     bench
