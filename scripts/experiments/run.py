@@ -3,15 +3,15 @@
 
     cargo build --release -p slcal-cli
     python3 -m venv .venv && .venv/bin/pip install -r scripts/experiments/requirements.txt
-    .venv/bin/python scripts/experiments/run.py            # about two minutes; --quick for a look, --check changes nothing
+    .venv/bin/python scripts/experiments/run.py            # --quick for a look, --check changes nothing
 
-Everything is seeded: the same binary and the same OpenCV give the same tables. OpenCV is the classic way's; slcal itself does
+It takes a quarter of an hour, most of it for rendering stacks. Everything is seeded: apart from times, the same binary and the same
+OpenCV give the same tables. OpenCV is the classic way's; slcal itself does
 not use it.
 """
 
 import argparse
 import json
-import re
 import subprocess
 import sys
 import tempfile
@@ -23,6 +23,9 @@ import classic
 import colours
 import doors
 import figures
+import heads
+import page
+import stacks
 from measure import Rig, against_truth, pixels, reprojection
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -56,7 +59,8 @@ WAYS = ["two-vp, one", "ml, one", "ml, all", "ml, all, told", "classic, sheet", 
 
 
 # Tables that can be made alone, by their names on the page.
-ALONE = {"doors": doors, "colours": colours}
+ALONE = {"doors": doors, "colours": colours, "stacks": stacks, "heads": heads}
+QUICK = {"stacks": {"sets": 1, "draws": 2}}
 
 
 class Slcal:
@@ -241,15 +245,14 @@ def truth_table(errors):
     return "\n".join(lines)
 
 
-def put_tables(page, tables):
-    """Replaces what stands between the markers of each table."""
-    text = page.read_text()
-    for name, table in tables.items():
-        pattern = rf"(<!-- table {name} -->\n).*?(<!-- end -->)"
-        text, count = re.subn(pattern, lambda m: f"{m[1]}\n{table}\n\n{m[2]}", text, flags=re.S)
-        if count != 1:
-            sys.exit(f"{page}: expected one pair of markers <!-- table {name} --> and <!-- end -->, found {count}")
-    page.write_text(text)
+def alone(slcal, folder, title, is_quick):
+    """One of the tables that can be made alone, in a folder of its own; its pictures go to `folder`."""
+    own = folder / title
+    own.mkdir()
+    table = ALONE[title].experiment(slcal, own, **(QUICK.get(title, {}) if is_quick else {}))
+    for picture in own.glob("experiment_*.png"):
+        picture.rename(folder / picture.name)
+    return table
 
 
 def main():
@@ -266,15 +269,15 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if args.only:
-            tables = {args.only: ALONE[args.only].experiment(slcal, folder)}
+            tables = {args.only: alone(slcal, folder, args.only, args.quick)}
             print(tables[args.only])
             if not args.check:
-                put_tables(ROOT / "docs/experiments.md", tables)
+                page.put(folder, tables)
             return
         tables = {"noise": noise_experiment(slcal, folder, 10 if args.quick else 50)}
         tables["geometry"] = geometry_experiment(slcal, draws)
-        for title, table in ALONE.items():
-            tables[title] = table.experiment(slcal, folder)
+        for title in ALONE:
+            tables[title] = alone(slcal, folder, title, args.quick)
         for rig in RIGS:
             planes, truth, errors = planes_experiment(slcal, folder, rig, repeats)
             tables[f"planes {rig}"], tables[f"truth {rig}"] = planes, truth
@@ -283,9 +286,7 @@ def main():
         for title, table in tables.items():
             print(f"\n{title}\n\n{table}")
         if not args.check:
-            put_tables(ROOT / "docs/experiments.md", tables)
-            for picture in folder.glob("*.png"):
-                (ROOT / "docs/images" / picture.name).write_bytes(picture.read_bytes())
+            page.put(folder, tables)
 
 
 if __name__ == "__main__":

@@ -70,11 +70,25 @@ fn folders_are_scans_and_what_does_not_fit_is_named() {
     }
     fs::remove_file(bench.path("b/frame_003.png")).unwrap();
     let run = bench.run(&format!("{RECONSTRUCT} a b --out-dir clouds"));
-    run.fails(3, &["b: expected frame_003.png (frame 3, bit", "among the photographs"]);
+    run.fails(3, &["b: frames: expected frame_003.png (frame 3, bit", "among the photographs"]);
     let _ = bench.run(&format!("{RECONSTRUCT} a --out-dir clouds")).ok();
     assert!(bench.path("clouds/a.ply").is_file());
     fs::copy(bench.path("a/frame_004.png"), bench.path("a/frame_005.png")).unwrap();
     bench.run(&format!("{RECONSTRUCT} a -o x.ply")).fails(3, &["frames 4", "same pixels"]);
+    let copy = |from: &str, to: &str| fs::copy(bench.path(from), bench.path(to)).unwrap();
+    let (white, black) = ("a/frame_000.png", "a/frame_001.png");
+    let _ = copy("stack/frame_005.png", "a/frame_005.png");
+    let _ = (copy("stack/frame_001.png", white), copy("stack/frame_000.png", black));
+    bench
+        .run(&format!("{RECONSTRUCT} a -o x.ply"))
+        .fails(3, &["order of the pattern", "white is darker than black"]);
+    let _ = (copy("stack/frame_000.png", white), copy("stack/frame_001.png", black));
+    let _ = copy(white, "a/frame_005.jpg");
+    bench
+        .run(&format!("{RECONSTRUCT} a -o x.ply"))
+        .fails(3, &["one photograph of frame 5", "frame_005.jpg and frame_005.png"]);
+    // The pictures of the pattern are no photographs of a scene.
+    bench.run(&format!("{RECONSTRUCT} shown -o x.ply")).fails(4, &["parallax"]);
     assert!(!bench.path("x.ply").exists());
     bench.run(&format!("{RECONSTRUCT} a -o x.ply --black a/frame_001.png")).fails(2, &["--black"]);
     bench

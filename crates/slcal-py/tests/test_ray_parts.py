@@ -132,11 +132,13 @@ def test_the_photographs_of_a_scan_have_the_order_of_the_pattern():
     pattern = slcal.SequencePattern((64, 48), bits=1)  # White, black, a bit, its inverse.
     named = [f"/s/frame_00{i}.TIF" for i in range(4)]
     assert in_order("/s", [*named[::-1], "/s/other.png"], pattern) == named
-    with pytest.raises(slcal.Error, match=r"found none for frame_003\.png"):
+    with pytest.raises(slcal.Error, match=r"/s: frames: expected frame_003\.png .* found none"):
         in_order("/s", named[:3], pattern)
+    with pytest.raises(slcal.Error, match=r"frame 1 \(black\), found frame_001.TIF and frame_001.png"):
+        in_order("/s", [*named, "/s/frame_001.png"], pattern)
     numbered = ["/s/2.png", "/s/10.png", "/s/1.png", "/s/b1.png"]
     assert in_order("/s", numbered, pattern) == ["/s/1.png", "/s/2.png", "/s/10.png", "/s/b1.png"]
-    with pytest.raises(slcal.Error, match="expected 4 photographs.*found 3"):
+    with pytest.raises(slcal.Error, match="/s: frames: expected the 4 frames.*found 3"):
         in_order("/s", numbered[:3], pattern)
 
 

@@ -216,6 +216,47 @@ def test_clouds_have_points_of_the_surface_and_normals(ball: simulate.Scene, fra
     assert np.median(cosines) > 0.95
 
 
+def test_a_reconstructor_takes_scan_after_scan(ball: simulate.Scene, frames: NDArray[np.uint8]) -> None:
+    options: Any = {"mesh": True, "near": 700.0, "far": 1500.0}
+    cloud = ball.rig.reconstruct(frames, PHASE, **options)
+    scanner = slcal.Reconstructor(ball.rig, PHASE, **options)
+    assert repr(scanner) == f"Reconstructor(camera 320x240, projector 512x384, {len(PHASE)} frames)"
+    with pytest.raises(slcal.Error, match=f"expected {len(PHASE)}, as the pattern has, found 3"):
+        scanner.reconstruct(iter(frames[:3]))
+    # A scan that failed leaves nothing behind.
+    assert scanner.reconstruct(frames) == cloud
+    assert scanner.reconstruct(frame for frame in frames) == cloud
+
+    def within() -> Iterator[NDArray[np.uint8]]:
+        assert scanner.reconstruct(frames) == cloud
+        yield from frames
+
+    assert scanner.reconstruct(within()) == cloud
+    made: list[slcal.PointCloud] = []
+    threads = [threading.Thread(target=lambda: made.append(scanner.reconstruct(iter(frames)))) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(made) == 3
+    assert all(m == cloud for m in made)
+
+
+def test_a_reconstructor_refuses_what_is_of_stripes(ball: simulate.Scene, frames: NDArray[np.uint8]) -> None:
+    anything: Any = slcal.Reconstructor
+    for option in ({"gamma": "srgb"}, {"min_confidence": 0.4}):
+        (name,) = option
+        with pytest.raises(slcal.Error, match=f"{name}: expected none with a SequencePattern"):
+            anything(ball.rig, PHASE, **option)
+    scanner = slcal.Reconstructor(ball.rig, PHASE)
+    for name in ("black", "white"):
+        taken: Any = {name: frames[0]}
+        with pytest.raises(slcal.Error, match=f"{name}: expected none with a SequencePattern"):
+            scanner.reconstruct(frames, **taken)
+    with pytest.raises(slcal.Error, match="512x384"):
+        slcal.Reconstructor(ball.rig, slcal.SequencePattern((256, 192), "phase"))
+
+
 def test_matches_triangulate_as_frames_reconstruct(
     ball: simulate.Scene, frames: NDArray[np.uint8], dense: slcal.DenseMatches
 ) -> None:
@@ -363,6 +404,42 @@ def test_frames_without_light_and_of_another_rig(ball: simulate.Scene, frames: N
         ball.rig.reconstruct(frames[:, :200], PHASE)
     with pytest.raises(slcal.Error, match="512x384"):
         ball.rig.reconstruct(frames, slcal.SequencePattern((256, 192), "phase"))
+
+
+def test_frames_that_do_not_fit_are_named(ball: simulate.Scene, frames: NDArray[np.uint8]) -> None:
+    n = len(PHASE)
+    first_bit, last_bit = 2, n - STEPS - 1
+    twice = frames.copy()
+    twice[5] = frames[4]
+    brighter = frames.copy()
+    # A bit of few stripes, exposed for longer; clipping would hide by how much.
+    brighter[first_bit] = np.minimum(frames[first_bit] * 1.25, 255).round()
+    bits = list(range(first_bit, last_bit + 1))
+    inverses_first = [0, 1, *(i ^ 1 for i in bits), *range(last_bit + 1, n)]
+    pictures = np.stack([PHASE.image(i) for i in range(n)])
+    wrong: list[tuple[NDArray[np.uint8], str]] = [
+        (twice, r"frames 4 .* and 5 .* with the same pixels"),
+        (brighter, rf"frame {first_bit} \(bit .* exposure"),
+        (frames[[1, 0, *range(2, n)]], "order of the pattern.*white is darker than black"),
+        (frames[inverses_first], "order of the pattern.*after its inverse"),
+        (pictures, "parallax"),
+    ]
+    for given, words in wrong:
+        with pytest.raises(slcal.Error, match=words):
+            slcal.decode(given, PHASE)
+    with pytest.raises(slcal.Error, match="8 bit|16 bit"):
+        slcal.decode([*frames[:-1], frames[-1].astype(np.uint16) * 257], PHASE)
+
+
+def test_what_happened_to_the_scene_is_told(frames: NDArray[np.uint8], dense: slcal.DenseMatches) -> None:
+    assert not dense.report.warnings
+    moved = frames.copy()
+    # After half of the bits something dark stands before a part of the scene.
+    moved[8:, 90:150, 120:200] = 9
+    (warning,) = slcal.decode(moved, PHASE).report.warnings
+    assert warning.code == "moved"
+    overexposed = np.minimum(frames.astype(int) * 2, 255).astype(np.uint8)
+    assert "saturated" in [w.code for w in slcal.decode(overexposed, PHASE).report.warnings]
 
 
 def test_threads_decode_at_the_same_time(frames: NDArray[np.uint8], dense: slcal.DenseMatches) -> None:

@@ -1,8 +1,9 @@
 //! Photographs of a folder, or of a name with wildcards that the shell did not expand, in natural order.
 
-use std::cmp::Ordering;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+use slcal_core::pattern::natural_order;
 
 use super::photo_kind::{EXTENSIONS, Foreign, has_extension};
 use crate::exit::{Exit, Failure, Outcome};
@@ -57,7 +58,7 @@ fn of_folder(
             None => refused("none"),
         });
     }
-    files.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+    files.sort_by(|a, b| natural_order(&a.to_string_lossy(), &b.to_string_lossy()));
     Ok(files)
 }
 
@@ -78,27 +79,6 @@ fn matches(pattern: &str, name: &str) -> bool {
     }
 }
 
-/// Natural order: numbers by value, other text by letters, so that img2 is before img10.
-fn natural(a: &str, b: &str) -> Ordering {
-    let split = |text: &str| {
-        let digits = text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-        if digits > 0 { digits } else { text.chars().next().map_or(0, char::len_utf8) }
-    };
-    let (mut left, mut right) = (a, b);
-    while !left.is_empty() && !right.is_empty() {
-        let ((x, after_x), (y, after_y)) = (left.split_at(split(left)), right.split_at(split(right)));
-        let order = match (x.parse::<u128>(), y.parse::<u128>()) {
-            (Ok(x), Ok(y)) => x.cmp(&y),
-            _ => x.cmp(y),
-        };
-        if order != Ordering::Equal {
-            return order;
-        }
-        (left, right) = (after_x, after_y);
-    }
-    left.len().cmp(&right.len()).then_with(|| a.cmp(b))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -116,13 +96,6 @@ mod tests {
         ] {
             assert_eq!(matches(pattern, name), expected, "{pattern} {name}");
         }
-    }
-
-    #[test]
-    fn numbers_are_ordered_by_their_values() {
-        let mut names = ["b1.png", "a10.png", "a9.png", "a09.png", "a.png", "10.png", "9.png"];
-        names.sort_by(|a, b| natural(a, b));
-        assert_eq!(names, ["9.png", "10.png", "a.png", "a09.png", "a9.png", "a10.png", "b1.png"]);
     }
 
     #[test]

@@ -1,13 +1,12 @@
 //! The photographs of a sequence: which file is which frame.
 
 use std::collections::HashMap;
-use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 use slcal_core::pattern::SequencePattern;
 
 use super::folder::photographs;
-use crate::exit::{Exit, Failure, Outcome};
+use crate::exit::{Exit, Failure, InFile as _, Outcome};
 use crate::name::{input_name, is_dash};
 
 /// The photographs of one scan.
@@ -59,31 +58,14 @@ pub(crate) fn sequence_files(folder: &Path, pattern: &SequencePattern) -> Outcom
     of_folder(folder, pattern).map(|scan| scan.files)
 }
 
-/// The photographs of a folder: those that the pattern names, whatever their format; if it names none of them, all in natural order.
+/// The photographs of a folder, as the pattern orders them by their names.
 fn of_folder(folder: &Path, pattern: &SequencePattern) -> Outcome<ScanFrames> {
     let all = photographs(&[folder.to_owned()])?;
-    let stem = |path: &Path| path.file_stem().map(OsStr::to_ascii_lowercase).unwrap_or_default();
-    let by_stem: HashMap<OsString, &PathBuf> = all.iter().map(|file| (stem(file), file)).collect();
-    let named: Option<Vec<&str>> = pattern.frames.iter().map(|f| f.file.as_deref()).collect();
-    let name = folder.to_owned();
-    let Some(named) = named.filter(|names| names.iter().any(|n| by_stem.contains_key(&stem(Path::new(n)))))
-    else {
-        check_count(folder, all.len(), pattern)?;
-        return Ok(ScanFrames { name, files: all });
-    };
-    let mut files = Vec::new();
-    for (i, file) in named.iter().enumerate() {
-        let found = by_stem.get(&stem(Path::new(file)));
-        let missing = || {
-            let light = pattern.frames[i].light;
-            let message = format!(
-                "expected {file} (frame {i}, {light}) among the photographs, found none; take it again, with all others"
-            );
-            Failure::input(folder, message)
-        };
-        files.push((*found.ok_or_else(missing)?).clone());
-    }
-    Ok(ScanFrames { name, files })
+    let name =
+        |file: &PathBuf| file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let names: Vec<String> = all.iter().map(name).collect();
+    let order = pattern.frame_order(&names).in_file(folder)?;
+    Ok(ScanFrames { name: folder.to_owned(), files: order.into_iter().map(|i| all[i].clone()).collect() })
 }
 
 fn check_count(name: &Path, found: usize, pattern: &SequencePattern) -> Outcome {

@@ -3,6 +3,7 @@
 mod checker;
 mod de_bruijn;
 mod draw;
+mod frame_order;
 mod marks;
 mod panel;
 mod sequence;
@@ -16,6 +17,7 @@ use crate::error::Result;
 pub use checker::{CheckerConfig, CheckerPattern, SquareColor};
 public_with! { "stages": pub use de_bruijn::{de_bruijn, unique_window}; }
 pub(crate) use draw::warp_image;
+pub use frame_order::natural_order;
 pub use marks::PanelMarks;
 #[cfg(test)]
 pub(crate) use sequence::gray_code;

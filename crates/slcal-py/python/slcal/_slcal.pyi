@@ -411,6 +411,7 @@ class SequencePattern:
     @staticmethod
     def from_json(text: str) -> SequencePattern:
         """The pattern that `to_json` wrote, or another program."""
+    def _frame_order(self, names: Sequence[str], folder: str) -> list[int]: ...
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
@@ -2732,17 +2733,17 @@ def evaluate(cloud: PointCloud | ArrayLike, shape: Literal["plane", "sphere"]) -
 
 @final
 class Reconstructor:
-    """Reconstructs many photographs with the same rig and pattern, such as the frames of a video. It does what
-    `Rig.reconstruct` does, and keeps its buffers from frame to frame.
+    """Reconstructs many photographs with the same rig and pattern, such as the frames of a video, or many scans by a sequence. It does what
+    `Rig.reconstruct` does; rig, pattern and options are checked once, and buffers for stripes are kept from frame to frame.
 
-    Threads that share a Reconstructor wait for each other; use one per thread.
+    Threads that share a Reconstructor for stripes wait for each other; use one per thread. With a sequence they need not.
 
     Parameters
     ----------
     rig : Rig
         With a projector.
-    pattern : StripePattern
-        The stripes, drawn for that projector.
+    pattern : StripePattern or SequencePattern
+        What is projected, drawn for that projector. With a sequence, `gamma` and `min_confidence` are not allowed.
     gamma : {"srgb", "linear"} or float, default "srgb"
         The transfer curve of the images.
     frame : {"camera", "plane"}, default "camera"
@@ -2777,6 +2778,20 @@ class Reconstructor:
     True
     """
 
+    @overload
+    def __new__(
+        cls,
+        rig: Rig,
+        pattern: SequencePattern,
+        *,
+        frame: _Frame = "camera",
+        mesh: bool = False,
+        cull: _Cull = "auto",
+        near: float | None = None,
+        far: float | None = None,
+        mirror: bool = False,
+    ) -> Reconstructor: ...
+    @overload
     def __new__(
         cls,
         rig: Rig,
@@ -2792,16 +2807,17 @@ class Reconstructor:
         mirror: bool = False,
     ) -> Reconstructor: ...
     def reconstruct(
-        self, image: _ImageLike, *, black: _ImageLike | None = None, white: _ImageLike | None = None
+        self, image: _Frames, *, black: _ImageLike | None = None, white: _ImageLike | None = None
     ) -> PointCloud:
-        """The cloud of one photograph.
+        """The cloud of one photograph of the stripes, or of the photographs of a sequence.
 
         Parameters
         ----------
-        image : ndarray
-            (H, W, 3), uint8 or uint16, RGB order, of the size of the rig's camera: the scene with the stripes projected.
+        image : ndarray, or iterable of ndarrays and paths
+            (H, W, 3), uint8 or uint16, RGB order, of the size of the rig's camera: the scene with the stripes projected. Of a sequence
+            its photographs in the order of the pattern, as `slcal.decode` takes them.
         black, white : ndarray, optional
-            The same scene with the projector dark and plain white.
+            The same scene with the projector dark and plain white; not with a sequence.
 
         Returns
         -------
@@ -2813,9 +2829,9 @@ class Reconstructor:
         TypeError
             When the image is not an array of uint8 or uint16.
         Error
-            When its shape or size is wrong.
+            When its shape or size is wrong, or a sequence has another number of frames than its pattern.
         DecodeError
-            When the stripes are not found, or cannot be those of this rig.
+            When the stripes, or the light of the projector, are not found, or cannot be those of this rig.
         """
 
 # Photographs and observations with known truth: see slcal.simulate for what the functions take

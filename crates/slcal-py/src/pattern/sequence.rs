@@ -10,7 +10,7 @@ use crate::convert::array::shaped;
 use crate::convert::object::{self, Argument};
 use crate::convert::option::{one_of, parsed, parsed_or, repr_of, whole_pair};
 use crate::convert::report;
-use crate::errors::{self, Raise as _, Stage};
+use crate::errors::{self, Raise as _, Stage, raised_from};
 use crate::files;
 
 fn sequence(py: Python<'_>, pattern: Pattern) -> PyResult<SequencePattern> {
@@ -196,6 +196,12 @@ impl SequencePattern {
     #[staticmethod]
     fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
         sequence(py, parse(py, text.as_bytes(), None)?)
+    }
+
+    /// Which of the photographs of a folder are the frames: for each frame the index of its name.
+    #[pyo3(name = "_frame_order")]
+    fn frame_order(&self, py: Python<'_>, names: Vec<String>, folder: &str) -> PyResult<Vec<usize>> {
+        self.0.frame_order(&names).map_err(|error| raised_from(py, &error, Stage::Decode, Some(folder)))
     }
 
     fn __len__(&self) -> usize {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._slcal import Reconstructor, Rig, SequencePattern, StripePattern, __version__
-from ._scanner import SequenceScanner
 from ._store import Store
 from ._table import RESULTS
 
@@ -49,7 +48,7 @@ class Job:
         """Equal for jobs that make the same clouds from the same photographs."""
         return digest(json.dumps(self.parts, sort_keys=True).encode())
 
-    def reconstructor(self) -> Reconstructor | SequenceScanner:
+    def reconstructor(self) -> Reconstructor:
         """A new reconstructor.
 
         Raises
@@ -57,9 +56,8 @@ class Job:
         slcal.Error
             When the rig has no projector, the pattern is for another one, or an option is out of range.
         """
-        if isinstance(self.pattern, SequencePattern):
-            return SequenceScanner(self.rig, self.pattern, self.options)
-        return Reconstructor(self.rig, self.pattern, **self.options)
+        make: Callable[..., Reconstructor] = Reconstructor
+        return make(self.rig, self.pattern, **self.options)
 
 
 def digest(data: bytes | memoryview) -> str:

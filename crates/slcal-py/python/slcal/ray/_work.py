@@ -21,7 +21,6 @@ from ._frames import StorageOptions, checked_name, name_of_row, open_location
 from ._job import HIDDEN, Job, digest, digest_of_image
 from ._read import read
 from ._scan import Scan, identity_of
-from ._scanner import SequenceScanner
 from ._store import Store
 from ._table import Row, as_table, row_of
 
@@ -137,9 +136,8 @@ class _FrameWork:
             )
         return identity_of(self.photo.path, self.task.options)
 
-    def cloud(self, job: Job, reconstructor: Reconstructor | SequenceScanner) -> PointCloud:
-        if isinstance(reconstructor, SequenceScanner):
-            assert isinstance(job.pattern, SequencePattern)
+    def cloud(self, job: Job, reconstructor: Reconstructor) -> PointCloud:
+        if isinstance(job.pattern, SequencePattern):
             return reconstructor.reconstruct(Scan(self.photo.path, job.pattern, self.task.options))
         # A gamma that was asked for is that of the samples in the file.
         as_stored = job.options.get("gamma", "srgb") != "srgb"
@@ -204,10 +202,10 @@ class _FrameWork:
 
 
 #: What a worker process keeps from frame to frame: the run that it is of, and its buffers.
-_keeping: tuple[str, Job, Reconstructor | SequenceScanner] | None = None
+_keeping: tuple[str, Job, Reconstructor] | None = None
 
 
-def _kept(task: Task) -> tuple[Job, Reconstructor | SequenceScanner]:
+def _kept(task: Task) -> tuple[Job, Reconstructor]:
     """The job, and the reconstructor of this process."""
     global _keeping
     if _keeping is None or _keeping[0] != task.run:
