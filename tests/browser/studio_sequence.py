@@ -21,12 +21,12 @@ def scanned(studio: Studio, page: Operator, method: str, count: int) -> tuple[An
     studio.wait("the method", lambda s: s["scan"]["method"] == method)
     begun = time.monotonic()
     page.press("scan", mode="once")
-    shots = studio.wait("a few photographs", lambda s: s["scan"]["shots"] and s["scan"]["shots"]["frame"] >= 7, 60)["scan"]["shots"]
+    shots = studio.wait("a few photographs", lambda s: s["scan"]["shots"] and s["scan"]["shots"]["frame"] >= 7, 120)["scan"]["shots"]
     assert shots["of"] == FRAMES[method] and not shots["by_hand"], shots
     wait_until("the page says how far it is", lambda: int(page.run("return document.querySelector('[data-state=shots]')?.dataset.frame ?? 0")) >= 7)
     assert f"of {FRAMES[method]}" in page.text("[data-state=shots]")
     page.keep(f"20-{method}-under-way")
-    state = studio.wait("its cloud", lambda s: len(s["scan"]["clouds"]) == count and not s["busy"], 120)
+    state = studio.wait("its cloud", lambda s: len(s["scan"]["clouds"]) == count and not s["busy"], 240)
     return state, time.monotonic() - begun
 
 
@@ -76,7 +76,7 @@ def same_by_command(bench: Bench, studio: Studio, cloud: str) -> None:
 
 def stopped_is_told(studio: Studio, page: Operator) -> None:
     page.press("scan", mode="once")
-    studio.wait("a few photographs", lambda s: s["scan"]["shots"] and s["scan"]["shots"]["frame"] >= 3, 60)
+    studio.wait("a few photographs", lambda s: s["scan"]["shots"] and s["scan"]["shots"]["frame"] >= 3, 120)
     page.press("scan", mode="stop")
     state = studio.wait("the end", lambda s: not s["scan"]["shots"])
     assert state["scan"]["unfinished"][0]["have"] >= 2 and len(state["scan"]["clouds"]) == 2

@@ -50,6 +50,8 @@ pub(super) struct Flash {
     white_ms: Option<u64>,
     /// When something was painted or a frame came last, ms.
     last_ms: u64,
+    /// Whether white was asked for.
+    is_asked: bool,
     /// Levels of the newest frames under black.
     dark: Vec<f64>,
     /// Time after white was painted, and the level of each frame.
@@ -75,14 +77,16 @@ impl Flash {
             return self.delay();
         }
         let Some(black) = self.black_ms else { return Seen::Wait };
-        let known = self.dark.len() >= DARK_FRAMES;
-        if known {
+        // Once white was asked for, it may be seen before the display says so.
+        if self.is_asked {
+            return Seen::Wait;
+        }
+        if self.dark.len() >= DARK_FRAMES {
             self.dark.remove(0);
         }
         self.dark.push(level);
-        let is_new = now_ms.saturating_sub(black) >= DARK_MS && self.dark.len() == DARK_FRAMES;
-        // Frames until white is painted ask for it again; that changes nothing.
-        if is_new { Seen::ShowWhite } else { Seen::Wait }
+        self.is_asked = now_ms.saturating_sub(black) >= DARK_MS && self.dark.len() == DARK_FRAMES;
+        if self.is_asked { Seen::ShowWhite } else { Seen::Wait }
     }
 
     /// Whether a frame should have come by now.
@@ -164,6 +168,17 @@ mod tests {
         assert!(!flash.is_late(90_000));
         flash.painted(0);
         assert!(!flash.is_late(NO_FRAME_MS) && flash.is_late(NO_FRAME_MS + 1));
+    }
+
+    #[test]
+    fn white_may_be_seen_before_the_display_says_that_it_was_painted() {
+        let mut flash = Flash::default();
+        flash.painted(0);
+        let asked = (0..).map(|i| 50 * i).find(|now| flash.frame(*now, 0.1) == Seen::ShowWhite).unwrap();
+        (1..6).for_each(|i| assert_eq!(flash.frame(asked + 10 * i, 0.3), Seen::Wait));
+        flash.painted(asked + 60);
+        let found = (7..200).map(|i| flash.frame(asked + 10 * i, 0.3)).find(|seen| *seen != Seen::Wait);
+        assert!(matches!(found, Some(Seen::Delay(Delay { latency_ms: 10, .. }))), "{found:?}");
     }
 
     #[test]

@@ -166,7 +166,6 @@ impl Machine {
         let pattern = pattern.clone();
         match flash.frame(now_ms, level) {
             Seen::Wait => {}
-            Seen::ShowWhite if self.state.display.wanted.kind == Picture::White => {}
             Seen::ShowWhite => {
                 self.show(Picture::White);
                 return vec![Effect::Tell];
