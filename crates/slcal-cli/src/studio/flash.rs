@@ -11,6 +11,9 @@ const MOST_FRAMES: usize = 8;
 const NO_FRAME_MS: u64 = 8000;
 /// Frames under black that tell how much the level changes by itself.
 const DARK_FRAMES: usize = 4;
+/// They differ by less than this share of full scale, or so many frames were waited for: the light flickers.
+const STEADY: f64 = 0.005;
+const MOST_DARK_FRAMES: usize = 20;
 /// Frames that show white before its level is believed.
 const LIGHT_FRAMES: usize = 3;
 /// White differs from black by this many times what the level changes by itself, and by this share of full scale.
@@ -54,6 +57,8 @@ pub(super) struct Flash {
     is_asked: bool,
     /// Levels of the newest frames under black.
     dark: Vec<f64>,
+    /// How many came.
+    dark_frames: usize,
     /// Time after white was painted, and the level of each frame.
     light: Vec<(u64, f64)>,
 }
@@ -85,13 +90,27 @@ impl Flash {
             self.dark.remove(0);
         }
         self.dark.push(level);
-        self.is_asked = now_ms.saturating_sub(black) >= DARK_MS && self.dark.len() == DARK_FRAMES;
+        self.dark_frames += 1;
+        // One that was under way when black was painted shows the picture before.
+        let is_steady = self.dark_by_itself() < STEADY || self.dark_frames > MOST_DARK_FRAMES;
+        let is_known = self.dark.len() == DARK_FRAMES && is_steady;
+        self.is_asked = is_known && now_ms.saturating_sub(black) >= DARK_MS;
         if self.is_asked { Seen::ShowWhite } else { Seen::Wait }
     }
 
     /// Whether a frame should have come by now.
     pub(super) fn is_late(&self, now_ms: u64) -> bool {
         self.black_ms.is_some() && now_ms.saturating_sub(self.last_ms) > NO_FRAME_MS
+    }
+
+    fn dark_level(&self) -> f64 {
+        self.dark.iter().sum::<f64>() / self.dark.len().max(1) as f64
+    }
+
+    /// How much the level under black changes by itself.
+    fn dark_by_itself(&self) -> f64 {
+        let dark = self.dark_level();
+        self.dark.iter().map(|level| (level - dark).abs()).fold(0.0, f64::max)
     }
 
     /// What the frames under white say so far.
@@ -102,8 +121,7 @@ impl Flash {
         if elapsed < LIGHT_MS || self.light.len() < LIGHT_FRAMES {
             return late;
         }
-        let dark = self.dark.iter().sum::<f64>() / self.dark.len().max(1) as f64;
-        let by_itself = self.dark.iter().map(|level| (level - dark).abs()).fold(0.0, f64::max);
+        let (dark, by_itself) = (self.dark_level(), self.dark_by_itself());
         // The last frames agree on how bright white is, or it has not arrived whole.
         let last = &self.light[self.light.len() - LIGHT_FRAMES..];
         let white = last.iter().map(|(_, level)| *level).fold(f64::INFINITY, f64::min);
@@ -179,6 +197,18 @@ mod tests {
         flash.painted(asked + 60);
         let found = (7..200).map(|i| flash.frame(asked + 10 * i, 0.3)).find(|seen| *seen != Seen::Wait);
         assert!(matches!(found, Some(Seen::Delay(Delay { latency_ms: 10, .. }))), "{found:?}");
+    }
+
+    #[test]
+    fn a_slow_camera_may_still_show_the_picture_before_black() {
+        let mut flash = Flash::default();
+        flash.painted(0);
+        let levels = [0.3, 0.3, 0.1, 0.1, 0.1, 0.1];
+        let seen: Vec<Seen> = levels.iter().zip(1..).map(|(level, i)| flash.frame(900 * i, *level)).collect();
+        assert_eq!(seen.iter().position(|s| *s == Seen::ShowWhite), Some(5));
+        flash.painted(6000);
+        let found = (1..9).map(|i| flash.frame(6000 + 900 * i, 0.3)).find(|seen| *seen != Seen::Wait);
+        assert!(matches!(found, Some(Seen::Delay(Delay { latency_ms: 900, .. }))), "{found:?}");
     }
 
     #[test]
