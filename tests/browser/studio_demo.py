@@ -38,7 +38,7 @@ def sphere_is_right(bench: Bench, cloud: Path) -> float:
 def turned_and_taken(studio: Studio, page: Operator, count: int) -> Any:
     """The sheet is turned by the page's button; the photograph is taken by itself."""
     page.press("turn-for-me")
-    return studio.wait(f"photograph {count}, taken by itself, and a calibration", lambda s: calibrated_from(s, count), 120)
+    return studio.wait(f"photograph {count}, taken by itself, and a calibration", lambda s: calibrated_from(s, count), 40)
 
 
 def two_photographs_give_a_rig_and_a_cloud_in_ten_clicks(bench: Bench, b: Browser) -> None:

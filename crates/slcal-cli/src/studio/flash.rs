@@ -7,8 +7,8 @@ const LIGHT_MS: u64 = 800;
 /// White that has not arrived after this time and so many frames does not come.
 const LATEST_MS: u64 = 4000;
 const MOST_FRAMES: usize = 8;
-/// A camera that sends no frame for so long sends none any more, ms.
-const NO_FRAME_MS: u64 = 8000;
+/// A camera that sends no frame for so long sends none any more, ms: the simulated one traces a new scene first.
+const NO_FRAME_MS: u64 = 30_000;
 /// Frames under black that tell how much the level changes by itself.
 const DARK_FRAMES: usize = 4;
 /// They differ by less than this share of full scale, or so many frames were waited for: the light flickers.
