@@ -21,6 +21,7 @@ import studio_access
 import studio_camera
 import studio_demo
 import studio_files
+import studio_sequence
 from browser import chromium
 from studio_bench import Bench
 from studio_pages import browser
@@ -50,7 +51,7 @@ def check(bench: Bench, only: list[str]) -> list[str]:
     if chromium() is None:
         print("skipped: the pages, because chromium and chromedriver are not both installed")
         return failed
-    demo = list(filter(wanted, studio_demo.CHECKS))
+    demo = list(filter(wanted, (*studio_demo.CHECKS, *studio_sequence.CHECKS)))
     if demo:
         with browser() as shared:
             for page in demo:

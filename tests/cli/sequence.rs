@@ -99,6 +99,51 @@ fn folders_are_scans_and_what_does_not_fit_is_named() {
 }
 
 #[test]
+fn a_scan_is_drawn_pixel_by_pixel_and_has_its_report() {
+    let bench = stack();
+    let run = format!("{RECONSTRUCT} stack -o cloud.ply --overlay seen.png --report page.html --fit sphere");
+    let _ = bench.run(&run).ok();
+    let _ = bench.run("decode --pattern stack/sequence.json stack -o m.npz --overlay decoded.png").ok();
+    let [seen, decoded] =
+        ["seen.png", "decoded.png"].map(|name| image::open(bench.path(name)).unwrap().into_rgb8());
+    // Of the same matches the same picture, under another name or none.
+    assert_eq!(seen.as_raw(), decoded.as_raw());
+    // The picture is enlarged, as it is tiny; columns grow brighter from left to right, where they are decoded.
+    let truth = pfm(&bench, "stack/truth_column.pfm");
+    let k = seen.width() / 320;
+    let green = |x: usize, y: usize| f64::from(seen.get_pixel(k * x as u32, k * y as u32).0[1]);
+    let (mut low, mut high) = (Vec::new(), Vec::new());
+    for y in (60..180).step_by(3) {
+        for x in (20..300).step_by(3) {
+            match truth[320 * y + x] {
+                column if column < 100.0 => low.push(green(x, y)),
+                column if column > 220.0 => high.push(green(x, y)),
+                _ => {}
+            }
+        }
+    }
+    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+    assert!(
+        low.len() > 100 && high.len() > 100 && mean(&high) > mean(&low) + 30.0,
+        "{} {}",
+        mean(&low),
+        mean(&high)
+    );
+
+    let page = bench.text("page.html");
+    for part in [
+        "of the lit pixels decoded",
+        "Where each pixel lies on the projector",
+        "undecided",
+        "Distance of the points",
+        "1σ of the column",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(!page.contains("their stripes") && !page.contains("The stripes where"), "a sequence has none");
+}
+
+#[test]
 fn a_pattern_from_stdin_is_read_once() {
     let bench = bench();
     bench.put("sphere.jpg", fs::read(slcal_tests::repository().join("fixtures/sphere.jpg")).unwrap());

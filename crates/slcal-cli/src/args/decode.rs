@@ -24,7 +24,7 @@ pub(crate) struct DecodeArgs {
     /// File for the matches, .csv or, of a sequence, .npz; `-` for CSV on stdout.
     #[arg(short, long, value_name = "MATCHES.csv", help_heading = OUTPUT)]
     pub(crate) output: PathBuf,
-    /// Draw the decoded stripes on the photograph.
+    /// Draw the decoded stripes on the photograph; of a sequence, the projector column of every pixel.
     #[arg(long, value_name = "FILE.png", help_heading = OUTPUT)]
     pub(crate) overlay: Option<PathBuf>,
     /// Print the result as JSON instead of a summary.

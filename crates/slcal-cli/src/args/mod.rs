@@ -38,6 +38,7 @@ pub(crate) use help::{command, hinted};
 pub(crate) use pattern::{
     CheckerArgs, GrayArgs, PatternOutput, PatternVerb, PhaseArgs, SequenceArgs, SequenceOutput, StripesArgs,
 };
+pub(crate) use photo::GammaArg;
 pub(crate) use reconstruct::ReconstructArgs;
 pub(crate) use rectify::RectifyArgs;
 pub(crate) use report::ReportArgs;

@@ -77,6 +77,9 @@ pub(crate) struct ReconstructArgs {
     #[arg(long, value_name = "FILE.pfm", help_heading = OUTPUT)]
     pub(crate) depth: Option<PathBuf>,
     /// Draw the points on the photograph, coloured by their distance from the camera (one IMAGE only).
+    ///
+    /// Of a sequence: the projector column of every pixel as its colour, lines at equal distances on the panel, and pixels that are lit
+    /// and have no certain position.
     #[arg(long, value_name = "FILE.png", help_heading = OUTPUT)]
     pub(crate) overlay: Option<PathBuf>,
     /// Write an HTML report with the photograph, the cloud in 3D and the decoding (one IMAGE only).

@@ -46,8 +46,23 @@ pub(crate) fn found(size: [u32; 2], name: &str, detection: &Detection) -> Drawin
 pub(crate) fn found_in_words(detection: &Detection) -> String {
     match (detection.observation.pairs.len(), detection.pattern_corners) {
         (_, 0) => "the sheet was found".to_owned(),
+        (seen, all) if !are_corners(&detection.observation.pairs) => {
+            format!("the sheet was found, and pairs in {seen} of {all} parts of it")
+        }
         (seen, all) => format!("the sheet and {seen} of {all} corners of the pattern were found"),
     }
+}
+
+/// Whether pairs are the corners of a checkerboard, which lie in rows on the panel. Those of a sequence lie where its pixels were read.
+fn are_corners(pairs: &[CornerPair]) -> bool {
+    let in_row = |i: usize| (pairs[i].projector.y - pairs[i - 1].projector.y).abs() < SAME_ROW_PX;
+    pairs.len() < 2 || 2 * (1..pairs.len()).filter(|i| in_row(*i)).count() >= pairs.len() - 1
+}
+
+/// What the pairs of some views are called.
+pub(crate) fn pairs_word<'a>(views: impl IntoIterator<Item = &'a ViewObservation>) -> &'static str {
+    let is_sequence = views.into_iter().any(|view| !are_corners(&view.pairs));
+    if is_sequence { "pairs of the sequence" } else { "projected corners" }
 }
 
 /// What can be shown when not everything was found.
@@ -90,6 +105,8 @@ pub(crate) fn draw_partly(drawing: &mut Drawing, partly: &Partly) {
 
 /// What the marks of [`draw_view`] mean in one or more views.
 pub(crate) fn legend<'a>(title: String, views: impl IntoIterator<Item = &'a ViewObservation>) -> Legend {
+    let views: Vec<_> = views.into_iter().collect();
+    let word = pairs_word(views.iter().copied());
     let (mut edge_points, mut corners) = (0, 0);
     for view in views {
         corners += view.pairs.len();
@@ -103,7 +120,7 @@ pub(crate) fn legend<'a>(title: String, views: impl IntoIterator<Item = &'a View
     }
     if corners > 0 {
         legend = legend
-            .entry(Swatch::Ring(corner_pen()), format!("{corners} projected corners"))
+            .entry(Swatch::Ring(corner_pen()), format!("{corners} {word}"))
             .entry(Swatch::Ring(first_pen()), "the first one (top left in the projector's image)");
     }
     legend

@@ -9,10 +9,21 @@ use super::page::{self, Section};
 use super::photo::Photo;
 use super::point_statistics;
 use super::rig_page::ShownCloud;
+use super::sequence_maps::{self, SequenceMaps};
 use super::{decoding, next_steps, verdict, view_3d};
 use crate::picture::stripes::{self, thousands};
 use crate::summary;
 use crate::surface::FittedSurface;
+
+/// What is shown of the photographs.
+pub(crate) enum Pictured {
+    /// They are not there.
+    Nothing,
+    /// The photograph under stripes.
+    Stripes(Photo),
+    /// Maps of a scan by a sequence.
+    Sequence(Box<SequenceMaps>),
+}
 
 /// What the report on a cloud shows.
 pub(crate) struct CloudPage<'a> {
@@ -22,7 +33,7 @@ pub(crate) struct CloudPage<'a> {
     pub(crate) image_name: String,
     /// The cloud's file.
     pub(crate) cloud_name: String,
-    pub(crate) photo: Option<Photo>,
+    pub(crate) pictured: Pictured,
     pub(crate) result: &'a Reconstruction,
     /// The fitted surface that was asked for, or why there is none.
     pub(crate) surface: Option<Result<FittedSurface, String>>,
@@ -34,12 +45,18 @@ pub(crate) fn cloud_html(page: &CloudPage) -> Vec<u8> {
     let result = page.result;
     let shown = ShownCloud { name: page.cloud_name.clone(), cloud: &result.cloud };
     let fit = page.surface.as_ref().map(|surface| point_statistics::fit(surface, &result.cloud));
+    let (photographs, maps) = match &page.pictured {
+        Pictured::Nothing => (None, None),
+        Pictured::Stripes(photo) => (Some(photograph(page, photo)), None),
+        Pictured::Sequence(maps) => (Some(maps.section()), Some(maps.as_ref())),
+    };
     let sections = [
-        page.photo.as_ref().map(|photo| photograph(page, photo)),
+        photographs,
         Some(view_3d::section(page.rig, Some(&shown), view_3d::Begin::Cloud)),
         fit,
         Some(point_statistics::section(result)),
         result.decode().map(decoding::section),
+        result.sequence().map(|report| sequence_maps::decoding(report, maps)),
         Some(next_steps::listings(&page.made_by, &following(page))),
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
@@ -63,6 +80,10 @@ fn head(page: &CloudPage) -> Markup {
                 @if let Some(decode) = result.decode() {
                     @let share = 100.0 * decode.decoded as f64 / decode.crossings.max(1) as f64;
                     li { span.value { (derived("decoded_percent", share, &fixed(share, 0))) " %" } span.label { "of the stripe crossings decoded" } }
+                }
+                @if let Some(report) = result.sequence() {
+                    @let share = 100.0 * report.decoded as f64 / report.lit.max(1) as f64;
+                    li { span.value { (derived("decoded_percent", share, &fixed(share, 0))) " %" } span.label { "of the lit pixels decoded" } }
                 }
                 @if !cloud.points.is_empty() {
                     @let [near, far] = stripes::reach_mm(cloud);
@@ -99,7 +120,7 @@ fn head(page: &CloudPage) -> Markup {
                 dt { "The rig" }
                 dd { (verdict::in_a_line(rig, &page.rig_name)) }
                 @if !warnings.is_empty() {
-                    dt { "Does the rig fit?" }
+                    dt { @if result.sequence().is_some() { "Warnings" } @else { "Does the rig fit?" } }
                     dd { (next_steps::listed(&warnings)) }
                 }
                 @if !remarks.is_empty() {

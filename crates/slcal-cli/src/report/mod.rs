@@ -19,18 +19,20 @@ mod plot;
 mod point_statistics;
 mod residuals;
 mod rig_page;
+mod sequence_maps;
 mod sheet_bend;
 mod uncertainty_map;
 mod verdict;
 mod view_3d;
 
-pub(crate) use self::cloud_report::{CloudPage, cloud_html};
+pub(crate) use self::cloud_report::{CloudPage, Pictured, cloud_html};
 pub(crate) use self::command_line::CommandLine;
 #[cfg(feature = "studio")]
 pub(crate) use self::command_line::quoted;
 use self::page::Section;
 pub(crate) use self::photo::Photo;
 pub(crate) use self::rig_page::{RigPage, ShownCloud};
+pub(crate) use self::sequence_maps::SequenceMaps;
 #[cfg(feature = "studio")]
 pub(crate) use self::verdict::sentence;
 use crate::summary::working_volume;

@@ -1,7 +1,7 @@
 //! Warnings, and the commands to run next.
 
 use maud::{Markup, html};
-use slcal_core::Warning;
+use slcal_core::{Rig, Warning};
 
 use super::command_line::quoted;
 use super::page::Section;
@@ -89,6 +89,7 @@ fn following(page: &RigPage) -> Vec<(&'static str, String)> {
         "Measure an object: photograph it under the stripes",
         format!("slcal reconstruct --rig {rig} --pattern stripes.json object.jpg -o cloud.ply --mesh --report cloud.html"),
     ));
+    next.extend(many_shots(page.rig, &rig));
     if sheet_known {
         next.push((
             "Later: check that the rig has not moved",
@@ -100,6 +101,20 @@ fn following(page: &RigPage) -> Vec<(&'static str, String)> {
         ));
     }
     next
+}
+
+/// A point per pixel of what does not move: the sequence codes what lies along the baseline.
+fn many_shots(rig: &Rig, rig_name: &str) -> Option<(&'static str, String)> {
+    let projector = rig.projector.as_ref()?;
+    let ([w, h], t) = (projector.device.model.size(), projector.from_camera.pose.translation);
+    let axis = if t.x.abs() >= t.y.abs() { "" } else { " --axis rows" };
+    let draw = format!("slcal pattern phase --projector {w}x{h}{axis} --out-dir phase");
+    let scan = format!(
+        "slcal reconstruct --rig {rig_name} --pattern phase/sequence.json scan -o scan.ply --mesh --report scan.html"
+    );
+    let what = "Measure what does not move with a point per pixel: show the pictures of a sequence one after another, photograph each \
+                into the folder scan";
+    Some((what, format!("{draw}\n{scan}")))
 }
 
 /// The name of a file as a word of a command: never read as an option, nor expanded by a shell (`=name` in zsh).

@@ -31,7 +31,7 @@ pub(super) fn section(page: &RigPage) -> Option<Section> {
             div.photos {
                 @for (i, view) in rig.views.iter().enumerate() {
                     @if let Some(Some(photo)) = page.photos.get(i) {
-                        (shot(rig, i, view, photo, fits.get(i).copied().flatten(), factor))
+                        (shot(page, i, view, photo, fits.get(i).copied().flatten(), factor))
                     }
                 }
             }
@@ -63,13 +63,14 @@ fn drawing(rig: &Rig, title: &str) -> Drawing {
 }
 
 fn shot(
-    rig: &Rig,
+    page: &RigPage,
     i: usize,
     view: &View,
     photo: &Photo,
     fit: Option<MeasuredView<'_>>,
     factor: f64,
 ) -> Markup {
+    let (rig, pairs) = (page.rig, page.pairs_word());
     let name = photo_name(rig, i);
     let mut drawing = drawing(rig, &format!("{name}: the sheet and the points measured on it"));
     match fit {
@@ -84,7 +85,7 @@ fn shot(
                 strong.file { (name) }
                 @if let Some(rms) = &view.rms_px {
                     ": rms residuals: sheet edges " (significant(rms.edges, 2)) " px"
-                    @if let Some(corners) = rms.corners { ", projected corners " (significant(corners, 2)) " px" }
+                    @if let Some(corners) = rms.corners { ", " (pairs) " " (significant(corners, 2)) " px" }
                 }
                 @if let Some(clipped) = view.clipped_percent.filter(|p| p.round() > 0.0) {
                     "; " (format!("{clipped:.0} % of the lit sheet is overexposed"))

@@ -20,15 +20,16 @@ pub(super) fn section(result: &Reconstruction) -> Section {
     let distances: Vec<f64> = cloud.distances_mm().collect();
     let noise: Vec<f64> = cloud.points.iter().map(|p| p.noise_mm).collect();
     let left_out = summary::left_out(result);
+    let of = if result.sequence().is_some() { "the photographs" } else { "their stripes" };
     let content = html! {
         div.pair {
             figure {
-                (histogram("distances", "Distances of the points from the camera.", &distances, "distance from the camera, mm", Colour::Cloud))
+                (histogram("distances", "Distances of the points from the camera.", &distances, ("distance from the camera, mm", "mm"), Colour::Cloud))
                 figcaption { "Distances of the points from the camera." }
             }
             figure {
-                (histogram("noise", "Noise of the points.", &noise, "noise along the line of sight, mm", Colour::Noise))
-                figcaption { "Expected scatter of the points about the true surface, from the noise of their stripes (1σ)." }
+                (histogram("noise", "Noise of the points.", &noise, ("noise along the line of sight, mm", "mm"), Colour::Noise))
+                figcaption { "Expected scatter of the points about the true surface, from the noise of " (of) " (1σ)." }
             }
         }
         h3 { "Matches left out" }
@@ -80,7 +81,7 @@ fn fitted(surface: &FittedSurface, cloud: &PointCloud) -> Markup {
                 } }
             }
             figure {
-                (histogram("fit-distances", "Distances of the points from the surface.", &from, "distance from the surface, mm", Colour::Cloud))
+                (histogram("fit-distances", "Distances of the points from the surface.", &from, ("distance from the surface, mm", "mm"), Colour::Cloud))
             }
         }
     }
@@ -104,7 +105,14 @@ fn parameters(surface: &FittedSurface) -> Markup {
     }
 }
 
-fn histogram(id: &str, alt: &str, values: &[f64], title: &str, colour: Colour) -> Markup {
+/// A histogram of values; the last word is their unit.
+pub(super) fn histogram(
+    id: &str,
+    alt: &str,
+    values: &[f64],
+    (title, unit): (&str, &str),
+    colour: Colour,
+) -> Markup {
     // Outliers would squeeze all other values into one bar.
     let [low, high] = Sorted::new(values.iter().copied()).range([0.001, 0.999]);
     let width = ((high - low) / BARS as f64).max(f64::MIN_POSITIVE);
@@ -116,7 +124,7 @@ fn histogram(id: &str, alt: &str, values: &[f64], title: &str, colour: Colour) -
     let bars: Vec<(f64, usize)> =
         counts.into_iter().enumerate().map(|(i, count)| (low + (i as f64 + 0.5) * width, count)).collect();
     let words = |(x, count): &(f64, usize)| {
-        (*x, format!("{} points at {} mm", thousands(*count), significant(*x, 4)))
+        (*x, format!("{} points at {} {unit}", thousands(*count), significant(*x, 4)))
     };
     let strips = bars.iter().map(words).collect();
     Plot::new(Axis::even(title, [low, high]), Axis::from_zero("points", highest))

@@ -22,29 +22,30 @@ pub(super) fn section(page: &RigPage) -> Option<Section> {
     if rig.views.is_empty() {
         return None;
     }
+    let pairs = page.pairs_word();
     let content = html! {
         p {
             "A residual is the difference between the measured and the predicted position of a point. Small residuals mean that the \
              model fits. They do not tell how good the calibration is; the ± do."
         }
         @match &page.residuals {
-            Ok(views) => div.pair { (over_image(rig, views)) (distribution(views)) },
+            Ok(views) => div.pair { (over_image(rig, views, pairs)) (distribution(views)) },
             Err(why) => p.note { "Plots of the residuals are not shown: " (why) "." },
         }
-        (table(rig, page.residuals.as_ref().ok()))
+        (table(rig, page.residuals.as_ref().ok(), pairs))
     };
     Some(Section { id: "residuals", title: "Residuals", content })
 }
 
 /// Arrows over the image, enlarged by a round factor.
-fn over_image(rig: &Rig, views: &[ViewResiduals]) -> Markup {
+fn over_image(rig: &Rig, views: &[ViewResiduals], pairs: &'static str) -> Markup {
     let [w, h] = rig.camera.model.size().map(f64::from);
     let kept = views.iter().flat_map(ViewResiduals::points).filter(|p| p.kept);
     let scale = vector_scale::factor(kept.map(|p| p.vector_px().norm()), ARROW_SHARE * w);
     let mut plot = Plot::new(Axis::even("column, px", [0.0, w]), Axis::even("row, px", [h, -0.1 * h]))
         .with_equal_units();
     for kind in [Kind::Side, Kind::Corner] {
-        plot = arrows(plot, rig, views, kind, scale);
+        plot = arrows(plot, rig, views, (kind, pairs), scale);
     }
     // Their arrows would cover everything else.
     let left_out: Vec<_> = views.iter().flat_map(ViewResiduals::points).filter(|p| !p.kept).collect();
@@ -77,10 +78,11 @@ enum Kind {
 }
 
 impl Kind {
-    fn name_and_colour(self) -> (&'static str, Colour) {
+    /// `pairs` is what those of the pattern are called.
+    fn name_and_colour(self, pairs: &'static str) -> (&'static str, Colour) {
         match self {
             Self::Side => ("sides of the sheet", Colour::Sheet),
-            Self::Corner => ("projected corners", Colour::Projector),
+            Self::Corner => (pairs, Colour::Projector),
         }
     }
 
@@ -94,8 +96,14 @@ impl Kind {
 }
 
 /// The residuals of a kind that were used, a group per photograph, so that the pointer can name it.
-fn arrows(mut plot: Plot, rig: &Rig, views: &[ViewResiduals], kind: Kind, scale: f64) -> Plot {
-    let (name, colour) = kind.name_and_colour();
+fn arrows(
+    mut plot: Plot,
+    rig: &Rig,
+    views: &[ViewResiduals],
+    (kind, pairs): (Kind, &'static str),
+    scale: f64,
+) -> Plot {
+    let (name, colour) = kind.name_and_colour(pairs);
     let all: usize = views.iter().map(|v| kind.of(v).len()).sum();
     let step = all.div_ceil(MAX_ARROWS).max(1);
     let mut named = false;
@@ -183,7 +191,7 @@ fn across(p: &PointResidual) -> f64 {
 }
 
 /// The rms residuals of each view, and whether one fits worse than the others.
-fn table(rig: &Rig, views: Option<&Vec<ViewResiduals>>) -> Markup {
+fn table(rig: &Rig, views: Option<&Vec<ViewResiduals>>, pairs: &str) -> Markup {
     if rig.views.iter().all(|v| v.rms_px.is_none()) {
         return html! { p.note { "The rig does not state the residuals of its photographs." } };
     }
@@ -193,7 +201,7 @@ fn table(rig: &Rig, views: Option<&Vec<ViewResiduals>>) -> Markup {
         div.scroll { table {
             thead { tr {
                 th scope="col" { "Photograph" }
-                th.number scope="col" { "sheet edges" } th.number scope="col" { "projected corners" } th.number scope="col" { "on the projector" }
+                th.number scope="col" { "sheet edges" } th.number scope="col" { (pairs) } th.number scope="col" { "on the projector" }
                 @if views.is_some() { th.number scope="col" { "outliers" } }
             } }
             tbody { @for (i, view) in rig.views.iter().enumerate() {

@@ -4,6 +4,7 @@ use slcal_core::{Observations, PointCloud, Rig, ViewResiduals};
 
 use super::photo::Photo;
 use crate::name::name_among;
+use crate::picture::sheet::pairs_word;
 
 /// The content of a report on a rig. Names are as they were typed.
 pub(crate) struct RigPage<'a> {
@@ -27,6 +28,11 @@ impl RigPage<'_> {
     /// What the page calls the rig.
     pub(super) fn name(&self) -> &str {
         if self.rig_name.is_empty() { "calibration" } else { &self.rig_name }
+    }
+
+    /// What the pairs of the pattern are called: corners of a checkerboard, unless the observations say otherwise.
+    pub(super) fn pairs_word(&self) -> &'static str {
+        pairs_word(self.observations.iter().flat_map(|o| &o.views))
     }
 }
 

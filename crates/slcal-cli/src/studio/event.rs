@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::state::{CameraKind, DemoObject, DemoPose, Measured, Picture, Step};
+use super::state::{CameraKind, DemoObject, DemoPose, Measured, Picture, ScanMethod, Step};
 
 /// How to scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -49,6 +49,9 @@ pub(super) enum OperatorEvent {
     },
     Scan {
         mode: ScanMode,
+    },
+    ScanMethod {
+        method: ScanMethod,
     },
     /// Makes a cloud again, with the rig of now.
     Reconstruct {

@@ -4,12 +4,14 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use image::RgbImage;
+use slcal_core::pattern::SequencePattern;
 use slcal_core::{Rig, SheetSize};
 
 use super::auto_shot::Quad;
 use super::live::Look;
 use super::project::{Purpose, StoredPhoto};
-use super::state::{CloudEntry, DemoScene, Guide, Problem};
+use super::scan_folder::ScanFolder;
+use super::state::{CloudEntry, DemoScene, Guide, Problem, Unfinished};
 
 /// What panel, sheet and pattern are.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,6 +60,10 @@ pub(super) enum Job {
     TakeSimulated(Purpose, DemoScene),
     /// Makes a cloud of a photograph of the project.
     Cloud(StoredPhoto),
+    /// Makes the folder for a scan by this sequence.
+    BeginScan(Arc<SequencePattern>),
+    /// Makes a cloud of the photographs in such a folder.
+    SequenceCloud(ScanFolder),
     /// Keeps the last frame of a continuous scan and its cloud.
     KeepLive,
     /// Draws a picture so that it appears without keystone.
@@ -93,8 +99,12 @@ pub(super) enum Done {
     Nothing,
     /// The patterns could not be drawn.
     NotBegun(Problem),
-    /// A photograph of an earlier run whose cloud is not there.
-    CloudMissing(StoredPhoto),
+    /// A scan of an earlier run whose cloud is not there: what makes it.
+    CloudMissing(Job),
+    /// A scan of an earlier run of which photographs are missing.
+    Unfinished(Unfinished),
+    /// The folder for a scan is there.
+    ScanBegun(ScanFolder),
     /// All photographs that were there are looked through.
     Looked,
     FirstGuide(Option<Guide>),

@@ -36,6 +36,9 @@ pub(super) struct Look {
     pub(super) ready: bool,
     /// Points of a continuous scan.
     pub(super) stripes: Option<usize>,
+    /// Mean level, as a share of full scale.
+    #[serde(skip)]
+    pub(super) level: f64,
 }
 
 impl Look {
@@ -54,6 +57,7 @@ impl Look {
             still: false,
             ready: false,
             stripes: None,
+            level: level(frame),
         }
     }
 
@@ -100,6 +104,17 @@ impl Look {
     pub(super) fn is_complete(&self) -> bool {
         self.sheet.is_some() && self.problem.is_none()
     }
+}
+
+/// The mean of every few pixels: enough to see a flash.
+fn level(frame: &RgbImage) -> f64 {
+    const EVERY: usize = 7;
+    let (mut sum, mut count) = (0_u64, 0_u64);
+    for pixel in frame.pixels().step_by(EVERY) {
+        sum += pixel.0.iter().map(|c| u64::from(*c)).sum::<u64>();
+        count += 1;
+    }
+    sum as f64 / (3.0 * 255.0 * count.max(1) as f64)
 }
 
 /// What the live picture lacks, briefly: the page shows it while the sheet is moved.

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use super::state::{CameraKind, Step};
+use super::state::{CameraKind, ScanMethod, Step};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::input_kind::read_input;
 use crate::io::{InputKind, write_whole};
@@ -28,6 +28,11 @@ const SETTINGS_SCHEMA: &str = "slcal-studio-settings/1";
 pub(super) enum Purpose {
     Sheet,
     Scan,
+    /// A scan under a picture of a sequence.
+    Frame {
+        scan: u32,
+        frame: usize,
+    },
 }
 
 impl Purpose {
@@ -35,8 +40,15 @@ impl Purpose {
     fn stem(self) -> &'static str {
         match self {
             Self::Sheet => "sheet",
-            Self::Scan => "scan",
+            Self::Scan | Self::Frame { .. } => "scan",
         }
+    }
+
+    /// The number in a name without its extension: of `scan-003`.
+    pub(super) fn number(self, stem: &str) -> Option<u32> {
+        let number = stem.strip_prefix(self.stem())?.strip_prefix('-')?;
+        let digits = number.len() >= 3 && number.bytes().all(|b| b.is_ascii_digit());
+        number.parse().ok().filter(|id| digits && *id <= MOST_PHOTOS)
     }
 }
 
@@ -59,6 +71,8 @@ pub(super) struct Settings {
     pub(super) picture: Option<String>,
     #[serde(default)]
     pub(super) picture_file: Option<String>,
+    #[serde(default)]
+    pub(super) scan_method: ScanMethod,
 }
 
 fn one() -> f64 {
@@ -78,6 +92,7 @@ impl Default for Settings {
             left_out: Vec::new(),
             picture: None,
             picture_file: None,
+            scan_method: ScanMethod::Stripes,
         }
     }
 }
@@ -96,7 +111,7 @@ pub(super) struct Project {
     /// Locked until it is dropped, or the process ends in whatever way.
     _lock: File,
     /// Held from the choice of a photograph's name until it has it.
-    naming: Mutex<()>,
+    pub(super) naming: Mutex<()>,
 }
 
 impl Project {
@@ -188,16 +203,26 @@ impl Project {
             .map_err(|e| Failure::new(Exit::Other, format!("{}: cannot be written: {e}", path.display())))
     }
 
-    /// Keeps a photograph as it came, under the next free name of its kind.
+    /// Keeps a photograph as it came, under the next free name of its kind; that of a sequence in the folder of its scan.
     pub(super) fn keep(&self, purpose: Purpose, bytes: &[u8], extension: &str) -> Outcome<StoredPhoto> {
+        if let Purpose::Frame { scan, frame } = purpose {
+            return self.keep_frame(scan, frame, bytes, extension);
+        }
         let _alone = self.naming.lock().unwrap_or_else(PoisonError::into_inner);
-        let id = self.photos(purpose).last().map_or(1, |p| p.id + 1);
+        let id = self.next_id(purpose);
         let name = format!("{}-{id:03}.{extension}", purpose.stem());
         self.write(&name, bytes)?;
         Ok(StoredPhoto { id, name })
     }
 
-    /// The photographs of a kind, in the order of their numbers.
+    /// The number after the last one of a kind: photographs and folders of scans share theirs.
+    pub(super) fn next_id(&self, purpose: Purpose) -> u32 {
+        let photos = self.photos(purpose).into_iter().map(|p| p.id);
+        let folders = (purpose != Purpose::Sheet).then(|| self.scan_folders()).into_iter().flatten();
+        photos.chain(folders.map(|folder| folder.id)).max().map_or(1, |id| id + 1)
+    }
+
+    /// The photographs of a kind, in the order of their numbers; none of sequences.
     pub(super) fn photos(&self, purpose: Purpose) -> Vec<StoredPhoto> {
         const EXTENSIONS: [&str; 5] = ["jpg", "png", "tif", "webp", "bmp"];
         let names = fs::read_dir(&self.folder).into_iter().flatten().flatten();
@@ -205,9 +230,7 @@ impl Project {
             .filter_map(|entry| {
                 let name = entry.file_name().into_string().ok()?;
                 let (stem, extension) = name.rsplit_once('.')?;
-                let number = stem.strip_prefix(purpose.stem())?.strip_prefix('-')?;
-                let digits = number.len() >= 3 && number.bytes().all(|b| b.is_ascii_digit());
-                let id = number.parse().ok().filter(|id| digits && *id <= MOST_PHOTOS)?;
+                let id = purpose.number(stem)?;
                 if !EXTENSIONS.contains(&extension) {
                     return None;
                 }

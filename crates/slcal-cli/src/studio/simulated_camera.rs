@@ -8,8 +8,6 @@ use slcal_core::simulate::{
 use slcal_core::{Result, Rig};
 
 use super::state::{DemoObject, DemoPose, DemoScene};
-use crate::exit::Outcome;
-use crate::io::{PHOTO_QUALITY, jpeg_bytes};
 
 /// Size of its photographs, px, and their focal length.
 pub(super) const PHOTO_PX: [u32; 2] = [1280, 960];
@@ -94,11 +92,6 @@ impl SimulatedCamera {
         Photographer::new(&self.rig(live)?, &surfaces, &render)
     }
 
-    /// A photograph as a file.
-    pub(super) fn photograph(&mut self, scene: DemoScene, painted: Option<&RgbImage>) -> Outcome<Vec<u8>> {
-        jpeg_bytes(&self.frame(scene, painted, false)?, PHOTO_QUALITY)
-    }
-
     fn object(&self, scene: DemoScene) -> Result<SceneObject> {
         Ok(match scene.object {
             DemoObject::Sheet => SceneObject::Sheet(SheetObject::new(self.size, None, 0.0)?),
@@ -130,6 +123,7 @@ mod tests {
     use slcal_core::{CheckerConfig, CheckerPattern, PhotoView};
 
     use super::*;
+    use crate::io::{PHOTO_QUALITY, jpeg_bytes};
 
     #[test]
     fn the_first_pose_that_is_advised_shows_the_whole_pattern() {
@@ -162,7 +156,8 @@ mod tests {
             let mut camera = SimulatedCamera::new(panel, RectangleSize::new(594.0, 420.0).unwrap());
             let stripes = StripePattern::new(panel, &StripeConfig::default()).unwrap();
             let scene = DemoScene { pose: FIRST_POSE, object: DemoObject::Sphere };
-            let file = camera.photograph(scene, Some(&stripes.image().unwrap())).unwrap();
+            let frame = camera.frame(scene, Some(&stripes.image().unwrap()), false).unwrap();
+            let file = jpeg_bytes(&frame, PHOTO_QUALITY).unwrap();
             let photo = image::load_from_memory(&file).unwrap();
             let rig = camera.rig(false).unwrap();
             let mut scanner = Reconstructor::new(&rig, &stripes, ReconstructConfig::default()).unwrap();

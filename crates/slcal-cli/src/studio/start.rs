@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::browser;
 use super::job::Done;
-use super::machine::{Machine, Options};
+use super::machine::{FRAME_NOT_SHOWN, Machine, Options};
 use super::project::{Project, Purpose, Settings};
 use super::queue::{Next, Queue};
 use super::server::access::Access;
@@ -196,8 +196,19 @@ fn start_watching(mut watched: WatchFolder, project: Arc<Project>, hub: Arc<Hub>
         loop {
             thread::sleep(WATCH_EVERY);
             waiting.extend(watched.new_files(Instant::now()));
-            let Ok(purpose) = hub.purpose(None) else { continue };
-            for path in waiting.drain(..) {
+            // One by one: of a sequence, each shows another picture.
+            while let Some(path) = waiting.first().cloned() {
+                let purpose = match hub.purpose(None) {
+                    Ok(purpose) => purpose,
+                    // It shows the picture before, once more.
+                    Err(problem) if problem.code == FRAME_NOT_SHOWN => {
+                        waiting.remove(0);
+                        hub.trouble(problem);
+                        continue;
+                    }
+                    Err(_) => break,
+                };
+                waiting.remove(0);
                 if let Err(failure) = take(&path, purpose, &project, &hub) {
                     printer.note(failure.to_string());
                     hub.trouble(Problem::new(

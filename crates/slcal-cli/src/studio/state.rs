@@ -66,21 +66,41 @@ pub(super) enum Picture {
     Marks,
     Checker,
     Stripes,
+    /// A picture of the sequence that is being photographed.
+    Frame,
     /// The user's picture, without keystone.
     #[serde(rename = "picture")]
     Rectified,
 }
 
 impl Picture {
-    /// The file of the project that holds it; those without one are drawn by the page.
+    /// The file of the project that holds it; those without one are drawn by the page, or when they are asked for.
     pub(super) fn file(self) -> Option<&'static str> {
         match self {
-            Self::Black | Self::White | Self::Marks => None,
+            Self::Black | Self::White | Self::Marks | Self::Frame => None,
             Self::Checker => Some("checker.png"),
             Self::Stripes => Some("stripes.png"),
             Self::Rectified => Some("picture.png"),
         }
     }
+
+    /// Whether the page has to fetch it.
+    pub(super) fn is_fetched(self) -> bool {
+        self == Self::Frame || self.file().is_some()
+    }
+}
+
+/// How an object is scanned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum ScanMethod {
+    /// One photograph under the stripes.
+    #[default]
+    Stripes,
+    /// Many, under the pictures of a Gray code.
+    Gray,
+    /// Many, under a Gray code and a sinusoid that is shifted.
+    Phase,
 }
 
 /// What is known before anything is photographed.
@@ -209,8 +229,10 @@ pub(super) struct CloudEntry {
     pub(super) triangles: usize,
     pub(super) url: String,
     pub(super) photo: String,
-    /// Name of the photograph's file.
+    /// Name of the photograph's file, or of the folder with those of a sequence.
     pub(super) photo_name: String,
+    /// How many photographs of a sequence it is made of; `None`: a single one under stripes.
+    pub(super) frames: Option<usize>,
     pub(super) saved: Vec<String>,
     pub(super) warnings: Vec<Warning>,
     /// Fingerprint of the rig that it was made with.
@@ -227,12 +249,40 @@ pub(super) struct LiveCloud {
     pub(super) url: String,
 }
 
+/// How far the photographs of a sequence are.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(super) struct Shots {
+    /// The picture that is shown, counted from 1; 0 while the camera's delay is measured.
+    pub(super) frame: usize,
+    pub(super) of: usize,
+    /// What it shows, in words.
+    pub(super) light: String,
+    /// Whether somebody releases the camera.
+    pub(super) by_hand: bool,
+    /// Whether the display shows it and the photograph can be taken.
+    pub(super) shown: bool,
+}
+
+/// A scan by a sequence of which photographs are missing.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(super) struct Unfinished {
+    /// Its folder.
+    pub(super) name: String,
+    /// Photographs that are there, of how many.
+    pub(super) have: usize,
+    pub(super) of: usize,
+}
+
 #[derive(Debug, Clone, Default, Serialize)]
 pub(super) struct Scan {
+    pub(super) method: ScanMethod,
     pub(super) continuous: bool,
     pub(super) fps: f64,
     pub(super) clouds: Vec<CloudEntry>,
     pub(super) live: Option<LiveCloud>,
+    /// The sequence that is being photographed.
+    pub(super) shots: Option<Shots>,
+    pub(super) unfinished: Vec<Unfinished>,
 }
 
 #[derive(Debug, Clone, Default, Serialize)]

@@ -1,7 +1,8 @@
 //! The state in one sentence, the next thing to do in one sentence, and the command that does the same.
 
 use super::checker::checker;
-use super::state::{CameraKind, Picture, State, Step};
+use super::scan_folder::DESCRIPTION;
+use super::state::{CameraKind, Picture, ScanMethod, Shots, State, Step};
 use crate::report::{quoted, sentence};
 
 /// What the head of the page says.
@@ -72,6 +73,9 @@ fn scan(state: &State) -> (String, String) {
     if let Some(problem) = state.display.problem.as_ref().or(state.camera.problem.as_ref()) {
         return (sentence(&problem.message), sentence(&problem.advice));
     }
+    if let Some(shots) = &state.scan.shots {
+        return sequence(state, shots);
+    }
     if state.scan.continuous {
         let points = state.scan.live.as_ref().map_or(0, |l| l.points);
         return (
@@ -84,8 +88,31 @@ fn scan(state: &State) -> (String, String) {
             format!("{} has {} points.", cloud.name, grouped(cloud.points)),
             "Turn the cloud, save it, or scan again.".into(),
         ),
-        None => ("No cloud yet.".into(), "Put an object where the stripes fall, and scan.".into()),
+        None if state.scan.method == ScanMethod::Stripes => {
+            ("No cloud yet.".into(), "Put an object where the stripes fall, and scan.".into())
+        }
+        None => (
+            "No cloud yet.".into(),
+            "Put an object that does not move into the light, expose so that nothing of it is saturated, and scan.".into(),
+        ),
     }
+}
+
+/// While a sequence is photographed.
+fn sequence(state: &State, shots: &Shots) -> (String, String) {
+    let Shots { frame, of, light, .. } = shots;
+    if *frame == 0 {
+        return (
+            "Measuring how long the camera takes to show what the projector shows.".into(),
+            "Wait: the display turns from black to white.".into(),
+        );
+    }
+    let next = match (shots.by_hand, shots.shown) {
+        (true, true) => format!("{} Nothing may move.", how_to_take(state)),
+        (true, false) => "Wait until the display shows it.".into(),
+        (false, _) => "Nothing may move until the last photograph.".into(),
+    };
+    (format!("Picture {frame} of {of}: {light}."), next)
 }
 
 fn in_use(state: &State) -> (String, String) {
@@ -134,9 +161,14 @@ pub(super) fn command(state: &State) -> Option<String> {
         }
         Step::Scan => {
             let last = state.scan.clouds.last();
-            let photo = last.map_or("scan-001.jpg", |c| c.photo_name.as_str());
+            let is_sequence =
+                last.map_or(state.scan.method != ScanMethod::Stripes, |cloud| cloud.frames.is_some());
+            let usual = if is_sequence { "scan-001" } else { "scan-001.jpg" };
+            let photo = last.map_or(usual, |c| c.photo_name.as_str());
             let cloud = last.map_or("scan-001.ply", |c| c.name.as_str());
-            Some(format!("slcal reconstruct --rig rig.json --pattern stripes.json {photo} --mesh -o {cloud}"))
+            let pattern =
+                if is_sequence { format!("{photo}/{DESCRIPTION}") } else { "stripes.json".to_owned() };
+            Some(format!("slcal reconstruct --rig rig.json --pattern {pattern} {photo} --mesh -o {cloud}"))
         }
         Step::Use => {
             let picture = state.in_use.picture_file.as_deref().unwrap_or("picture.png");

@@ -12,8 +12,8 @@ use slcal_core::format::{
 };
 use slcal_core::pattern::Pattern;
 use slcal_core::{
-    Calibrator, CheckerPattern, PhotoView, PointCloud, ReconstructConfig, Reconstructor, Rig, SheetPhoto,
-    StripeConfig, StripePattern, rectify_picture, residuals,
+    Calibrator, CheckerPattern, PhotoView, PointCloud, ReconstructConfig, Reconstruction, Reconstructor, Rig,
+    SheetPhoto, StripeConfig, StripePattern, rectify_picture, residuals,
 };
 
 use super::auto_shot::nearness;
@@ -23,6 +23,8 @@ use super::guide::{self, RoughDevices};
 use super::job::{Bench, Calibrated, Done, Job, LiveFrame, LookFor, SheetFound};
 use super::live::Look;
 use super::project::{Project, Purpose, StoredPhoto, cloud_name};
+use super::scan_folder::ScanFolder;
+use super::sequence_cloud::sequence_cloud;
 use super::simulated_camera::{DISTANCE_MM, SimulatedCamera};
 use super::state::{CloudEntry, DemoObject, DemoPose, DemoScene, Guide, Problem};
 use crate::cloud_view::packed;
@@ -115,8 +117,10 @@ impl Worker {
                 self.forget();
                 Ok(Done::Nothing)
             }
-            Job::TakeSimulated(purpose, scene) => self.take(purpose, scene),
+            Job::TakeSimulated(purpose, scene) => self.take(purpose, scene, tell),
             Job::Cloud(photo) => self.cloud(&photo),
+            Job::BeginScan(pattern) => self.project.begin_scan(&pattern).map(Done::ScanBegun),
+            Job::SequenceCloud(folder) => self.sequence_cloud(&folder),
             Job::KeepLive => self.keep_live(),
             Job::Rectify { name, bytes } => self.rectify(name, &bytes),
             Job::Export(format) => self.export(&format),
@@ -192,10 +196,27 @@ impl Worker {
         for photo in self.project.photos(Purpose::Scan) {
             tell(match self.stored_cloud(&photo) {
                 Some(entry) => Done::Cloud(entry),
-                None => Done::CloudMissing(photo),
+                None => Done::CloudMissing(Job::Cloud(photo)),
             });
         }
+        for folder in self.project.scan_folders() {
+            self.look_through(folder, tell);
+        }
         Ok(Done::Looked)
+    }
+
+    /// What became of a scan by a sequence of an earlier run.
+    fn look_through(&self, folder: ScanFolder, tell: &mut dyn FnMut(Done)) {
+        // What somebody else has put there is none of them.
+        let Ok(pattern) = self.project.sequence_of(&folder) else { return };
+        if let Some(unfinished) = self.project.unfinished(&folder, &pattern) {
+            return tell(Done::Unfinished(unfinished));
+        }
+        let scan = StoredPhoto { id: folder.id, name: folder.name.clone() };
+        tell(match self.stored_cloud(&scan) {
+            Some(entry) => Done::Cloud(CloudEntry { frames: Some(pattern.frames.len()), ..entry }),
+            None => Done::CloudMissing(Job::SequenceCloud(folder)),
+        });
     }
 
     fn first_guide(&self, image: [u32; 2]) -> Outcome<Option<super::state::Guide>> {
@@ -310,11 +331,17 @@ impl Worker {
         guide
     }
 
-    fn take(&mut self, purpose: Purpose, scene: DemoScene) -> Outcome<Done> {
+    fn take(&mut self, purpose: Purpose, scene: DemoScene, tell: &mut dyn FnMut(Done)) -> Outcome<Done> {
         let painted = self.pictures.painted();
         let prepared = self.prepared.as_mut().ok_or_else(not_set_up)?;
-        let photo = prepared.simulated.photograph(scene, painted.as_deref())?;
-        Ok(Done::Kept(purpose, self.project.keep(purpose, &photo, "jpg")?))
+        let photo = Arc::new(prepared.simulated.frame(scene, painted.as_deref(), false)?);
+        if let Purpose::Frame { frame, .. } = purpose {
+            // No other live picture comes meanwhile.
+            self.pictures.show(photo.clone());
+            tell(Done::Look(Look::at(frame as u32, &photo)));
+        }
+        let kept = self.project.keep(purpose, &jpeg_bytes(&photo, PHOTO_QUALITY)?, "jpg")?;
+        Ok(Done::Kept(purpose, kept))
     }
 
     fn cloud(&mut self, photo: &StoredPhoto) -> Outcome<Done> {
@@ -323,18 +350,18 @@ impl Worker {
         self.reconstruct(photo, PhotoView::try_from(&picture)?)
     }
 
+    fn sequence_cloud(&self, folder: &ScanFolder) -> Outcome<Done> {
+        let rig = self.rig.as_ref().ok_or_else(not_calibrated)?;
+        let (result, pattern) = sequence_cloud(&self.project, folder, rig)?;
+        let scan = StoredPhoto { id: folder.id, name: folder.name.clone() };
+        let entry = keep_cloud(&self.project, &self.fingerprint, &scan, &result)?;
+        Ok(Done::Cloud(CloudEntry { frames: Some(pattern.frames.len()), ..entry }))
+    }
+
     fn reconstruct(&mut self, photo: &StoredPhoto, picture: PhotoView<'_>) -> Outcome<Done> {
         let scanner = self.scanner.as_mut().ok_or_else(not_calibrated)?;
         let result = scanner.reconstruct(picture)?;
-        let bytes = bytes_of(|out| write_ply(&result.cloud, out))?;
-        let note = CloudNote::new(&self.fingerprint, result.warnings());
-        let kept = serde_json::to_vec(&note).map_err(|e| Failure::new(Exit::Other, e.to_string()))?;
-        // The note first: a cloud never stands beside the note of another calibration.
-        self.project.remove(&[&cloud_name(photo.id, "ply")]);
-        self.project.write(&cloud_name(photo.id, "json"), &kept)?;
-        let entry = entry(photo, &result.cloud, note);
-        self.project.write(&entry.name, &bytes)?;
-        Ok(Done::Cloud(entry))
+        Ok(Done::Cloud(keep_cloud(&self.project, &self.fingerprint, photo, result)?))
     }
 
     /// A cloud that an earlier run left; `None` where it has none.
@@ -397,6 +424,24 @@ impl Worker {
     }
 }
 
+/// Writes a cloud, and beside it with which calibration it was made.
+fn keep_cloud(
+    project: &Project,
+    fingerprint: &str,
+    scan: &StoredPhoto,
+    result: &Reconstruction,
+) -> Outcome<CloudEntry> {
+    let bytes = bytes_of(|out| write_ply(&result.cloud, out))?;
+    let note = CloudNote::new(fingerprint, result.warnings());
+    let kept = serde_json::to_vec(&note).map_err(|e| Failure::new(Exit::Other, e.to_string()))?;
+    // The note first: a cloud never stands beside the note of another calibration.
+    project.remove(&[&cloud_name(scan.id, "ply")]);
+    project.write(&cloud_name(scan.id, "json"), &kept)?;
+    let entry = entry(scan, &result.cloud, note);
+    project.write(&entry.name, &bytes)?;
+    Ok(entry)
+}
+
 /// What a format cannot hold is left out, and told.
 fn lossy() -> ExportConfig {
     ExportConfig { lossy: true, ..ExportConfig::default() }
@@ -452,6 +497,7 @@ fn entry(photo: &StoredPhoto, cloud: &PointCloud, note: CloudNote) -> CloudEntry
         url: format!("/api/clouds/{}", photo.id),
         photo: format!("/api/scans/{}.jpg", photo.id),
         photo_name: photo.name.clone(),
+        frames: None,
         saved: vec!["ply".into()],
         warnings: note.warnings,
         rig: note.rig,

@@ -35,6 +35,13 @@ const BY_HAND: [&str; 2] = [
     "slcal reconstruct --rig my.json --pattern stripes.json head.jpg -o my.ply",
 ];
 
+/// The same with many photographs, which are rendered, too.
+const MANY_SHOTS: [&str; 3] = [
+    "slcal pattern phase --projector 1024x768 --out-dir phase",
+    "slcal simulate scene --surface sphere --albedo 0.6 --pattern phase/sequence.json --out scan",
+    "slcal reconstruct --rig scan/rig.json --pattern phase/sequence.json scan -o scan.ply",
+];
+
 const PANEL: [u32; 2] = [1024, 768];
 /// The sheet in the first photograph, mm: A2 on its side.
 const SHEET_SIZE_MM: [f64; 2] = [594.0, 420.0];
@@ -214,6 +221,16 @@ fn story(
     layout.gap();
     layout.paragraph(styled(BOLD, &unbroken("To run the same steps yourself, in that folder")));
     for command in BY_HAND {
+        layout.paragraph(unbroken(&format!("  {command}")));
+    }
+    layout.gap();
+    layout.paragraph(styled(BOLD, &unbroken("With many photographs: a point per pixel")));
+    layout.paragraph(
+        "One photograph under stripes measures what moves. What stands still can be photographed under a sequence of pictures, Gray \
+         code and a sinusoid that is shifted: every pixel becomes a point, whatever the object's colour. In that folder, with a \
+         simulated sphere:",
+    );
+    for command in MANY_SHOTS {
         layout.paragraph(unbroken(&format!("  {command}")));
     }
     Ok(layout.into_text())

@@ -48,7 +48,7 @@ pub(crate) fn run(verb: Verb, typed: &CommandLine, printer: Printer) -> Outcome 
         Verb::Triangulate(args) => triangulate::run(&args, printer),
         Verb::Reconstruct(mut args) => {
             if let Some(pattern) = sequence::sequence_in(&args.input.pattern) {
-                return scans::run(args, &pattern, printer);
+                return scans::run(args, &pattern, typed, printer);
             }
             args.images = photographs(&args.images)?;
             reconstruct::run(&args, typed, printer)

@@ -1,7 +1,7 @@
 //! Photographs of a sequence → cloud, one scan after another.
 
 use super::reconstructor::{Finish, ReconstructConfig, Reconstruction, check_possible, no_surface};
-use crate::decode::{SequenceDecodeConfig, SequenceDecoder, SequenceDecoding};
+use crate::decode::{SequenceDecodeConfig, SequenceDecodeReport, SequenceDecoder, SequenceDecoding};
 use crate::dense_matches::DenseMatches;
 use crate::error::{ErrorSubject, Result};
 use crate::pattern::SequencePattern;
@@ -58,7 +58,7 @@ impl SequenceReconstructor {
             check_photo_size(self.camera, [photo.width(), photo.height()])?;
         }
         let decoding = self.decoder.decode(frames)?;
-        self.cloud(decoding)
+        self.cloud(&decoding.matches, decoding.report)
     }
 
     /// The cloud, once all frames have come; the next scan can come then.
@@ -66,13 +66,22 @@ impl SequenceReconstructor {
     /// # Errors
     /// As [`SequenceDecoder::finish`]; [`Error::NotFound`](crate::Error::NotFound) when no surface is left, or most pixels contradict the rig.
     pub fn finish(&mut self) -> Result<Reconstruction> {
-        let decoding = self.decoder.finish()?;
-        self.cloud(decoding)
+        self.finish_with_matches().map(|(result, _)| result)
     }
 
-    fn cloud(&mut self, decoding: SequenceDecoding) -> Result<Reconstruction> {
-        let SequenceDecoding { matches, report, .. } = decoding;
-        let mut result = self.stages.run(&matches)?;
+    /// The same with the panel coordinates of every pixel (of the camera's image, width times height, row by row), from which the cloud
+    /// was made.
+    ///
+    /// # Errors
+    /// As [`finish`](Self::finish).
+    pub fn finish_with_matches(&mut self) -> Result<(Reconstruction, DenseMatches)> {
+        let SequenceDecoding { matches, report, .. } = self.decoder.finish()?;
+        let result = self.cloud(&matches, report)?;
+        Ok((result, matches))
+    }
+
+    fn cloud(&mut self, matches: &DenseMatches, report: SequenceDecodeReport) -> Result<Reconstruction> {
+        let mut result = self.stages.run(matches)?;
         result.sequence = Some(report);
         Ok(result)
     }

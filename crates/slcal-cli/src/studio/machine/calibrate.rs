@@ -58,7 +58,7 @@ impl Machine {
                 self.compare_clouds();
                 let log =
                     command(&self.state).filter(|_| self.state.step == Step::Calibrate).map(Effect::Log);
-                let clouds = self.clouds_missing.drain(..).map(|photo| Effect::Work(Job::Cloud(photo)));
+                let clouds = self.clouds_missing.drain(..).map(Effect::Work);
                 log.into_iter().chain(clouds).collect()
             }
         }

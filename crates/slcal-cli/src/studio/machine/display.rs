@@ -3,7 +3,7 @@
 use super::state_machine::{Effect, Machine};
 use crate::studio::display_check;
 use crate::studio::event::DisplayEvent;
-use crate::studio::state::{Picture, Problem, State, Step, Wanted};
+use crate::studio::state::{Picture, Problem, ScanMethod, State, Step, Wanted};
 
 impl Machine {
     /// What the display shows in a step.
@@ -11,7 +11,9 @@ impl Machine {
         let kind = match self.state.step {
             Step::SetUp => Picture::Marks,
             Step::Calibrate => Picture::Checker,
-            Step::Scan => Picture::Stripes,
+            Step::Scan if self.state.scan.method == ScanMethod::Stripes => Picture::Stripes,
+            // White shows where the sequence will fall, and whether anything is overexposed.
+            Step::Scan => Picture::White,
             Step::Use if self.state.in_use.picture.is_some() => Picture::Rectified,
             Step::Use => Picture::Black,
         };
@@ -21,8 +23,8 @@ impl Machine {
     pub(super) fn show(&mut self, kind: Picture) {
         let sequence = self.state.display.wanted.sequence + 1;
         // Until the patterns are drawn there is nothing to show.
-        let kind = if kind.file().is_some() && self.begun.is_none() { Picture::Black } else { kind };
-        let url = kind.file().map(|_| format!("/api/shown.png?sequence={sequence}"));
+        let kind = if kind.is_fetched() && self.begun.is_none() { Picture::Black } else { kind };
+        let url = kind.is_fetched().then(|| format!("/api/shown.png?sequence={sequence}"));
         self.state.display.wanted = Wanted { kind, sequence, url };
     }
 
@@ -33,8 +35,14 @@ impl Machine {
             self.state.display.measured = None;
             self.state.display.painted = 0;
             self.refused_by_page = None;
+            // Another display has another delay.
+            (self.delay, self.state.camera.latency_ms) = (None, None);
         }
         self.check_display();
+        if count == 0 && self.sequence.is_some() {
+            let why = "the display window was closed: the sequence is not complete";
+            self.stop_sequence(Some(Problem::new("scan-interrupted", why, "open it, and scan again")));
+        }
         // Without stripes there is nothing to scan.
         if count == 0 { self.end_scan() } else { Vec::new() }
     }
@@ -69,6 +77,7 @@ impl Machine {
                     problem.map(|p| Problem::new("display-refuses", limited(p.message), limited(p.advice)));
                 self.refused_by_page = of_page;
                 self.check_display();
+                self.check_sequence();
                 Vec::new()
             }
             DisplayEvent::Painted { sequence } => {
@@ -77,6 +86,10 @@ impl Machine {
                 }
                 match self.waiting {
                     Some(purpose) if self.state.display.shows_what_is_wanted() => self.shoot(purpose),
+                    None if self.state.display.shows_what_is_wanted() => {
+                        self.painted_in_sequence();
+                        Vec::new()
+                    }
                     _ => Vec::new(),
                 }
             }

@@ -42,11 +42,17 @@ impl Machine {
     /// Time passes: the simulated camera takes its live frames. `watched` says whether a page looks on.
     pub(in crate::studio) fn tick(&mut self, now_ms: u64, watched: bool) -> Vec<Effect> {
         self.now_ms = now_ms;
-        if !self.state.demo || !watched || self.begun.is_none() {
+        let sequence = self.sequence_tick();
+        if !sequence.is_empty() {
+            return sequence;
+        }
+        // Its photographs are its live picture; others would have to be traced at another size.
+        let shoots = self.sequence.is_some() && !self.flashes();
+        if shoots || !self.state.demo || !watched || self.begun.is_none() {
             return Vec::new();
         }
         let lost = self.live_since_ms.is_none_or(|since| now_ms.saturating_sub(since) > DEMO_LOST_MS);
-        let pause = if self.state.scan.continuous { 0 } else { DEMO_LIVE_MS };
+        let pause = if self.state.scan.continuous || self.flashes() { 0 } else { DEMO_LIVE_MS };
         if !lost || now_ms.saturating_sub(self.last_live_ms) < pause {
             return Vec::new();
         }
@@ -58,6 +64,8 @@ impl Machine {
 
     pub(super) fn looked(&mut self, mut look: Look, now_ms: u64) -> Vec<Effect> {
         self.live_since_ms = None;
+        self.now_ms = now_ms;
+        let flash = self.flash_seen(look.level);
         // Before anything is calibrated the guide's pose is a guess: any tilt will do.
         let first = self.state.calibration.is_none();
         let seen = look.sheet.map(|quad| Seen {
@@ -77,6 +85,7 @@ impl Machine {
             && self.state.busy.is_none()
             && self.shooting_since_ms.is_none();
         let mut effects = vec![Effect::Look(look)];
+        effects.extend(flash);
         if now {
             effects.extend(self.shoot(Purpose::Sheet));
         }

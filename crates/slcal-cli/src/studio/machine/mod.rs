@@ -7,10 +7,14 @@ mod live;
 mod photographs;
 mod rectify;
 mod scan;
+mod sequence;
 mod set_up;
 mod state_machine;
 
+pub(super) use self::sequence::FRAME_NOT_SHOWN;
 pub(super) use self::state_machine::{Effect, Machine, Options};
 
+#[cfg(test)]
+mod sequence_tests;
 #[cfg(test)]
 mod tests;

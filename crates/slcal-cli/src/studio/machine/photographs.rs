@@ -13,6 +13,9 @@ const SHOTS_REMEMBERED: usize = 8;
 impl Machine {
     /// What a photograph shows that is taken now.
     pub(super) fn purpose(&self) -> Result<Purpose, Problem> {
+        if let Some(purpose) = self.purpose_in_sequence() {
+            return purpose;
+        }
         match self.state.step {
             Step::Calibrate => Ok(Purpose::Sheet),
             Step::Scan => Ok(Purpose::Scan),
@@ -63,7 +66,9 @@ impl Machine {
         if purpose == Purpose::Sheet {
             self.auto.taken();
         }
-        self.state.busy = Some("taking a photograph");
+        if self.sequence.is_none() {
+            self.state.busy = Some("taking a photograph");
+        }
         if let Some(scene) = self.state.demo_scene {
             return vec![Effect::Work(Job::TakeSimulated(purpose, scene))];
         }
@@ -87,13 +92,18 @@ impl Machine {
                 self.state.busy = Some("reconstructing");
                 vec![Effect::Work(Job::Cloud(photo))]
             }
+            Purpose::Frame { scan, frame } => self.frame_kept(scan, frame),
         }
     }
 
     /// Gives a photograph up that does not come; whether there was one.
     pub(in crate::studio) fn give_up(&mut self, now_ms: u64) -> bool {
+        if self.give_up_flash(now_ms) {
+            return true;
+        }
         let late = self.shooting_since_ms.is_some_and(|since| now_ms.saturating_sub(since) > SHOT_LOST_MS);
         if late {
+            self.stop_sequence(None);
             (self.shooting_since_ms, self.state.busy) = (None, None);
             self.state.problem = Some(Problem::new(
                 "photograph-lost",

@@ -6,7 +6,8 @@ use super::state_machine::{Effect, Machine};
 use crate::studio::event::ScanMode;
 use crate::studio::job::Job;
 use crate::studio::project::{Purpose, StoredPhoto};
-use crate::studio::state::{CameraKind, CloudEntry, LIVE_LONGEST_PX, LiveCloud, Problem, Step};
+use crate::studio::scan_folder::ScanFolder;
+use crate::studio::state::{CameraKind, CloudEntry, LIVE_LONGEST_PX, LiveCloud, Problem, ScanMethod, Step};
 use crate::studio::words::command;
 
 /// Weight of the newest interval in the rate of clouds.
@@ -15,9 +16,17 @@ const RATE_WEIGHT: f64 = 0.2;
 impl Machine {
     pub(super) fn scan(&mut self, mode: ScanMode) -> Result<Vec<Effect>, Problem> {
         match mode {
+            ScanMode::Once if self.state.scan.method != ScanMethod::Stripes => self.start_sequence(),
             ScanMode::Once => self.take(Purpose::Scan),
             ScanMode::Start => {
                 self.need(Step::Scan)?;
+                if self.state.scan.method != ScanMethod::Stripes {
+                    return Err(Problem::new(
+                        "continuous-sequence",
+                        "a sequence takes many photographs of what does not move",
+                        "scan once, or choose the stripes",
+                    ));
+                }
                 if !matches!(self.state.camera.kind, Some(CameraKind::Webcam | CameraKind::Demo)) {
                     return Err(Problem::new(
                         "camera-not-live",
@@ -35,11 +44,20 @@ impl Machine {
         }
     }
 
-    /// Ends a continuous scan; its last cloud is kept.
+    /// Ends a continuous scan, whose last cloud is kept, or a sequence.
     pub(super) fn end_scan(&mut self) -> Vec<Effect> {
+        self.stop_sequence(None);
         let scanned = self.state.scan.continuous && self.state.scan.live.is_some();
         self.stop_scanning();
         if scanned { vec![Effect::Work(Job::KeepLive)] } else { Vec::new() }
+    }
+
+    /// What needs the camera ends, and its delay is not known any more.
+    pub(super) fn camera_gone(&mut self) {
+        self.stop_scanning();
+        (self.delay, self.state.camera.latency_ms) = (None, None);
+        let why = "the camera is gone: the sequence is not complete";
+        self.stop_sequence(Some(Problem::new("scan-interrupted", why, "start the camera, and scan again")));
     }
 
     pub(super) fn stop_scanning(&mut self) {
@@ -68,9 +86,14 @@ impl Machine {
         self.need(Step::Scan)?;
         let cloud = self.state.scan.clouds.iter().find(|c| c.id == id);
         let cloud = cloud.ok_or_else(|| Problem::new("no-cloud", "there is no such cloud", ""))?;
-        let photo = StoredPhoto { id, name: cloud.photo_name.clone() };
+        self.not_while_shooting()?;
+        let name = cloud.photo_name.clone();
+        let job = match cloud.frames {
+            Some(_) => Job::SequenceCloud(ScanFolder { id, name }),
+            None => Job::Cloud(StoredPhoto { id, name }),
+        };
         self.state.busy = Some("reconstructing");
-        Ok(vec![Effect::Work(Job::Cloud(photo))])
+        Ok(vec![Effect::Work(job)])
     }
 
     /// Marks the clouds that were made with another rig than that of now.
@@ -86,7 +109,7 @@ impl Machine {
         // Made again, it keeps its place.
         self.state.scan.clouds.sort_by_key(|c| c.id);
         self.compare_clouds();
-        if self.beginning {
+        if self.beginning || self.sequence.is_some() {
             return Vec::new();
         }
         self.state.busy = None;

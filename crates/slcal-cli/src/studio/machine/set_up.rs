@@ -78,10 +78,12 @@ impl Machine {
         if self.begun == Some(bench) {
             return Vec::new();
         }
+        self.stop_sequence(None);
         self.begun = Some(bench);
         self.beginning = true;
         self.state.photographs.clear();
         self.state.scan.clouds.clear();
+        self.state.scan.unfinished.clear();
         self.clouds_missing.clear();
         (self.state.guide, self.state.calibration, self.rig) = (None, None, None);
         self.state.busy = Some("drawing the patterns");
@@ -130,6 +132,16 @@ impl Machine {
                 "start slcal studio with --watch FOLDER",
             ));
         }
+        if self.state.camera.kind != Some(kind) || self.state.camera.size != size {
+            (self.delay, self.state.camera.latency_ms) = (None, None);
+        }
+        if self.state.camera.kind != Some(kind) {
+            self.stop_sequence(Some(Problem::new(
+                "scan-interrupted",
+                "another camera was chosen: the sequence is not complete",
+                "scan again",
+            )));
+        }
         self.state.set_up.camera = Some(kind);
         let camera = &mut self.state.camera;
         camera.kind = Some(kind);
@@ -147,7 +159,7 @@ impl Machine {
     pub(in crate::studio) fn operator_changed(&mut self) {
         if self.state.camera.kind == Some(CameraKind::Webcam) {
             self.state.camera.connected = false;
-            self.stop_scanning();
+            self.camera_gone();
         }
     }
 }

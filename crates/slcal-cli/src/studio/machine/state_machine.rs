@@ -5,11 +5,13 @@ use std::sync::Arc;
 
 use slcal_core::Rig;
 
+use super::sequence::Sequence;
 use crate::studio::auto_shot::AutoShot;
 use crate::studio::event::OperatorEvent;
+use crate::studio::flash::Delay;
 use crate::studio::job::{Bench, Done, Job, LiveFrame};
 use crate::studio::live::Look;
-use crate::studio::project::{Purpose, Settings, StoredPhoto};
+use crate::studio::project::{Purpose, Settings};
 use crate::studio::simulated_camera::{FIRST_POSE, PHOTO_PX};
 use crate::studio::state::{
     CameraKind, CameraState, DemoObject, DemoPose, DemoScene, Display, LIVE_LONGEST_PX, Picture, Problem,
@@ -34,6 +36,8 @@ pub(in crate::studio) enum Effect {
         sequence: u64,
         bytes: Arc<[u8]>,
     },
+    /// The state has changed, though nothing else follows.
+    Tell,
     /// The settings are to be kept.
     Save,
     /// A command that does the same, for the log.
@@ -72,7 +76,11 @@ pub(in crate::studio) struct Machine {
     pub(super) beginning: bool,
     pub(super) begun: Option<Bench>,
     /// Photographs of an earlier run that have no cloud yet.
-    pub(super) clouds_missing: Vec<StoredPhoto>,
+    pub(super) clouds_missing: Vec<Job>,
+    /// The sequence that is being photographed.
+    pub(super) sequence: Option<Sequence>,
+    /// That of display and camera, once it was measured.
+    pub(super) delay: Option<Delay>,
     /// Why the display's page itself refuses to show a pattern.
     pub(super) refused_by_page: Option<Problem>,
     /// Where the sheet was photographed last.
@@ -124,7 +132,7 @@ impl Machine {
             photographs: Vec::new(),
             calibration: None,
             guide: None,
-            scan: Scan::default(),
+            scan: Scan { method: settings.scan_method, ..Scan::default() },
             in_use: Use {
                 picture: settings.picture.clone(),
                 picture_file: settings.picture_file.clone(),
@@ -151,6 +159,8 @@ impl Machine {
             beginning: false,
             begun: None,
             clouds_missing: Vec::new(),
+            sequence: None,
+            delay: None,
             refused_by_page: None,
             last_pose: None,
         };
@@ -159,6 +169,11 @@ impl Machine {
         machine.check_display();
         machine.show_for_step();
         (machine, effects)
+    }
+
+    /// The time, before anything happens at it.
+    pub(in crate::studio) fn at(&mut self, now_ms: u64) {
+        self.now_ms = now_ms;
     }
 
     /// What is kept for the next start.
@@ -174,6 +189,7 @@ impl Machine {
             left_out: self.left_out.iter().cloned().collect(),
             picture: self.state.in_use.picture.clone(),
             picture_file: self.state.in_use.picture_file.clone(),
+            scan_method: self.state.scan.method,
             ..Settings::default()
         }
     }
@@ -193,21 +209,32 @@ impl Machine {
                     format!("the camera does not answer: {}", message.chars().take(200).collect::<String>()),
                     "plug it in again, close other programs that use it, and choose it again",
                 ));
-                self.stop_scanning();
+                self.camera_gone();
                 if self.shooting_since_ms.take().is_some() {
                     self.state.busy = None;
                 }
                 Ok(Vec::new())
             }
-            OperatorEvent::Take => self.take(self.purpose()?),
+            OperatorEvent::Take => {
+                self.not_while_shooting()?;
+                self.take(self.purpose()?)
+            }
             OperatorEvent::AutoShot { on } => {
                 self.state.auto_shot = on;
                 Ok(Vec::new())
             }
-            OperatorEvent::Photograph { id, used } => self.use_photograph(id, used),
+            OperatorEvent::Photograph { id, used } => {
+                self.not_while_shooting()?;
+                self.use_photograph(id, used)
+            }
             OperatorEvent::Scan { mode } => self.scan(mode),
+            OperatorEvent::ScanMethod { method } => self.scan_method(method),
             OperatorEvent::Reconstruct { id } => self.reconstruct(id),
             OperatorEvent::Show { kind } => {
+                self.not_while_shooting()?;
+                if kind == Picture::Frame {
+                    return Err(Problem::new("no-picture", "no sequence is being photographed", "scan"));
+                }
                 if kind == Picture::Rectified && self.state.in_use.picture.is_none() {
                     return Err(Problem::new(
                         "no-picture",
@@ -256,6 +283,9 @@ impl Machine {
 
     pub(super) fn go_to(&mut self, step: Step) -> Result<Vec<Effect>, Problem> {
         self.need(step)?;
+        if step == self.state.step && self.sequence.is_some() {
+            return Ok(Vec::new());
+        }
         let mut effects = if step == self.state.step { Vec::new() } else { self.end_scan() };
         self.state.step = step;
         self.waiting = None;
@@ -336,13 +366,22 @@ impl Machine {
                 self.state.busy = None;
                 Vec::new()
             }
-            Done::CloudMissing(photo) => {
-                self.clouds_missing.push(photo);
+            Done::CloudMissing(job) => {
+                self.clouds_missing.push(job);
                 Vec::new()
             }
+            Done::Unfinished(scan) => {
+                self.state.scan.unfinished.push(scan);
+                Vec::new()
+            }
+            Done::ScanBegun(folder) => self.scan_begun(folder),
             Done::NotBegun(problem) => {
                 (self.state.busy, self.beginning, self.begun) = (None, false, None);
                 self.state.problem = Some(problem);
+                Vec::new()
+            }
+            Done::Failed(problem) if self.sequence.is_some() => {
+                self.stop_sequence(Some(problem));
                 Vec::new()
             }
             Done::Failed(problem) => {

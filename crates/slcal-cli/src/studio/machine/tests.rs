@@ -13,13 +13,13 @@ use crate::studio::project::{Purpose, Settings, StoredPhoto};
 use crate::studio::simulated_camera::PHOTO_PX;
 use crate::studio::state::{CameraKind, CloudEntry, DemoObject, DemoPose, Measured, Picture, Problem, Step};
 
-const PANEL: [u32; 2] = [1024, 768];
+pub(super) const PANEL: [u32; 2] = [1024, 768];
 
-fn settings(size: Option<&str>) -> Settings {
+pub(super) fn settings(size: Option<&str>) -> Settings {
     Settings { projector: Some(PANEL), size: size.map(str::to_owned), ..Settings::default() }
 }
 
-fn demo() -> Machine {
+pub(super) fn demo() -> Machine {
     let options = Options { demo: true, ..Options::default() };
     let (mut machine, effects) = Machine::new(&settings(Some("594x420mm")), options);
     assert!(matches!(effects[..], [Effect::Work(Job::Begin(..))]));
@@ -28,22 +28,22 @@ fn demo() -> Machine {
     machine
 }
 
-fn with_display(machine: &mut Machine) {
+pub(super) fn with_display(machine: &mut Machine) {
     machine.displays(1);
     let sequence = machine.state.display.wanted.sequence;
     machine.display(DisplayEvent::Painted { sequence });
 }
 
-fn photo(id: u32) -> StoredPhoto {
+pub(super) fn photo(id: u32) -> StoredPhoto {
     StoredPhoto { id, name: format!("sheet-{id:03}.jpg") }
 }
 
-fn found() -> SheetFound {
+pub(super) fn found() -> SheetFound {
     SheetFound { corners: 70, of: 70, outline: None, size: PHOTO_PX }
 }
 
 /// A calibration of photographs as a machine is told it: from rendered observations.
-fn calibrated(used: &[u32]) -> Done {
+pub(super) fn calibrated(used: &[u32]) -> Done {
     use slcal_core::simulate::{Draws, NoiseModel, PoseConfig, RigConfig, Scene};
     let poses: Vec<_> =
         (0..used.len()).map(|i| PoseConfig::tilted(25.0, 28.0 - 56.0 * (i % 2) as f64)).collect();
@@ -57,7 +57,7 @@ fn calibrated(used: &[u32]) -> Done {
     Done::Calibrated(Ok(Calibrated { rig, fingerprint: format!("{used:?}"), used: used.to_vec(), guide }))
 }
 
-fn step(machine: &mut Machine, step: Step) -> Result<Vec<Effect>, Problem> {
+pub(super) fn step(machine: &mut Machine, step: Step) -> Result<Vec<Effect>, Problem> {
     machine.operate(OperatorEvent::Step { step })
 }
 
@@ -216,7 +216,7 @@ fn a_photograph_of_another_size_that_is_left_out_hinders_no_more() {
 fn what_an_interrupted_run_left_gets_its_cloud() {
     let mut machine = demo();
     let scan = StoredPhoto { id: 1, name: "scan-001.jpg".into() };
-    machine.done(Done::CloudMissing(scan), 0);
+    machine.done(Done::CloudMissing(Job::Cloud(scan)), 0);
     machine.done(Done::Sheet { photo: photo(1), found: Ok(found()) }, 0);
     let effects = machine.done(calibrated(&[1]), 0);
     assert!(matches!(&effects[..], [Effect::Work(Job::Cloud(p))] if p.name == "scan-001.jpg"));
@@ -268,6 +268,7 @@ fn clouds_of_an_earlier_calibration_are_marked_and_made_again() {
             url: String::new(),
             photo: String::new(),
             photo_name: format!("scan-{id:03}.jpg"),
+            frames: None,
             saved: vec![],
             warnings: vec![],
             rig: rig.into(),

@@ -103,6 +103,7 @@ impl Hub {
     /// Changes the state, does what follows, and tells the pages.
     fn change(&self, event: impl FnOnce(&mut Inner) -> Vec<Effect>) {
         let mut inner = self.lock();
+        inner.machine.at(self.now_ms());
         let effects = event(&mut inner);
         // Live frames change nothing that pages draw from the state.
         let quiet =
@@ -123,6 +124,8 @@ impl Hub {
         };
         match effect {
             Effect::Work(job) => self.queue.push(job),
+            // All are told after every change.
+            Effect::Tell => {}
             Effect::Live(frame) => self.queue.show(frame),
             Effect::Shoot { shot, purpose } => {
                 let message = json!({ "type": "shoot", "shot": shot, "purpose": purpose }).to_string();
@@ -238,11 +241,13 @@ impl Hub {
         let mut inner = self.lock();
         let watched = inner.pages.iter().any(|p| matches!(p.role, Role::Operator | Role::Watcher));
         let effects = inner.machine.tick(now, watched);
+        let mut is_told = effects.iter().any(|e| !matches!(e, Effect::Live(_)));
         for effect in effects {
             self.follow(effect, &mut inner);
         }
-        if inner.machine.give_up(now) {
-            drop(inner);
+        is_told |= inner.machine.give_up(now);
+        drop(inner);
+        if is_told {
             self.change(|_| Vec::new());
         }
     }

@@ -22,7 +22,9 @@ use super::hub::Hub;
 use super::session::{Answer, Asked, role};
 use super::{pages, socket};
 use crate::cloud_view::packed;
-use crate::io::{Foreign, decode_photo, extension_of, jpeg_bytes};
+use crate::io::{
+    Foreign, InputKind, decode_photo, extension_of, input_name, jpeg_bytes, png_bytes, read_bytes,
+};
 use crate::studio::project::{Purpose, cloud_name};
 use crate::studio::words::command;
 use crate::studio::worker;
@@ -154,10 +156,21 @@ async fn aside<T: Send + 'static>(
 
 async fn shown(State(hub): Shared, headers: HeaderMap, Query(asked): Query<Asked>) -> Answer {
     role(&hub, &headers, &asked, &SEEING)?;
+    if let Some((pattern, frame)) = hub.with(|m| m.wanted_frame()) {
+        let drawn = move || {
+            let picture = pattern.image(frame).ok();
+            picture.and_then(|p| png_bytes(&DynamicImage::ImageLuma8(p)).ok()).ok_or_else(not_shown)
+        };
+        return Ok(bytes("image/png", aside(drawn).await?));
+    }
     let name = hub.with(|m| m.state.display.wanted.kind.file());
-    let name = name.ok_or_else(|| Refusal::missing("picture on the display"))?;
-    let read = move || hub.project.read(name).map_err(|_| Refusal::missing("picture on the display"));
+    let name = name.ok_or_else(not_shown)?;
+    let read = move || hub.project.read(name).map_err(|_| not_shown());
     Ok(bytes("image/png", aside(read).await?))
+}
+
+fn not_shown() -> Refusal {
+    Refusal::missing("picture on the display")
 }
 
 async fn live(State(hub): Shared, headers: HeaderMap, Query(asked): Query<Asked>) -> Answer {
@@ -200,9 +213,12 @@ async fn stored_picture(hub: Arc<Hub>, purpose: Purpose, name: &str, width: Opti
     let longest = width.map_or(SHOWN_PX, |w| w.clamp(SMALLEST_PX, SHOWN_PX));
     let project = hub.project.clone();
     let encoded = decoding(&hub, move || {
-        let photo = project.photos(purpose).into_iter().find(|p| p.id == id).ok_or_else(missing)?;
-        let file = project.read(&photo.name).map_err(|_| missing())?;
-        let picture = decode_photo(&file, &photo.name).map_err(|_| missing())?.photo;
+        let photo = project.photos(purpose).into_iter().find(|p| p.id == id);
+        let path = photo.map(|photo| project.path(&photo.name));
+        let of_sequence = || project.picture_of_scan(id).filter(|_| purpose == Purpose::Scan);
+        let path = path.or_else(of_sequence).ok_or_else(missing)?;
+        let file = read_bytes(&path, InputKind::Own).map_err(|_| missing())?;
+        let picture = decode_photo(&file, &input_name(&path)).map_err(|_| missing())?.photo;
         shown_jpeg(&smaller(picture, longest))
     });
     Ok(bytes("image/jpeg", encoded.await?))
@@ -313,7 +329,7 @@ async fn upload(
         }
     })
     .await?;
-    let answer = json!({ "id": photo.id, "scan": purpose == Purpose::Scan });
+    let answer = json!({ "id": photo.id, "scan": purpose != Purpose::Sheet });
     hub.kept(purpose, photo);
     Ok(json_answer(&answer))
 }

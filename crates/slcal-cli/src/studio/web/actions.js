@@ -46,12 +46,17 @@ function calibrate(state, here) {
 
 function scan(state, here) {
   const byHand = ["phone", "folder"].includes(state.camera.kind);
-  const once = state.camera.kind === "files" ? "choose-files" : byHand || blind(state) ? null : "scan-once";
+  if (state.scan.shots) {
+    return { first: state.scan.shots.by_hand && state.scan.shots.shown && state.camera.kind === "files" ? "choose-files" : "scan-stop", others: ["scan-stop"] };
+  }
+  const many = state.scan.method !== "stripes";
+  const once = many ? (displayMissing(state) ? null : "scan-once")
+    : state.camera.kind === "files" ? "choose-files" : byHand || blind(state) ? null : "scan-once";
   const go = open(state, "use") && state.scan.clouds.length > 0 ? "go-use" : null;
-  if (displayMissing(state) && !byHand) return { first: "open-display", others: [state.scan.continuous ? "scan-stop" : once, go] };
+  if (displayMissing(state) && (!byHand || many)) return { first: "open-display", others: [state.scan.continuous ? "scan-stop" : once, go] };
   if (webcamMissing(state, here)) return { first: "start-webcam", others: [go] };
   if (state.scan.continuous) return { first: "scan-stop", others: [go] };
-  return { first: once, others: [byHand || state.camera.kind === "files" ? null : "scan-start", go] };
+  return { first: once, others: [many || byHand || state.camera.kind === "files" ? null : "scan-start", go] };
 }
 
 function use(state) {

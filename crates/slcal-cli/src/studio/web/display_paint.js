@@ -6,9 +6,11 @@ import { withRole } from "./session.js";
 const ARM = 0.12;
 const ARM_WIDTH = 0.012;
 
+// In two parts: Chromium has been seen to drop a fill of the whole canvas that comes after another one (white after black stayed black).
 function plain(c, [w, h], colour) {
   c.fillStyle = colour;
-  c.fillRect(0, 0, w, h);
+  c.fillRect(0, 0, w, h - 1);
+  c.fillRect(0, h - 1, w, 1);
 }
 
 function marks(c, [w, h]) {

@@ -28,7 +28,7 @@ use crate::io::{
 };
 use crate::output::{Printer, Remarks};
 use crate::picture::{depth_file, for_display, stripes};
-use crate::report::{CloudPage, CommandLine, Photo, cloud_html};
+use crate::report::{CloudPage, CommandLine, Photo, Pictured, cloud_html};
 use crate::surface::FittedSurface;
 
 pub(super) fn run(args: &ReconstructArgs, typed: &CommandLine, printer: Printer) -> Outcome {
@@ -242,7 +242,7 @@ impl Job<'_> {
             rig_name: input_name(&self.args.rig),
             image_name: input_name(image),
             cloud_name: typed.unwrap_or_else(|| cloud.to_owned()),
-            photo: photo.map(|p| Photo::new(p, 1)).transpose()?,
+            pictured: photo.map_or(Ok(Pictured::Nothing), |p| Photo::new(p, 1).map(Pictured::Stripes))?,
             result,
             surface: self.args.fit.map(|shape| {
                 FittedSurface::new(shape, &result.cloud, &FitConfig::default()).map_err(|e| e.to_string())
