@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use image::{DynamicImage, GrayImage, Luma};
 use nalgebra::{DMatrix, Point2};
-use slcal_core::decode::{DecodeConfig, decode};
+use slcal_core::decode::{DecodeConfig, SequenceDecodeConfig, SequenceDecoder, decode};
 use slcal_core::format::read_rig;
-use slcal_core::pattern::{StripeConfig, StripePattern};
+use slcal_core::pattern::{SequenceConfig, SequencePattern, StripeConfig, StripePattern};
 use slcal_core::photo::PhotoView;
 use slcal_core::reconstruct::{TriangulateConfig, triangulate};
 use slcal_core::{Covariance, Match, Matches, Rig};
@@ -66,4 +67,37 @@ fn stripes_are_the_same_on_any_number_of_threads() {
     let many = decode(photo, &stripes, &DecodeConfig { parallel: true, ..DecodeConfig::default() }).unwrap();
     assert!(one.matches.items.len() > 10_000);
     assert_eq!(one, many);
+}
+
+#[test]
+fn sequences_are_the_same_on_any_number_of_threads() {
+    let config = SequenceConfig { sinusoid: None, ..SequenceConfig::default() };
+    let pattern = SequencePattern::new([640, 480], &config).unwrap();
+    // A camera that sees a part of the panel, two of its pixels for one.
+    let frames: Vec<DynamicImage> = (0..pattern.frames.len())
+        .map(|i| {
+            let picture = pattern.image(i).unwrap();
+            let seen = |x: u32, y: u32| Luma([picture.get_pixel(40 + x / 2, 30 + y / 2).0[0] / 2 + 20]);
+            DynamicImage::ImageLuma8(GrayImage::from_fn(900, 700, seen))
+        })
+        .collect();
+    let views: Vec<PhotoView<'_>> = frames.iter().map(|f| PhotoView::try_from(f).unwrap()).collect();
+    let decoded = |parallel: bool| {
+        let mut config = SequenceDecodeConfig::default();
+        config.parallel = parallel;
+        SequenceDecoder::new(&pattern, config).unwrap().decode(&views).unwrap()
+    };
+    let (one, many) = (decoded(false), decoded(true));
+    assert_eq!(one.report, many.report);
+    assert!(one.report.decoded > 600_000, "{:?}", one.report);
+    let bits = |plane: &[f32]| plane.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    for (a, b) in [
+        (&one.matches.column, &many.matches.column),
+        (&one.matches.sigma_column, &many.matches.sigma_column),
+        (&one.matches.row, &many.matches.row),
+        (&one.matches.sigma_row, &many.matches.sigma_row),
+        (&one.matches.confidence, &many.matches.confidence),
+    ] {
+        assert!(a.len() == 900 * 700 && bits(a) == bits(b));
+    }
 }

@@ -30,6 +30,7 @@ impl SequenceReconstructor {
         rig.projector_for(ErrorSubject::Pattern, pattern.projector)?;
         let mut decode = SequenceDecodeConfig::default();
         decode.mirrored = config.decode.mirrored || rig.is_mirrored();
+        decode.parallel = config.decode.parallel;
         let decoder = SequenceDecoder::new(pattern, decode)?;
         Ok(Self { camera: rig.camera.model.size(), decoder, stages: DenseStages::new(rig, &config)? })
     }

@@ -339,7 +339,7 @@ class SequenceDecodeReport(Report):
     lit: int
     #: Pixels with a position.
     decoded: int
-    #: Lit pixels of which too little is certain: bits without contrast, or no amplitude.
+    #: Lit pixels of which too little is certain: bits without contrast, no amplitude, or the light of two surfaces.
     undecided: int
     #: Lit pixels whose bits mean no place on the panel, or contradict the sinusoid.
     contradicting: int

@@ -5,12 +5,17 @@ use super::pixel_code::NO_CELL;
 use super::planes::border_bit;
 
 /// Neighbouring pixels whose cells differ by more see different surfaces.
-const MOST_CELLS: u16 = 4;
+pub(super) const MOST_CELLS: u16 = 4;
 /// 1σ of a uniform distribution over its width: of a position of which the cell alone is known, and of a border of which it is known
 /// between which pixels it lies.
 const UNIFORM: f32 = 0.289;
 /// The share of a cell by which a position may leave it: borders have noise, too.
 const BEYOND: f32 = 0.25;
+/// Larger shares of white less black are the noise's.
+const MOST_SHARE: f32 = 0.97;
+/// Where between a straight profile (0) and a normal one (1) borders are taken to be, and 1σ of that.
+const NORMAL: f32 = 0.67;
+const SPREAD: f32 = 0.33;
 /// Borders are no closer to each other, px.
 const CLOSEST: f32 = 1e-3;
 
@@ -22,6 +27,8 @@ pub(super) trait Line {
     fn contrast(&self, i: usize, bit: u32) -> i16;
     /// 1σ of that contrast, from noise.
     fn sigma(&self, i: usize) -> f32;
+    /// White less black there, the contrast of a bit away from its borders; zero where it is not known.
+    fn full_contrast(&self, i: usize) -> f32;
     /// Takes position and σ of a pixel, panel px.
     fn put(&mut self, i: usize, position: f32, sigma: f32);
 }
@@ -29,7 +36,7 @@ pub(super) trait Line {
 /// Whether two neighbouring pixels see one surface.
 #[inline]
 pub(super) fn are_linked(a: u16, b: u16) -> bool {
-    (a != NO_CELL) & (b != NO_CELL) & (a.abs_diff(b) <= MOST_CELLS)
+    a != NO_CELL && b != NO_CELL && a.abs_diff(b) <= MOST_CELLS
 }
 
 /// A border between two pixels of a line.
@@ -144,7 +151,34 @@ fn border(line: &impl Line, cell_px: f32, [a, b]: [u16; 2], end: usize) -> Borde
     let per_sum = 1.0 / sum;
     let noise = 0.5 * (line.sigma(end - 1) + line.sigma(end));
     let moved = noise * (one * one + other * other).sqrt() * per_sum * per_sum;
-    Border { end, at: first + one * per_sum, sigma: moved.min(UNIFORM), on_panel }
+    let (share, unknown) = border_share([one, other], [end - 1, end].map(|i| line.full_contrast(i)));
+    Border { end, at: first + share, sigma: moved.hypot(unknown).min(UNIFORM), on_panel }
+}
+
+/// Where between two pixels a border lies, as the share of the way from one to the other, and how far that is unknown (1σ). `full` is white
+/// less black at both.
+///
+/// How the contrast grows with the distance from the border is the profile of the blur. Of a wide, even blur it is a straight line, of a
+/// normal one the error function; a narrow, even one (of the pixel alone) looks like the latter, as it has all contrast a pixel away.
+/// Most lenses are nearer to the normal one.
+#[inline]
+fn border_share([one, other]: [f32; 2], full: [f32; 2]) -> (f32, f32) {
+    let straight = one / (one + other);
+    if full[0] <= 0.0 || full[1] <= 0.0 {
+        return (straight, 0.0);
+    }
+    let [a, b] = [distance(one / full[0]), distance(other / full[1])];
+    let between = a / (a + b) - straight;
+    (straight + NORMAL * between, SPREAD * between.abs())
+}
+
+/// The distance from a border at which a normal blur gives this share of the contrast, in units that cancel: the inverse of the error
+/// function to 2 %.
+#[inline]
+fn distance(share: f32) -> f32 {
+    let share = share.min(MOST_SHARE);
+    let square = share * share;
+    share / (1.0 - square * (0.26 + square * (0.06 + 0.14 * square)))
 }
 
 /// The pixels between two borders: on the straight line through both.
@@ -180,5 +214,50 @@ fn beyond(line: &mut impl Line, cell_px: f32, [last, before]: [Border; 2], pixel
         } else {
             put(line, cell_px, i, middle(line, cell_px, i), UNIFORM * cell_px);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The error function by Simpson's rule.
+    fn erf(x: f64) -> f64 {
+        let n = 200;
+        let h = x / f64::from(n);
+        let sum: f64 = (0..=n)
+            .map(|i| {
+                let weight = if i == 0 || i == n { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
+                weight * (-(f64::from(i) * h).powi(2)).exp()
+            })
+            .sum();
+        sum * h / 3.0 * std::f64::consts::FRAC_2_SQRT_PI
+    }
+
+    #[test]
+    fn borders_lie_within_what_their_blur_leaves_unknown() {
+        let even = |width: f64| move |d: f64| (2.0 * d / width).min(1.0);
+        let normal = |sigma: f64| move |d: f64| erf(d / (sigma * std::f64::consts::SQRT_2));
+        let profiles: [(&str, Box<dyn Fn(f64) -> f64>, f32); 8] = [
+            ("the pixel alone", Box::new(even(1.0)), 0.05),
+            ("even, 1.5 px", Box::new(even(1.5)), 0.055),
+            ("even, 3 px", Box::new(even(3.0)), 0.03),
+            ("normal, 0.3 px", Box::new(normal(0.3)), 0.075),
+            ("normal, 0.4 px", Box::new(normal(0.4)), 0.04),
+            ("normal, 0.6 px", Box::new(normal(0.6)), 0.025),
+            ("normal, 0.8 px", Box::new(normal(0.8)), 0.02),
+            ("normal, 1.5 px", Box::new(normal(1.5)), 0.01),
+        ];
+        for (name, contrast, most) in profiles {
+            for k in 1..20 {
+                let at = 0.05 * f64::from(k);
+                let pair = [contrast(at), contrast(1.0 - at)].map(|c| c as f32);
+                let (share, unknown) = border_share(pair, [1.0; 2]);
+                let off = (share - at as f32).abs();
+                assert!(off <= most, "{name}, {at}: {share} ± {unknown}");
+                assert!(off <= 2.5 * unknown + 0.006, "{name}, {at}: {share} ± {unknown}");
+            }
+        }
+        assert_eq!(border_share([30.0, 90.0], [0.0; 2]), (0.25, 0.0));
     }
 }

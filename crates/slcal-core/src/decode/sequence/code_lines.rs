@@ -36,6 +36,11 @@ impl Line for Row<'_> {
     }
 
     #[inline]
+    fn full_contrast(&self, i: usize) -> f32 {
+        PixelLight::lit(self.planes, self.first + i).unwrap_or(0.0)
+    }
+
+    #[inline]
     fn put(&mut self, i: usize, position: f32, sigma: f32) {
         (self.to[i], self.to_sigma[i]) = (position, sigma);
     }
@@ -102,6 +107,12 @@ impl Line for Columns<'_> {
     fn sigma(&self, i: usize) -> f32 {
         let (planes, pixel) = self.at(i);
         self.light.contrast_sigma(planes, pixel)
+    }
+
+    #[inline]
+    fn full_contrast(&self, i: usize) -> f32 {
+        let (planes, pixel) = self.at(i);
+        PixelLight::lit(planes, pixel).unwrap_or(0.0)
     }
 
     #[inline]

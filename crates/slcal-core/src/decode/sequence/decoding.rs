@@ -1,9 +1,11 @@
 //! Folded frames → the result of decoding: noise, checks, positions, report.
 
+use super::code_borders::MOST_CELLS;
 use super::folded_frames::FoldedFrames;
 use super::frame_checks::FrameChecks;
 use super::frame_noise::{FrameNoise, NoiseOfSums};
 use super::frame_plan::FramePlan;
+use super::mixed_pixels::drop_mixed;
 use super::pixel_code::PixelCounts;
 use super::pixel_light::PixelLight;
 use super::positions::axis_positions;
@@ -11,7 +13,7 @@ use super::report::{SequenceDecodeConfig, SequenceDecodeReport, SequenceDecoding
 use super::result_checks::{check_parallax, check_seen};
 use crate::dense_matches::DenseMatches;
 use crate::error::Result;
-use crate::pattern::SequencePattern;
+use crate::pattern::{AxisCode, SequencePattern};
 use crate::solve::median;
 
 /// Medians are those of about this many pixels, spread evenly.
@@ -49,10 +51,13 @@ pub(super) fn decoding(
         counts = PixelCounts { lit, ..counts + of_axis };
     }
     drop(least);
+    let codes = folded.bands.iter().take(1).flat_map(|band| band.planes.axes.iter().flatten());
+    let jump_px = codes.map(|axis| jump_px(axis.code)).fold(0.0, f32::max);
     color.reserve_exact(folded.bands.iter().map(|band| band.planes.color.len()).sum());
     for band in &folded.bands {
         color.extend_from_slice(&band.planes.color);
     }
+    counts.undecided += drop_mixed(&mut decoding.matches, jump_px);
     if config.mirrored {
         let last = (pattern.projector[0] - 1) as f32;
         decoding.matches.column.iter_mut().for_each(|c| *c = last - *c);
@@ -62,6 +67,14 @@ pub(super) fn decoding(
     check_seen(&decoding.report)?;
     check_parallax(&decoding.matches, pattern.projector)?;
     Ok(decoding)
+}
+
+/// Neighbouring pixels of a surface are no farther apart on the panel.
+fn jump_px(code: AxisCode) -> f32 {
+    match code.sinusoid {
+        Some((period, _)) => 0.5 * period as f32,
+        None => f32::from(MOST_CELLS) * code.cell_px as f32,
+    }
 }
 
 fn report(

@@ -15,7 +15,7 @@ const DISORDER: f32 = 0.5;
 /// Replaces a position that is far from the mean of its neighbourhood.
 #[inline]
 fn settle(cell_px: f32, to: &mut f32, sigma: &mut f32, mean: f32) {
-    let is_stray = ((*to - mean).abs() > MOST_STRAY * cell_px) | (*sigma >= cell_px);
+    let is_stray = (*to - mean).abs() > MOST_STRAY * cell_px || *sigma >= cell_px;
     *to = if is_stray { mean } else { *to };
     *sigma = if is_stray { DISORDER * cell_px } else { *sigma };
 }

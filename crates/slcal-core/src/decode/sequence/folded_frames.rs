@@ -84,7 +84,8 @@ impl FoldedFrames {
 
     /// What was kept along some lines.
     pub(super) fn samples(&self) -> SampleLines {
-        SampleLines::of([self.width, self.height], self.bands.iter().map(|band| &band.samples))
+        let bands: Vec<_> = self.bands.iter().map(|band| &band.samples).collect();
+        SampleLines::of([self.width, self.height], &bands)
     }
 }
 

@@ -74,7 +74,7 @@ pub(super) fn read_cells(planes: &AxisPlanes, least: &[i16], out: &mut Vec<u16>,
     // Most pixels are certain: many at once.
     out.extend(seen.zip(least).map(|((word, (finest, weakest)), least)| {
         let cell = number_of(*word);
-        let is_certain = (finest.abs() >= *least) & (weakest >= least) & (cell < cells);
+        let is_certain = finest.abs() >= *least && weakest >= least && cell < cells;
         if is_certain { cell } else { NO_CELL }
     }));
     for (pixel, (cell, least)) in out.iter_mut().zip(least).enumerate() {

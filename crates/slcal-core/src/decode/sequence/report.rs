@@ -29,7 +29,7 @@ pub struct SequenceDecodeReport {
     pub lit: usize,
     /// Pixels with a position.
     pub decoded: usize,
-    /// Lit pixels of which too little is certain: bits without contrast, or no amplitude.
+    /// Lit pixels of which too little is certain: bits without contrast, no amplitude, or the light of two surfaces.
     pub undecided: usize,
     /// Lit pixels whose bits mean no place on the panel, or contradict the sinusoid.
     pub contradicting: usize,

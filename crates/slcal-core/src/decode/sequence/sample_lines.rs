@@ -58,17 +58,17 @@ pub(super) struct SampleLines {
 
 impl SampleLines {
     /// Of bands that follow one another; every frame was kept.
-    pub(super) fn of<'a>(size: [usize; 2], bands: impl Iterator<Item = &'a BandSamples> + Clone) -> Self {
+    pub(super) fn of(size: [usize; 2], bands: &[&BandSamples]) -> Self {
         let [width, height] = size;
         let (rows, columns): (Vec<_>, Vec<_>) = (spread(height).collect(), spread(width).collect());
-        let n = bands.clone().next().map_or(0, |band| band.frames.len());
+        let n = bands.first().map_or(0, |band| band.frames.len());
         let frame = |i: usize| {
             let mut levels = Vec::with_capacity(rows.len() * width + columns.len() * height);
-            for band in bands.clone() {
+            for band in bands {
                 levels.extend_from_slice(&band.frames[i][..band.rows.len() * width]);
             }
             for column in 0..columns.len() {
-                for band in bands.clone() {
+                for band in bands {
                     let of_columns = &band.frames[i][band.rows.len() * width..];
                     levels.extend(of_columns.chunks_exact(columns.len()).map(|row| row[column]));
                 }
@@ -130,7 +130,7 @@ mod tests {
                     band
                 })
                 .collect();
-            SampleLines::of([width, height], bands.iter())
+            SampleLines::of([width, height], &bands.iter().collect::<Vec<_>>())
         };
         let (whole, parts) = (of_bands(height), of_bands(7));
         assert_eq!(whole.levels(1), parts.levels(1));
