@@ -56,9 +56,9 @@ fn sequences(c: &mut Criterion) {
     let gray = |panel| SequencePattern::preset(panel, SequencePreset::OpencvGray, None).expect("a pattern");
     let config = SequenceConfig { sinusoid: Some(SinusoidConfig::default()), ..SequenceConfig::default() };
     let phase = |panel| SequencePattern::new(panel, &config).expect("a pattern");
-    let kinds: [(&str, &dyn Fn([u32; 2]) -> SequencePattern); 2] = [("Gray code", &gray), ("phase", &phase)];
-    for (kind, pattern) in kinds {
-        let (rig, pattern, pictures) = frames(camera, pattern);
+    for (kind, (rig, pattern, pictures)) in
+        [("Gray code", frames(camera, gray)), ("phase", frames(camera, phase))]
+    {
         let n = pictures.len();
         group.throughput(Throughput::Elements(u64::from(camera[0]) * u64::from(camera[1])));
         let samples: Vec<&[u8]> = pictures.iter().map(DynamicImage::as_bytes).collect();

@@ -192,7 +192,8 @@ mod tests {
     fn white_may_be_seen_before_the_display_says_that_it_was_painted() {
         let mut flash = Flash::default();
         flash.painted(0);
-        let asked = (0..).map(|i| 50 * i).find(|now| flash.frame(*now, 0.1) == Seen::ShowWhite).unwrap();
+        let asked =
+            (0..10_000).map(|i| 50 * i).find(|now| flash.frame(*now, 0.1) == Seen::ShowWhite).unwrap();
         (1..6).for_each(|i| assert_eq!(flash.frame(asked + 10 * i, 0.3), Seen::Wait));
         flash.painted(asked + 60);
         let found = (7..200).map(|i| flash.frame(asked + 10 * i, 0.3)).find(|seen| *seen != Seen::Wait);

@@ -25,6 +25,7 @@ use crate::cloud_view::packed;
 use crate::io::{
     Foreign, InputKind, decode_photo, extension_of, input_name, jpeg_bytes, png_bytes, read_bytes,
 };
+use crate::studio::machine::Machine;
 use crate::studio::project::{Purpose, cloud_name};
 use crate::studio::words::command;
 use crate::studio::worker;
@@ -156,7 +157,7 @@ async fn aside<T: Send + 'static>(
 
 async fn shown(State(hub): Shared, headers: HeaderMap, Query(asked): Query<Asked>) -> Answer {
     role(&hub, &headers, &asked, &SEEING)?;
-    if let Some((pattern, frame)) = hub.with(|m| m.wanted_frame()) {
+    if let Some((pattern, frame)) = hub.with(Machine::wanted_frame) {
         let drawn = move || {
             let picture = pattern.image(frame).ok();
             picture.and_then(|p| png_bytes(&DynamicImage::ImageLuma8(p)).ok()).ok_or_else(not_shown)

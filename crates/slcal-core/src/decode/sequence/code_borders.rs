@@ -236,19 +236,9 @@ mod tests {
 
     #[test]
     fn borders_lie_within_what_their_blur_leaves_unknown() {
-        let even = |width: f64| move |d: f64| (2.0 * d / width).min(1.0);
-        let normal = |sigma: f64| move |d: f64| erf(d / (sigma * std::f64::consts::SQRT_2));
-        let profiles: [(&str, Box<dyn Fn(f64) -> f64>, f32); 8] = [
-            ("the pixel alone", Box::new(even(1.0)), 0.05),
-            ("even, 1.5 px", Box::new(even(1.5)), 0.055),
-            ("even, 3 px", Box::new(even(3.0)), 0.03),
-            ("normal, 0.3 px", Box::new(normal(0.3)), 0.075),
-            ("normal, 0.4 px", Box::new(normal(0.4)), 0.04),
-            ("normal, 0.6 px", Box::new(normal(0.6)), 0.025),
-            ("normal, 0.8 px", Box::new(normal(0.8)), 0.02),
-            ("normal, 1.5 px", Box::new(normal(1.5)), 0.01),
-        ];
-        for (name, contrast, most) in profiles {
+        let even = |width: f64, d: f64| (2.0 * d / width).min(1.0);
+        let normal = |sigma: f64, d: f64| erf(d / (sigma * std::f64::consts::SQRT_2));
+        let check = |name: &str, most: f32, contrast: &dyn Fn(f64) -> f64| {
             for k in 1..20 {
                 let at = 0.05 * f64::from(k);
                 let pair = [contrast(at), contrast(1.0 - at)].map(|c| c as f32);
@@ -257,6 +247,13 @@ mod tests {
                 assert!(off <= most, "{name}, {at}: {share} ± {unknown}");
                 assert!(off <= 2.5 * unknown + 0.006, "{name}, {at}: {share} ± {unknown}");
             }
+        };
+        // 1 px is the pixel alone.
+        for (width, most) in [(1.0, 0.05), (1.5, 0.055), (2.0, 0.03), (3.0, 0.03)] {
+            check(&format!("even, {width} px"), most, &|d| even(width, d));
+        }
+        for (sigma, most) in [(0.3, 0.075), (0.4, 0.04), (0.6, 0.025), (0.8, 0.02), (1.5, 0.01)] {
+            check(&format!("normal, {sigma} px"), most, &|d| normal(sigma, d));
         }
         assert_eq!(border_share([30.0, 90.0], [0.0; 2]), (0.25, 0.0));
     }
