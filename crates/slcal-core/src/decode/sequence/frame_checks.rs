@@ -33,6 +33,10 @@ const LEAST_MOVED: f64 = 0.01;
 /// Above this share of lit samples at the end of the scale, sinusoids are cut off.
 const MOST_SATURATED: f64 = 0.05;
 
+/// A bit has little contrast below this share of white less black.
+const WEAK: f32 = 0.3;
+/// From this share of the lit samples on, those with at most one such bit are asked alone.
+const LEAST_CLEAR: f64 = 0.05;
 /// What a share of them tells is asked of about so many lit samples, spread evenly.
 const LIT_SAMPLES: usize = 1 << 12;
 
@@ -134,6 +138,7 @@ impl FrameChecks<'_> {
         role: impl Fn(usize) -> usize,
     ) -> Option<f64> {
         let mut word = vec![0_u16; self.samples.len()];
+        let mut weak = vec![0_u8; self.samples.len()];
         let mut bits = 0;
         for (i, light) in self.plan.lights.iter().enumerate() {
             let FrameLight::Bit { axis: a, bit, inverted } = *light else { continue };
@@ -151,12 +156,22 @@ impl FrameChecks<'_> {
                 };
                 let is_set = (contrast > 0) != inverted;
                 *word |= u16::from(is_set) << bit;
+                let full = f32::from(white[s]) - f32::from(black[s]);
+                weak[s] += u8::from((contrast.unsigned_abs() as f32) < WEAK * full);
             }
         }
+        // Where the projector's light comes by way of other surfaces, bits have little contrast and say nothing. With the wrong partners
+        // they have little everywhere.
+        let is_clear = |s: usize| lit[s] && weak[s] <= 1;
+        let (lit_samples, clear) = (0..lit.len())
+            .filter(|s| lit[*s])
+            .fold((0_usize, 0_usize), |(n, clear), s| (n + 1, clear + usize::from(is_clear(s))));
+        let is_asked =
+            |s: usize| lit[s] && (is_clear(s) || (clear as f64) < LEAST_CLEAR * lit_samples as f64);
         let (mut pairs, mut agree) = (0_usize, 0_usize);
         for line in self.samples.lines(axis == Axis::Columns) {
             for s in line.start + 1..line.end {
-                if lit[s] && lit[s - 1] && word[s] != word[s - 1] {
+                if is_asked(s) && is_asked(s - 1) && word[s] != word[s - 1] {
                     pairs += 1;
                     let apart = number_of(word[s]).abs_diff(number_of(word[s - 1]));
                     agree += usize::from(apart <= MOST_CELLS);
