@@ -9,6 +9,7 @@ mod rectify;
 mod scan;
 mod sequence;
 mod set_up;
+mod shooting;
 mod state_machine;
 
 pub(super) use self::sequence::FRAME_NOT_SHOWN;

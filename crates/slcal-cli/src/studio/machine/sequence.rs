@@ -5,37 +5,13 @@ use std::sync::Arc;
 use slcal_core::Rig;
 use slcal_core::pattern::{SequenceAxes, SequenceConfig, SequencePattern, SinusoidConfig};
 
+use super::shooting::{Phase, Sequence};
 use super::state_machine::{Effect, Machine};
 use crate::studio::flash::{Flash, Seen};
 use crate::studio::job::Job;
 use crate::studio::project::Purpose;
 use crate::studio::scan_folder::ScanFolder;
 use crate::studio::state::{CameraKind, Picture, Problem, ScanMethod, Shots, Step, Unfinished};
-
-/// A sequence that is being photographed.
-#[derive(Debug)]
-pub(super) struct Sequence {
-    pattern: Arc<SequencePattern>,
-    /// Where its photographs go, once it is there.
-    folder: Option<ScanFolder>,
-    /// The picture that is next, or photographs that are there.
-    frame: usize,
-    phase: Phase,
-}
-
-#[derive(Debug)]
-enum Phase {
-    /// The camera's delay is measured.
-    Flash(Flash),
-    /// The folder is made.
-    Folder,
-    /// The picture is on its way to the display.
-    Showing,
-    /// It is painted; the camera does not show it before this time.
-    Settling { until_ms: u64 },
-    /// The photograph is on its way, or somebody takes it.
-    Shooting,
-}
 
 impl Machine {
     /// Stripes or a sequence.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use slcal_core::Rig;
 
-use super::sequence::Sequence;
+use super::shooting::Sequence;
 use crate::studio::auto_shot::AutoShot;
 use crate::studio::event::OperatorEvent;
 use crate::studio::flash::Delay;

@@ -1,10 +1,11 @@
 //! Which cell of the panel a pixel sees, and whether that is certain.
 
-use super::pixel_light::UNLIT;
 use super::planes::{AxisPlanes, border_bit, number_of};
 
 /// The cell of pixels that have none.
 pub(super) const NO_CELL: u16 = u16::MAX;
+/// The least certain contrast of pixels that are not lit: none reaches it.
+pub(super) const UNLIT: i16 = i16::MAX;
 
 /// A contrast below this share of white less black is undecided, whatever the noise: light that other parts of the scene reflect onto
 /// a pixel has as much.

@@ -1,14 +1,11 @@
 //! Whether the projector lights a pixel, and what the noise of its levels lets be told apart.
 
 use super::frame_noise::NoiseOfSums;
-use super::pixel_code::least_contrast;
+use super::pixel_code::{UNLIT, least_contrast};
 use super::planes::{AxisPlanes, Planes};
 
 /// A pixel is lit when white less black is more than this many times the noise of a level: five times its own.
 const LIT: f32 = 5.0 * std::f32::consts::SQRT_2;
-
-/// What [`PixelLight::least_contrasts`] writes for pixels that are not lit: no contrast reaches it.
-pub(super) const UNLIT: i16 = i16::MAX;
 
 /// The noise of pixels by their light.
 #[derive(Debug)]
