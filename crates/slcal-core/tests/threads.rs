@@ -6,7 +6,7 @@ use image::{DynamicImage, GrayImage, Luma};
 use nalgebra::{DMatrix, Point2};
 use slcal_core::decode::{DecodeConfig, SequenceDecodeConfig, SequenceDecoder, decode};
 use slcal_core::format::read_rig;
-use slcal_core::pattern::{SequenceConfig, SequencePattern, StripeConfig, StripePattern};
+use slcal_core::pattern::{SequenceAxes, SequenceConfig, SequencePattern, StripeConfig, StripePattern};
 use slcal_core::photo::PhotoView;
 use slcal_core::reconstruct::{TriangulateConfig, triangulate};
 use slcal_core::{Covariance, Match, Matches, Rig};
@@ -71,13 +71,14 @@ fn stripes_are_the_same_on_any_number_of_threads() {
 
 #[test]
 fn sequences_are_the_same_on_any_number_of_threads() {
-    let config = SequenceConfig { sinusoid: None, ..SequenceConfig::default() };
+    let config = SequenceConfig { axes: SequenceAxes::Both, ..SequenceConfig::default() };
     let pattern = SequencePattern::new([640, 480], &config).unwrap();
-    // A camera that sees a part of the panel, two of its pixels for one.
+    // A camera that sees nearly all of the panel, three of its pixels for two.
     let frames: Vec<DynamicImage> = (0..pattern.frames.len())
         .map(|i| {
             let picture = pattern.image(i).unwrap();
-            let seen = |x: u32, y: u32| Luma([picture.get_pixel(40 + x / 2, 30 + y / 2).0[0] / 2 + 20]);
+            let seen =
+                |x: u32, y: u32| Luma([picture.get_pixel(20 + 2 * x / 3, 5 + 2 * y / 3).0[0] / 2 + 20]);
             DynamicImage::ImageLuma8(GrayImage::from_fn(900, 700, seen))
         })
         .collect();
