@@ -11,7 +11,9 @@ pub(super) fn drop_mixed(matches: &mut DenseMatches, jump_px: f32) -> usize {
     let (width, height) = (matches.width, matches.height);
     let of = if matches.column.is_empty() { &matches.row } else { &matches.column };
     let confidence = &matches.confidence;
-    let is_jump = |a: f32, b: f32| (a - b).abs() > jump_px || a.is_nan() || b.is_nan();
+    let is_jump = |a: f32, b: f32| (a - b).abs() > jump_px;
+    // The pixel beside it may see both surfaces, too, and have no position.
+    let beside = |near: usize, far: usize| if of[near].is_finite() { of[near] } else { of[far] };
     let known = |pixel: usize| if of[pixel].is_finite() { confidence[pixel] } else { f32::NAN };
     let is_weak = |pixel: usize, step: usize| {
         let before = known(pixel - 2 * step).max(known(pixel - 3 * step));
@@ -30,10 +32,11 @@ pub(super) fn drop_mixed(matches: &mut DenseMatches, jump_px: f32) -> usize {
             }
             let along = x >= 3
                 && x + 3 < width
-                && (is_jump(of[pixel - 1], own) || is_jump(own, of[pixel + 1]))
+                && (is_jump(beside(pixel - 1, pixel - 2), own) || is_jump(own, beside(pixel + 1, pixel + 2)))
                 && is_weak(pixel, 1);
             let across = inside
-                && (is_jump(of[pixel - width], own) || is_jump(own, of[pixel + width]))
+                && (is_jump(beside(pixel - width, pixel - 2 * width), own)
+                    || is_jump(own, beside(pixel + width, pixel + 2 * width)))
                 && is_weak(pixel, width);
             if along || across {
                 mixed.push(pixel);
