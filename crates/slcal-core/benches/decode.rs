@@ -1,30 +1,23 @@
 //! Time of decoding a frame in memory, and of all the way to its cloud, on one thread, in buffers that are used again. Run with
 //! `cargo bench -p slcal-core --features simulate --bench decode`.
 
+mod scene;
+
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use image::DynamicImage;
-use nalgebra::Point3;
 use slcal_core::decode::{DecodeConfig, DecodeInput, Decoder, decode};
-use slcal_core::geometry::Plane;
 use slcal_core::pattern::{StripeConfig, StripePattern};
 use slcal_core::photo::PhotoView;
 use slcal_core::reconstruct::{TriangulateConfig, Triangulator};
-use slcal_core::simulate::{
-    Photographer, PoseConfig, ProjectedImage, RenderConfig, RigConfig, Scene, Shape, Surface,
-};
+use slcal_core::simulate::ProjectedImage;
 use slcal_core::{PointCloud, ReconstructConfig, Reconstructor, Rig};
 
-/// A ball before a wall, with the noise of a good camera: photographs with stripes, black and white.
+use self::scene::ball_before_wall;
+
+/// Photographs with stripes, black and white.
 fn photographs(camera: [u32; 2]) -> (Rig, StripePattern, [DynamicImage; 3]) {
-    let default = RigConfig::default();
-    let scale = f64::from(camera[0]) / f64::from(default.camera[0]);
-    let config = RigConfig { camera, camera_focal_px: default.camera_focal_px * scale, ..default };
-    let rig = Scene::new(&config, &[PoseConfig::tilted(0.0, 0.0)]).expect("a scene").rig();
-    let ball = Shape::Sphere { centre: Point3::new(0.0, 0.0, 1050.0), radius_mm: 200.0 };
-    let wall = Plane::from_point_normal(&Point3::new(0.0, 0.0, 1200.0), nalgebra::Vector3::z());
-    let surfaces = [Surface::object(ball), Surface::around(Shape::Plane(wall.expect("a plane")), 0.5)];
-    let photographer = Photographer::new(&rig, &surfaces, &RenderConfig::default()).expect("a rig");
-    let stripes = StripePattern::new(config.projector, &StripeConfig::default()).expect("a pattern");
+    let (rig, projector, photographer) = ball_before_wall(camera);
+    let stripes = StripePattern::new(projector, &StripeConfig::default()).expect("a pattern");
     let picture = stripes.image().expect("a picture");
     let mut frame = 0;
     let photos =

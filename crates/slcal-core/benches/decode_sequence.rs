@@ -1,33 +1,26 @@
 //! Time of decoding a sequence of frames in memory and of triangulating it with σ, on one thread, beside the sum of the same frames: the
 //! least that reading them costs. Run with `cargo bench -p slcal-core --features simulate --bench decode_sequence`.
 
+mod scene;
+
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use image::DynamicImage;
-use nalgebra::Point3;
 use slcal_core::decode::{SequenceDecodeConfig, SequenceDecoder};
-use slcal_core::geometry::Plane;
 use slcal_core::pattern::{SequenceConfig, SequencePattern, SequencePreset, SinusoidConfig};
 use slcal_core::photo::PhotoView;
 use slcal_core::reconstruct::{DenseTriangulator, TriangulateConfig};
-use slcal_core::simulate::{
-    Photographer, PoseConfig, ProjectedImage, RenderConfig, RigConfig, Scene, Shape, Surface,
-};
+use slcal_core::simulate::ProjectedImage;
 use slcal_core::{PointCloud, ReconstructConfig, Rig, SequenceReconstructor};
 
-/// A ball before a wall, as a grey camera sees every frame of a sequence.
+use self::scene::ball_before_wall;
+
+/// As a grey camera sees every frame of a sequence.
 fn frames(
     camera: [u32; 2],
     pattern: impl Fn([u32; 2]) -> SequencePattern,
 ) -> (Rig, SequencePattern, Vec<DynamicImage>) {
-    let default = RigConfig::default();
-    let scale = f64::from(camera[0]) / f64::from(default.camera[0]);
-    let config = RigConfig { camera, camera_focal_px: default.camera_focal_px * scale, ..default };
-    let rig = Scene::new(&config, &[PoseConfig::tilted(0.0, 0.0)]).expect("a scene").rig();
-    let ball = Shape::Sphere { centre: Point3::new(0.0, 0.0, 1050.0), radius_mm: 200.0 };
-    let wall = Plane::from_point_normal(&Point3::new(0.0, 0.0, 1200.0), nalgebra::Vector3::z());
-    let surfaces = [Surface::object(ball), Surface::around(Shape::Plane(wall.expect("a plane")), 0.5)];
-    let photographer = Photographer::new(&rig, &surfaces, &RenderConfig::default()).expect("a rig");
-    let pattern = pattern(config.projector);
+    let (rig, projector, photographer) = ball_before_wall(camera);
+    let pattern = pattern(projector);
     let frames = (0..pattern.frames.len())
         .map(|i| {
             let picture = DynamicImage::ImageLuma8(pattern.image(i).expect("a frame")).to_rgb8();

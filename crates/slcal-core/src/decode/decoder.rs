@@ -8,6 +8,7 @@ use super::config::{DecodeConfig, DecodeInput, DecodeReport, Decoding, Rejected,
 use super::consistency::{check_neighbors, check_runs};
 use super::crossing_features::NONE;
 use super::crosstalk::{check_hues, crosstalk, mixing};
+use super::in_threads::for_each;
 use super::labeling::{AlignedLines, Labeling};
 use super::noise::Noise;
 use super::registration::{Labelled, Registration};
@@ -346,7 +347,7 @@ impl Decoder {
                 band.ends.push(band.crossings.len() as u32);
             }
         };
-        each_band(&mut self.bands, self.config.parallel, search);
+        for_each(&mut self.bands, self.config.parallel, search);
         self.tracks.clear();
         for band in &self.bands {
             let before = self.tracks.crossings.len() as u32;
@@ -422,19 +423,6 @@ impl Decoder {
         }
         Ok(())
     }
-}
-
-/// Calls `search` with every band, on several threads if requested and compiled in.
-fn each_band(bands: &mut [Band], parallel: bool, search: impl Fn((usize, &mut Band)) + Sync + Send) {
-    #[cfg(feature = "rayon")]
-    if parallel {
-        use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
-        bands.par_iter_mut().enumerate().for_each(search);
-        return;
-    }
-    #[cfg(not(feature = "rayon"))]
-    let _ = parallel;
-    bands.iter_mut().enumerate().for_each(search);
 }
 
 /// The frames with red taken for blue and blue for red.

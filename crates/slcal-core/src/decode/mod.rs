@@ -21,6 +21,7 @@ mod crossing_features;
 mod crosstalk;
 mod decoder;
 mod hue_shift;
+mod in_threads;
 mod labeling;
 mod noise;
 mod peaks;

@@ -50,6 +50,11 @@ fn frames_that_are_missing_twice_or_of_another_size_are_named() {
     assert!(decoder.push(1, other).unwrap_err().to_string().contains("16 bit"));
     // A frame that was refused may come again as it should be.
     decoder.push(1, views[1]).unwrap();
+    // Of frames in memory that were refused together none has come.
+    let mut mixed = views.clone();
+    mixed[2] = other;
+    assert!(decoder.decode(&mixed).unwrap_err().to_string().contains("16 bit"));
+    decoder.push(0, views[0]).unwrap();
 
     let mut twice = frames.clone();
     twice[5] = frames[4].clone();

@@ -4,7 +4,7 @@
 use super::pixel_code::NO_CELL;
 use super::planes::border_bit;
 
-/// Neighbouring pixels whose cells differ by more see different surfaces.
+/// Neighbouring pixels whose cells differ by more see different surfaces, or the code is wrong.
 pub(super) const MOST_CELLS: u16 = 4;
 /// 1σ of a uniform distribution over its width: of a position of which the cell alone is known, and of a border of which it is known
 /// between which pixels it lies.

@@ -65,7 +65,8 @@ impl SequenceDecoder {
         }
         self.clear();
         for (i, photo) in frames.iter().enumerate() {
-            self.accept(i, photo)?;
+            // Of frames that are refused none has come.
+            self.accept(i, photo).inspect_err(|_| self.clear())?;
         }
         if let Some(state) = &mut self.state {
             state.fold_all(&self.plan, frames, self.config.parallel);

@@ -4,6 +4,7 @@ use super::folded_band::FoldedBand;
 use super::frame_plan::FramePlan;
 use super::levels::LevelScale;
 use super::sample_lines::SampleLines;
+use crate::decode::in_threads::for_each;
 use crate::pattern::{Axis, FrameLight, SequencePattern};
 use crate::photo::PhotoView;
 
@@ -50,7 +51,7 @@ impl FoldedFrames {
         let shown = |light| plan.position(light).is_some_and(|i| seen[i]);
         let levels_known = shown(FrameLight::White) && shown(FrameLight::Black);
         let is_first = seen.iter().filter(|s| **s).count() == 1;
-        for_each(&mut self.bands, parallel, |band| {
+        for_each(&mut self.bands, parallel, |(_, band)| {
             if is_first {
                 band.clear();
             }
@@ -60,7 +61,7 @@ impl FoldedFrames {
 
     /// Folds all frames, which lie in memory, in the order of the plan.
     pub(super) fn fold_all(&mut self, plan: &FramePlan, frames: &[PhotoView<'_>], parallel: bool) {
-        for_each(&mut self.bands, parallel, |band| {
+        for_each(&mut self.bands, parallel, |(_, band)| {
             band.clear();
             for &i in &plan.reading_order {
                 // White and black come first.
@@ -87,16 +88,4 @@ impl FoldedFrames {
         let bands: Vec<_> = self.bands.iter().map(|band| &band.samples).collect();
         SampleLines::of([self.width, self.height], &bands)
     }
-}
-
-/// Does the same to every item, on the threads of the caller's pool where it asks for them.
-pub(super) fn for_each<T: Send>(items: &mut [T], parallel: bool, work: impl Fn(&mut T) + Sync + Send) {
-    #[cfg(feature = "rayon")]
-    if parallel {
-        use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
-        items.par_iter_mut().for_each(work);
-        return;
-    }
-    let _ = parallel;
-    items.iter_mut().for_each(work);
 }

@@ -1,5 +1,6 @@
 //! Whether the frames are those of the pattern, in its order, exposed alike, of a scene that stood still.
 
+use super::code_borders::MOST_CELLS;
 use super::frame_noise::FrameNoise;
 use super::frame_plan::FramePlan;
 use super::levels::LevelScale;
@@ -15,8 +16,6 @@ const ENOUGH: usize = 200;
 const LIT_SIGMAS: f32 = 12.0;
 /// In any case, when it is more than this share of the scale.
 const LIT_SHARE: f32 = 0.08;
-/// Neighbours whose cells differ by more see different surfaces, or the code is wrong.
-const MOST_CELLS: u16 = 4;
 /// Of the right code, more than this share of neighbours agree; a wrong one leaves a half at most.
 const LEAST_AGREEING: f64 = 0.8;
 /// Another order is named when this share of neighbours agrees by it.

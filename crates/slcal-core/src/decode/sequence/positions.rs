@@ -2,11 +2,12 @@
 
 use super::code_lines::{column_positions, row_positions};
 use super::folded_band::FoldedBand;
-use super::folded_frames::{FoldedFrames, for_each};
+use super::folded_frames::FoldedFrames;
 use super::phase_positions::position;
 use super::pixel_code::{PixelCounts, cell_of, read_cells};
 use super::pixel_light::PixelLight;
 use super::planes::{AxisPlanes, Planes};
+use crate::decode::in_threads::for_each;
 
 /// Writes the positions of all pixels along an axis (0: columns, 1: rows), with σ, and lowers the confidence to that of this axis. `least`
 /// are the contrasts of each band that are certain, as far as the other axis has asked for them.
@@ -42,14 +43,14 @@ pub(super) fn axis_positions(
             counts: PixelCounts::default(),
         })
         .collect();
-    for_each(&mut parts, parallel, |part| part.read(light, axis, folded.width));
+    for_each(&mut parts, parallel, |(_, part)| part.read(light, axis, folded.width));
     let counts = parts.iter().fold(PixelCounts::default(), |sum, part| sum + part.counts);
     if code.sinusoid.is_none() && axis == 1 {
         row_positions(folded, light, &cells, code.cell_px, [to, to_sigma]);
     }
     let mut parts: Vec<_> =
         folded.bands.iter().zip(to.chunks(chunk)).zip(confidence.chunks_mut(chunk)).collect();
-    for_each(&mut parts, parallel, |((band, to), confidence)| {
+    for_each(&mut parts, parallel, |(_, ((band, to), confidence))| {
         if let Some(of_axis) = &band.planes.axes[axis] {
             lower_confidence(&band.planes, of_axis, to, confidence);
         }
