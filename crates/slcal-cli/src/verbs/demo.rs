@@ -38,8 +38,8 @@ const BY_HAND: [&str; 2] = [
 /// The same with many photographs, which are rendered, too.
 const MANY_SHOTS: [&str; 3] = [
     "slcal pattern phase --projector 1024x768 --out-dir phase",
-    "slcal simulate scene --surface sphere --albedo 0.6 --pattern phase/sequence.json --out scan",
-    "slcal reconstruct --rig scan/rig.json --pattern phase/sequence.json scan -o scan.ply",
+    "slcal simulate scene --surface sphere --pattern phase/sequence.json --out scan",
+    "slcal reconstruct --rig scan/rig.json --pattern phase/sequence.json scan \\\n      -o scan.ply",
 ];
 
 const PANEL: [u32; 2] = [1024, 768];
