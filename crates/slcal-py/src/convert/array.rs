@@ -3,6 +3,7 @@
 use nalgebra::Matrix3;
 use numpy::ndarray::{ArrayD, ArrayViewD};
 use numpy::{AllowTypeChange, Element, IntoPyArray as _, PyArrayLikeDyn};
+use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyString};
 
@@ -66,7 +67,11 @@ impl<'py> Numbers<'py> {
                 return Err(refused(&format!("dtype {}", values.getattr("dtype")?)));
             }
         }
-        values.extract().map(Self).map_err(|_| {
+        values.extract().map(Self).map_err(|e: PyErr| {
+            // Who interrupts Python has not given a wrong value.
+            if !e.is_instance_of::<PyException>(values.py()) {
+                return e;
+            }
             refused(&values.get_type().name().map_or_else(|_| "another object".to_owned(), |n| n.to_string()))
         })
     }
