@@ -59,7 +59,7 @@ with ruby ruby -c packaging/homebrew/slcal.rb
 "$tools/venv/bin/hadolint" packaging/docker/Dockerfile
 "$tools/venv/bin/python" scripts/check_packages.py
 # The version is the same wherever it is stated, and the changelog has a section for it, which need not be dated yet.
-scripts/release_notes.py --draft "$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml)" >/dev/null
+"$tools/venv/bin/python" scripts/release_notes.py --draft "$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml)" >/dev/null
 
 # Uncommitted changes are no hindrance here; `cargo publish` refuses them. Nothing is verified, for that compiles.
 rm -rf "$tools/package" "$tools/sdist"
