@@ -18,13 +18,19 @@ while true; do
         *) break ;;
     esac
 done
-if [ $# = 0 ]; then set -- $(ls fuzz_targets/*.rs | xargs -n1 basename -s .rs); fi
+if [ $# = 0 ]; then
+    set -- fuzz_targets/*.rs
+    set -- "${@##*/}"
+    set -- "${@%.rs}"
+fi
 
 # The instrumentation that cargo-fuzz asks for. A target is named so that build scripts do without it.
-export RUSTFLAGS="--cfg fuzzing -C passes=sancov-module -C llvm-args=-sanitizer-coverage-level=4
+flags=(
+    --cfg fuzzing -C passes=sancov-module -C llvm-args=-sanitizer-coverage-level=4
     -C llvm-args=-sanitizer-coverage-inline-8bit-counters -C llvm-args=-sanitizer-coverage-pc-table
-    -C llvm-args=-sanitizer-coverage-trace-compares"
-RUSTFLAGS=$(echo $RUSTFLAGS)
+    -C llvm-args=-sanitizer-coverage-trace-compares
+)
+export RUSTFLAGS="${flags[*]}"
 host=$(rustc -vV | sed -n 's/^host: //p')
 cargo build --release --locked --quiet --target "$host"
 

@@ -39,7 +39,8 @@ def anchors(text):
 
 
 def broken_in_sources():
-    pages = [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "crates/slcal-py/README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    pages = [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "packaging/README.md"]
+    pages += [*sorted((ROOT / "crates").glob("*/README.md")), *sorted((ROOT / "docs").glob("*.md"))]
     for page in pages:
         text = page.read_text(encoding="utf-8")
         for match in LINK.finditer(prose(text)):

@@ -25,6 +25,7 @@ rm -rf target/wheels
 .venv/bin/maturin build --release --locked --quiet --interpreter .venv/bin/python \
     --manifest-path crates/slcal-py/Cargo.toml --out target/wheels
 .venv/bin/python -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/slcal-*.whl
+.venv/bin/python scripts/check_packages.py target/wheels/slcal-*.whl
 .venv/bin/python scripts/fresh_wheel.py target/wheels/slcal-*.whl
 (
     cd crates/slcal-py

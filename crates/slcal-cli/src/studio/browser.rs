@@ -33,7 +33,8 @@ fn leading_to(folder: &Path, address: &str) -> std::io::Result<PathBuf> {
         serde_json::Value::from(address)
     );
     write_private(&file, page.as_bytes())?;
-    std::fs::canonicalize(&file)
+    // Not the canonical path: on Windows that begins with `\\?\`, which `start` does not open.
+    std::path::absolute(&file)
 }
 
 fn start(mut command: Command, page: &Path) -> std::io::Result<()> {
