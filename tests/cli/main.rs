@@ -2,6 +2,7 @@
 
 mod advise;
 mod bad_input;
+mod bug_report;
 mod calibrate;
 mod calibrate_sequence;
 mod earlier_files;

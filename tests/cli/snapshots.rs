@@ -31,7 +31,7 @@ fn assert_shown(name: &str, shown: &str) {
 }
 
 /// The verbs with their own help.
-const VERBS: [&str; 19] = [
+const VERBS: [&str; 20] = [
     "demo",
     "pattern checker",
     "pattern stripes",
@@ -51,6 +51,7 @@ const VERBS: [&str; 19] = [
     "export",
     "import",
     "report",
+    "bug-report",
 ];
 
 #[test]

@@ -39,6 +39,7 @@ fn results_fit_80_columns() {
         "triangulate --rig rig.json matches.csv -o cloud.ply",
         "reconstruct --rig rig.json --pattern stripes.json board.jpg -o mesh.ply --mesh",
         "evaluate plane cloud.ply",
+        "bug-report demo --dry-run",
         "simulate noise --levels 0.1,2 --draws 3 --tilt 30,0",
         "simulate noise --levels 5 --draws 3 --lens-shift 0.5 --principal-points prior",
         "simulate views --poses 12 -o views.json",

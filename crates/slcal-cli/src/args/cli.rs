@@ -3,6 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use super::advise::AdviseArgs;
+use super::bug_report::BugReportArgs;
 use super::calibrate::CalibrateArgs;
 use super::decode::DecodeArgs;
 use super::demo::DemoArgs;
@@ -96,6 +97,9 @@ pub(crate) enum Verb {
     /// Simulate rigs, measurements and photographs with ground truth.
     #[command(subcommand)]
     Simulate(SimulateVerb),
+    /// Pack what helps to find out why a result is wrong, and show what is packed.
+    #[command(after_help = examples::BUG_REPORT)]
+    BugReport(BugReportArgs),
     /// Print a completion script for a shell.
     #[command(after_help = examples::COMPLETIONS)]
     Completions(CompletionsArgs),

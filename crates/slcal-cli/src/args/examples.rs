@@ -143,6 +143,15 @@ Examples:
 The file needs no network and no other file: open it in a browser, send it or
 print it. The report states what is left out because a file is missing.";
 
+pub(super) const BUG_REPORT: &str = "\
+Examples:
+    slcal bug-report . --dry-run
+    slcal bug-report . -o bug-report.zip
+
+The first lists what the second packs. Nothing is sent: look at the archive,
+then attach it to your report. Whole photographs tell more than their
+thumbnails; attach those that you may share as well.";
+
 pub(super) const EXPORT: &str = "\
 Examples:
     slcal export --rig rig.json --to opencv -o opencv.yml

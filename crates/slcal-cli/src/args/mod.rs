@@ -1,6 +1,7 @@
 //! The command line, one file per verb.
 
 mod advise;
+mod bug_report;
 mod calibrate;
 mod cli;
 mod cloud;
@@ -27,6 +28,7 @@ mod value;
 mod verify;
 
 pub(crate) use advise::AdviseArgs;
+pub(crate) use bug_report::BugReportArgs;
 pub(crate) use calibrate::CalibrateArgs;
 pub(crate) use cli::{Cli, Verb};
 pub(crate) use cloud::CloudArgs;

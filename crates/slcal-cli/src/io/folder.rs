@@ -31,6 +31,16 @@ pub(crate) fn photographs(paths: &[PathBuf]) -> Outcome<Vec<PathBuf>> {
     Ok(files)
 }
 
+/// Whether a file is named as a photograph that is read.
+pub(crate) fn is_named_photo(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| has_extension(Path::new(name), &EXTENSIONS))
+}
+
+/// All files of a folder, at least one, in natural order.
+pub(crate) fn files_of(folder: &Path) -> Outcome<Vec<PathBuf>> {
+    of_folder(folder, |_| true, "a folder with files", folder)
+}
+
 /// The wanted files of a folder, at least one, in natural order.
 fn of_folder(
     folder: &Path,

@@ -28,7 +28,7 @@ pub(crate) use crate::name::{input_name, is_dash};
 pub(crate) use cloud::{cloud_format_of, cloud_is_complete};
 pub(crate) use exchange::{export_places, import_paths, storage_of};
 pub(crate) use exif::read_tags;
-pub(crate) use folder::photographs;
+pub(crate) use folder::{files_of, is_named_photo, photographs};
 pub(crate) use input_kind::InputKind;
 pub(crate) use photo::{
     Decoded, Samples, decode_photo, decode_photo_as, load_photo, load_tagged_photo, read_photo,

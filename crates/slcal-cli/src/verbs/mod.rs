@@ -1,6 +1,7 @@
 //! One file per verb: load → one call of the core → print or write.
 
 mod advise;
+mod bug_report;
 mod calibrate;
 mod decode;
 mod demo;
@@ -58,6 +59,7 @@ pub(crate) fn run(verb: Verb, typed: &CommandLine, printer: Printer) -> Outcome 
             args.photo = photographs(&args.photo)?;
             report::run(&args, typed, printer)
         }
+        Verb::BugReport(args) => bug_report::run(&args, printer),
         Verb::Completions(args) => shell::completions(&args),
         Verb::Man(args) => shell::man(&args, printer),
         Verb::Export(args) => exchange::export(&args, printer),

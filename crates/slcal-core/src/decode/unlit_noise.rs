@@ -36,9 +36,12 @@ pub(super) struct UnlitNoise {
 }
 
 /// The class of a light, summed over the channels.
+#[inline]
 fn class_of(light: f32) -> usize {
-    let doublings = light.max(f32::MIN_POSITIVE).log2().floor();
-    (doublings + CLASSES as f32).clamp(0.0, CLASSES as f32 - 1.0) as usize
+    // The exponent of a positive number is the floor of its logarithm.
+    let doublings =
+        (light.max(f32::MIN_POSITIVE).to_bits() >> (f32::MANTISSA_DIGITS - 1)) as i32 - (f32::MAX_EXP - 1);
+    (doublings + CLASSES as i32).clamp(0, CLASSES as i32 - 1) as usize
 }
 
 impl UnlitNoise {
