@@ -106,7 +106,7 @@ pub(crate) fn edge_inflation(problem: &BundleAdjustment, model: &Model, keep: &[
         let (jacobian, residuals, determinant) = whitened(&linear, &pairs, correlation);
         let edges = others.of(&structure, &jacobian, residuals.as_slice(), &edges)?;
         let Some((scale, likelihood)) =
-            best_scale(rows.len(), |scale| others.with(&edges, 1.0 / scale).ln(&structure))
+            best_scale(rows.len(), |scale| others.with(&structure, &edges, 1.0 / scale).ln(&structure))
         else {
             continue;
         };

@@ -4,9 +4,7 @@
 //! Each group is eliminated by Householder reflections of its own rows [J_group | J_shared | r], never through JᵀJ, whose
 //! condition number is the square of the problem's. The remaining rows depend on the shared unknowns alone.
 
-use std::ops::Range;
-
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// Which unknowns the rows of a Jacobian depend on. A step and a covariance list the shared unknowns first, then group
 /// after group; a Jacobian has a column for each unknown of the row's own group, then one for each shared unknown.
@@ -67,40 +65,14 @@ impl Structure<'_> {
     }
 }
 
-/// Rows that are reflected together: few enough that all their columns stay in the nearest cache, and a number that is known
-/// when this is compiled, so that loops over them are vectorised.
-const ROWS: usize = 32;
-/// The same for the few rows of a diagonal.
-pub(super) const FEW_ROWS: usize = 8;
-
-fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
-    const LANES: usize = 4;
-    let mut sums = [0.0; LANES];
-    for (a, b) in a.as_chunks::<LANES>().0.iter().zip(b.as_chunks::<LANES>().0) {
-        for l in 0..LANES {
-            sums[l] += a[l] * b[l];
-        }
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3])
-}
-
-/// Subtracts from a column its share of v, (`above` + v·column)·`factor`, and returns that. Not inlined: as arguments of a
-/// function the two are known to be apart, so that pairs of numbers are worked on at once.
-#[inline(never)]
-fn reflect<const N: usize>(v: &[f64; N], column: &mut [f64; N], above: f64, factor: f64) -> f64 {
-    let share = (above + dot(v, column)) * factor;
-    for (c, x) in column.iter_mut().zip(v) {
-        *c -= share * x;
-    }
-    share
-}
-
-/// Reflects rows (`below` has one column of them for each column of `top`) into the triangle `top`, until nothing is left of
-/// their first columns, one for each row of the triangle (which are not written, as they would be zero).
-fn absorb<const N: usize>(top: &mut DMatrix<f64>, below: &mut [[f64; N]]) {
-    for j in 0..top.nrows() {
-        let (left, right) = below.split_at_mut(j + 1);
-        let v = &left[j];
+/// Reflects the rows of `below` (column-major, as many columns as `top`) into the triangle `top`, until nothing is left of
+/// their first `pivots` columns (which are not written, as they would be zero).
+fn absorb(top: &mut DMatrix<f64>, below: &mut [f64], rows: usize, pivots: usize) {
+    let dot = |a: &[f64], b: &[f64]| DVectorView::from_slice(a, rows).dot(&DVectorView::from_slice(b, rows));
+    let columns = top.ncols();
+    for j in 0..pivots {
+        let (left, right) = below.split_at_mut((j + 1) * rows);
+        let v = &left[j * rows..];
         let tail = dot(v, v);
         if tail == 0.0 {
             continue;
@@ -110,9 +82,13 @@ fn absorb<const N: usize>(top: &mut DMatrix<f64>, below: &mut [[f64; N]]) {
         let head = if pivot > 0.0 { pivot + norm } else { pivot - norm };
         let factor = 1.0 / (norm * (norm + pivot.abs()));
         top[(j, j)] = if pivot > 0.0 { -norm } else { norm };
-        for (l, column) in (j + 1..).zip(right) {
-            let share = reflect(v, column, head * top[(j, l)], factor);
+        for l in j + 1..columns {
+            let column = &mut right[(l - j - 1) * rows..(l - j) * rows];
+            let share = (head * top[(j, l)] + dot(v, column)) * factor;
             top[(j, l)] -= share * head;
+            for (c, x) in column.iter_mut().zip(v) {
+                *c -= share * x;
+            }
         }
     }
 }
@@ -132,27 +108,17 @@ impl Factor {
         Self { heads, root: DMatrix::zeros(s.shared, s.shared + 1) }
     }
 
-    /// Adds `count` rows [J_group | J_shared | r] (without J_group where they belong to none). `fill` writes the values of a
-    /// column for some of the rows, over zeros.
-    pub(super) fn add<const N: usize>(
-        &mut self,
-        group: Option<usize>,
-        count: usize,
-        fill: impl Fn(usize, Range<usize>, &mut [f64]),
-    ) {
-        let width = group.map_or(0, |g| self.heads[g].nrows());
-        let mut work = vec![[0.0; N]; width + self.root.ncols()];
-        for first in (0..count).step_by(N) {
-            let rows = first..count.min(first + N);
-            for (c, column) in work.iter_mut().enumerate() {
-                column.fill(0.0);
-                fill(c, rows.clone(), &mut column[..rows.len()]);
-            }
-            if let Some(g) = group {
-                absorb(&mut self.heads[g], &mut work);
-            }
-            absorb(&mut self.root, &mut work[width..]);
+    /// Adds rows [J_group | J_shared | r], column-major; `rows` is overwritten.
+    pub(super) fn add(&mut self, group: Option<usize>, rows: &mut [f64], count: usize) {
+        if count == 0 {
+            return;
         }
+        let width = rows.len() / count - self.root.ncols();
+        if let Some(g) = group {
+            absorb(&mut self.heads[g], rows, count, width);
+        }
+        let shared = self.root.nrows();
+        absorb(&mut self.root, &mut rows[width * count..], count, shared);
     }
 
     /// Adds weighted rows of a Jacobian and their residuals, unknowns in units of `scale`.
@@ -163,40 +129,37 @@ impl Factor {
         residuals: &[f64],
         weights: &[f64],
         scale: &DVector<f64>,
+        work: &mut Vec<f64>,
     ) {
-        for (group, first, count) in s.parts(jacobian.nrows()) {
-            let (weights, residuals) = (&weights[first..][..count], &residuals[first..][..count]);
-            let before = if group.is_some() { 0 } else { s.width };
-            self.add::<ROWS>(group, count, |c, rows, out| {
-                let c = before + c;
-                let unit = match group {
-                    _ if c == s.columns() => 1.0,
-                    _ if c >= s.width => 1.0 / scale[c - s.width],
-                    Some(g) => 1.0 / scale[s.start(g) + c],
-                    None => 0.0,
+        let rows = jacobian.nrows();
+        for (group, first, count) in s.parts(rows) {
+            let weights = &weights[first..first + count];
+            work.clear();
+            for c in 0..s.columns() {
+                let scale = match group {
+                    _ if c >= s.width => scale[c - s.width],
+                    Some(g) => scale[s.start(g) + c],
+                    None => f64::INFINITY,
                 };
-                let values = if c == s.columns() {
-                    residuals
-                } else {
-                    &jacobian.as_slice()[c * jacobian.nrows() + first..][..count]
-                };
-                for ((out, x), w) in out.iter_mut().zip(&values[rows.clone()]).zip(&weights[rows]) {
-                    *out = x * w * unit;
-                }
-            });
+                let column = &jacobian.as_slice()[c * rows + first..][..count];
+                work.extend(column.iter().zip(weights).map(|(x, w)| x * w / scale));
+            }
+            work.extend(residuals[first..first + count].iter().zip(weights).map(|(r, w)| r * w));
+            self.add(group, work, count);
         }
     }
 
     /// Adds the rows of another factor of the same structure, multiplied by `weight`.
-    pub(super) fn add_factor(&mut self, other: &Self, weight: f64) {
-        let groups = other.heads.iter().enumerate().map(|(g, head)| (Some(g), head));
-        for (group, triangle) in groups.chain([(None, &other.root)]) {
-            self.add::<FEW_ROWS>(group, triangle.nrows(), |c, rows, out| {
-                for (out, x) in out.iter_mut().zip(triangle.column(c).rows_range(rows).iter()) {
-                    *out = x * weight;
-                }
-            });
+    pub(super) fn add_factor(&mut self, s: &Structure, other: &Self, weight: f64) {
+        for (group, head) in other.heads.iter().enumerate() {
+            let mut rows: Vec<f64> = head.iter().map(|x| x * weight).collect();
+            self.add(Some(group), &mut rows, s.width);
         }
+        let mut rows = vec![0.0; s.shared * (s.columns() + 1)];
+        for (to, x) in rows[s.width * s.shared..].iter_mut().zip(&other.root) {
+            *to = x * weight;
+        }
+        self.add(None, &mut rows, s.shared);
     }
 
     /// The triangles with their right-hand sides in the last column, and the number of unknowns of each.
@@ -206,14 +169,16 @@ impl Factor {
     }
 
     /// Adds one row per unknown with `diagonal` on its diagonal.
-    fn add_diagonal(&mut self, s: &Structure, diagonal: impl Fn(usize) -> f64) {
+    fn add_diagonal(&mut self, s: &Structure, diagonal: impl Fn(usize) -> f64, work: &mut Vec<f64>) {
         let groups = (0..s.groups.len()).map(|g| (Some(g), s.start(g), s.width));
         for (group, first, count) in groups.chain([(None, 0, s.shared)]) {
-            self.add::<FEW_ROWS>(group, count, |c, rows, out| {
-                if rows.contains(&c) {
-                    out[c - rows.start] = diagonal(first + c);
-                }
-            });
+            let before = if group.is_some() { 0 } else { s.width };
+            work.clear();
+            work.resize(count * (s.columns() + 1), 0.0);
+            for i in 0..count {
+                work[(before + i) * count + i] = diagonal(first + i);
+            }
+            self.add(group, work, count);
         }
     }
 
@@ -295,13 +260,14 @@ pub(super) struct Reduced {
     factor: Factor,
     damped: Factor,
     scale: DVector<f64>,
+    work: Vec<f64>,
 }
 
 impl Reduced {
     pub(super) fn new(s: &Structure) -> Self {
         let factor = Factor::zeros(s);
         let damped = factor.clone();
-        Self { factor, damped, scale: DVector::zeros(s.unknowns()) }
+        Self { factor, damped, scale: DVector::zeros(s.unknowns()), work: Vec::new() }
     }
 
     fn measure(&mut self, s: &Structure, jacobian: &DMatrix<f64>, weights: &[f64]) {
@@ -322,14 +288,14 @@ impl Reduced {
         }
         self.factor.root.fill(0.0);
         self.factor.heads.iter_mut().for_each(|h| h.fill(0.0));
-        self.factor.add_weighted(s, jacobian, residuals, weights, &self.scale);
+        self.factor.add_weighted(s, jacobian, residuals, weights, &self.scale, &mut self.work);
         true
     }
 
     /// The step δ with √damping on the diagonal of the scaled problem, and the predicted decrease of |W·(J·δ + r)|².
     pub(super) fn step(&mut self, s: &Structure, damping: f64) -> Option<(DVector<f64>, f64)> {
         self.damped.copy_from(&self.factor);
-        self.damped.add_diagonal(s, |_| damping.sqrt());
+        self.damped.add_diagonal(s, |_| damping.sqrt(), &mut self.work);
         let y = self.damped.solve(s)?;
         let predicted = 2.0 * damping * y.norm_squared() + self.factor.image_norm_squared(s, &y);
         Some((y.component_div(&self.scale), predicted))
@@ -362,10 +328,11 @@ pub(crate) fn covariance(s: &Structure, jacobian: &DMatrix<f64>, diagonal: &[f64
         return None;
     }
     let mut reduced = Reduced::new(s);
+    let mut work = Vec::new();
     if !reduced.reduce(s, jacobian, &vec![0.0; rows], &vec![1.0; rows]) {
         return None;
     }
-    reduced.factor.add_diagonal(s, |i| known(i) / reduced.scale[i]);
+    reduced.factor.add_diagonal(s, |i| known(i) / reduced.scale[i], &mut work);
     let mut c = reduced.factor.covariance(s)?;
     for (mut row, scale) in c.row_iter_mut().zip(&reduced.scale) {
         row /= *scale;

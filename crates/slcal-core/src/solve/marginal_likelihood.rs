@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::block_arrow_qr::{FEW_ROWS, Factor, Structure, column_norms};
+use super::block_arrow_qr::{Factor, Structure, column_norms};
 
 /// Rows reduced to a triangular factor, and the squares of their right-hand sides.
 #[derive(Debug, Clone)]
@@ -49,14 +49,14 @@ impl MarginalLikelihood {
             return None;
         }
         let mut factor = Factor::zeros(s);
-        factor.add_weighted(s, jacobian, residuals, weights, &scale);
+        factor.add_weighted(s, jacobian, residuals, weights, &scale, &mut Vec::new());
         Some(Self { factor, scale, total })
     }
 
     /// Together with other rows in the same units, whose weights are multiplied by `weight`.
-    pub(crate) fn with(&self, other: &Self, weight: f64) -> Self {
+    pub(crate) fn with(&self, s: &Structure, other: &Self, weight: f64) -> Self {
         let mut both = self.clone();
-        both.factor.add_factor(&other.factor, weight);
+        both.factor.add_factor(s, &other.factor, weight);
         both.total += other.total * weight * weight;
         both
     }
@@ -68,19 +68,18 @@ impl MarginalLikelihood {
         row: impl Fn(usize, usize) -> Option<(f64, f64)>,
     ) -> Self {
         let mut more = self.clone();
+        let columns = s.columns() + 1;
         for group in 0..s.groups.len() {
             let own: Vec<(usize, f64, f64)> =
                 (0..s.width).filter_map(|c| row(group, c).map(|(a, r)| (c, a, r))).collect();
-            more.total += own.iter().map(|(_, _, r)| r * r).sum::<f64>();
-            more.factor.add::<FEW_ROWS>(Some(group), own.len(), |c, rows, out| {
-                for (out, (unknown, a, r)) in out.iter_mut().zip(&own[rows]) {
-                    if c == *unknown {
-                        *out = a / self.scale[s.start(group) + c];
-                    } else if c == s.columns() {
-                        *out = *r;
-                    }
-                }
-            });
+            let count = own.len();
+            let mut rows = vec![0.0; count * columns];
+            for (i, (c, a, r)) in own.into_iter().enumerate() {
+                rows[c * count + i] = a / self.scale[s.start(group) + c];
+                rows[s.columns() * count + i] = r;
+                more.total += r * r;
+            }
+            more.factor.add(Some(group), &mut rows, count);
         }
         more
     }
@@ -141,7 +140,7 @@ mod tests {
         };
         let odd = found.of(&s, &jacobian, &residuals, &part(1)).unwrap();
         let even = found.of(&s, &jacobian, &residuals, &part(0)).unwrap();
-        let both = even.with(&odd, 1.0).with_own_rows(&s, own).ln(&s).unwrap() - units;
+        let both = even.with(&s, &odd, 1.0).with_own_rows(&s, own).ln(&s).unwrap() - units;
         assert!((both - wanted).abs() < 1e-9, "{both} {wanted}");
     }
 }
