@@ -12,7 +12,6 @@ export SLCAL_SHARED
 
 echo "== Rust"
 cargo test --locked
-cargo test --locked -p slcal-core --features rayon --test threads
 # The library as programs see it that ask for one of its features, or for none.
 for feature in "" report advise evaluate exchange npz stages simulate; do
     RUSTFLAGS="-D warnings" cargo check --locked --quiet -p slcal-core --features "$feature" --target-dir target/bare

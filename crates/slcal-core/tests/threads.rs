@@ -1,4 +1,4 @@
-//! Threads change no bit of a result (the feature `rayon`; without it both runs are on one thread).
+//! Threads change no bit of a result (the feature `rayon`, which the tests of the workspace have; without it both runs are on one thread).
 
 use std::path::Path;
 
