@@ -5,8 +5,8 @@ use super::scene::ideal;
 use super::study::{Drawn, Scenario, run};
 use crate::calibrate::{CalibrateConfig, DistortionModel, PrincipalPointRule};
 
-const DRAWS: usize = 1000;
-/// What is promised. The share of 1000 draws is itself known to 0.7 %.
+const DRAWS: usize = 2000;
+/// What is promised. The share of 2000 draws is itself known to 0.5 %.
 const TRUE: std::ops::RangeInclusive<f64> = 0.93..=0.97;
 /// Of the baseline where the principal points are uncertain, see [`one_photograph_with_principal_points_drawn`].
 const BASELINE_OF_ONE: std::ops::RangeInclusive<f64> = 0.93..=0.99;
