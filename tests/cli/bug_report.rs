@@ -25,6 +25,9 @@ fn calibrated() -> Bench {
         .ok();
     bench.put("wrong/notes.txt", "nobody else is to read this");
     bench.put("wrong/other.json", r#"{"secret": 1}"#);
+    bench.put("wrong/studio.json", r#"{"schema": "slcal-studio-settings/1"}"#);
+    bench.put("wrong/broken.json", r#"{"schema": "slcal-rig/1", "camera":"#);
+    bench.put("wrong/commands.txt", "slcal calibrate sheet-001.jpg");
     bench
 }
 
@@ -53,14 +56,16 @@ fn what_is_needed_is_packed_and_shown_and_nothing_else() {
     let names: Vec<&str> = files.keys().map(String::as_str).collect();
     let expected = [
         "about.txt",
+        "broken.json",
         "checker.json",
+        "commands.txt",
         "rig.json",
         "seen.json",
         "thumbnails/checker.png.jpg",
         "thumbnails/sheet.jpg.jpg",
     ];
     assert_eq!(names, expected);
-    for name in ["checker.json", "rig.json", "seen.json"] {
+    for name in ["broken.json", "checker.json", "commands.txt", "rig.json", "seen.json"] {
         assert_eq!(files[name], fs::read(bench.path(&format!("wrong/{name}"))).unwrap(), "{name}");
     }
     let small = image::load_from_memory(&files["thumbnails/sheet.jpg.jpg"]).unwrap();
@@ -76,7 +81,7 @@ fn what_is_needed_is_packed_and_shown_and_nothing_else() {
     for name in names.iter().skip(1) {
         assert!(about.contains(name) && run.text().contains(name), "{name}: {about}");
     }
-    for name in ["notes.txt", "other.json"] {
+    for name in ["notes.txt", "other.json", "studio.json"] {
         assert!(about.contains(name) && run.text().contains(name), "{name}: {about}");
     }
     // The same folder gives the same archive, on stdout as well.

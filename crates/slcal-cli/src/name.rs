@@ -1,10 +1,18 @@
-//! The names of files in messages.
+//! The names of files, and how they stand in messages.
 
 use std::path::Path;
+
+/// Where the studio notes down the commands that do what it did, one per line.
+pub(crate) const STUDIO_COMMANDS: &str = "commands.txt";
 
 /// Whether a path stands for stdin or stdout.
 pub(crate) fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
+}
+
+/// Whether a file has one of these extensions, in capitals or not.
+pub(crate) fn has_extension(name: &Path, extensions: &[&str]) -> bool {
+    name.extension().is_some_and(|found| extensions.iter().any(|e| found.eq_ignore_ascii_case(e)))
 }
 
 /// The name of an input in messages.

@@ -12,7 +12,7 @@ pub(crate) struct BugReportArgs {
     /// photographs.
     #[arg(value_name = "DIR", help_heading = INPUT)]
     pub(crate) folder: PathBuf,
-    /// A command that went wrong, as it was typed; repeat it for several.
+    /// A command that went wrong, as it was typed; repeat it for several. Those of the studio are in its folder.
     #[arg(long, value_name = "COMMAND", action = ArgAction::Append, help_heading = INPUT)]
     pub(crate) command: Vec<String>,
     /// Archive to write; `-` for stdout.

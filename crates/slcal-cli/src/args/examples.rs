@@ -143,15 +143,6 @@ Examples:
 The file needs no network and no other file: open it in a browser, send it or
 print it. The report states what is left out because a file is missing.";
 
-pub(super) const BUG_REPORT: &str = "\
-Examples:
-    slcal bug-report . --dry-run
-    slcal bug-report . -o bug-report.zip
-
-The first lists what the second packs. Nothing is sent: look at the archive,
-then attach it to your report. Whole photographs tell more than their
-thumbnails; attach those that you may share as well.";
-
 pub(super) const EXPORT: &str = "\
 Examples:
     slcal export --rig rig.json --to opencv -o opencv.yml
@@ -220,6 +211,15 @@ pixel truth_column.pfm, truth_row.pfm (projector px, NaN without projector
 light), truth_depth.pfm (mm) and truth_surface.png (0 nothing, 1 the first
 surface, ...). Under a sequence it holds frame_000.png, frame_001.png, ...,
 sequence.json, rig.json and these four.";
+
+pub(super) const BUG_REPORT: &str = "\
+Examples:
+    slcal bug-report . --dry-run
+    slcal bug-report . -o bug-report.zip
+
+The first lists what the second packs. Nothing is sent: look at the archive,
+then attach it to your report. Whole photographs tell more than their
+thumbnails; attach those that you may share as well.";
 
 pub(super) const COMPLETIONS: &str = "\
 Examples:

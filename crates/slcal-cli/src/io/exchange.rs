@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::name::is_dash;
+use crate::name::{has_extension, is_dash};
 use slcal_core::format::{ExchangeFormat, StorageText};
 use slcal_core::{Error, ErrorSubject, Result};
 
@@ -18,10 +18,6 @@ pub struct ExportPlaces {
     pub folder: Option<PathBuf>,
     /// A path for each file, in their order.
     pub paths: Vec<PathBuf>,
-}
-
-fn has_extension(path: &Path, known: &[&str]) -> bool {
-    path.extension().is_some_and(|e| known.iter().any(|k| e.eq_ignore_ascii_case(k)))
 }
 
 fn misnamed(expected: impl Into<String>, path: &Path) -> Error {

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use slcal_core::pattern::natural_order;
 
-use super::photo_kind::{EXTENSIONS, Foreign, has_extension};
+use super::photo_kind::{EXTENSIONS, Foreign};
 use crate::exit::{Exit, Failure, Outcome};
-use crate::name::is_dash;
+use crate::name::{has_extension, is_dash};
 
 /// Expands paths: a folder to its photographs, a name with `*` or `?` to the matching files.
 pub(crate) fn photographs(paths: &[PathBuf]) -> Outcome<Vec<PathBuf>> {
@@ -17,9 +17,8 @@ pub(crate) fn photographs(paths: &[PathBuf]) -> Outcome<Vec<PathBuf>> {
         if is_dash(path) {
             files.push(path.clone());
         } else if path.is_dir() {
-            let is_photo = |name: &Path| has_extension(name, &EXTENSIONS);
             let expected = "a folder with photographs (PNG, JPEG, TIFF, WebP or BMP)";
-            files.extend(of_folder(path, is_photo, expected, path)?);
+            files.extend(of_folder(path, is_named_photo, expected, path)?);
         } else if name.contains(['*', '?']) && !path.exists() {
             let folder = path.parent().unwrap_or(Path::new(""));
             let matching = |file: &Path| matches(&name, &file.to_string_lossy());
@@ -33,7 +32,7 @@ pub(crate) fn photographs(paths: &[PathBuf]) -> Outcome<Vec<PathBuf>> {
 
 /// Whether a file is named as a photograph that is read.
 pub(crate) fn is_named_photo(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| has_extension(Path::new(name), &EXTENSIONS))
+    has_extension(path, &EXTENSIONS)
 }
 
 /// All files of a folder, at least one, in natural order.

@@ -5,6 +5,7 @@ use std::path::Path;
 use image::ImageFormat;
 
 use super::tiff_tag::tiff_tag;
+use crate::name::has_extension;
 
 /// Accepted photographs.
 pub(super) const FORMATS: &str = "PNG, JPEG, TIFF, WebP or BMP, 8 or 16 bit, grey or RGB(A)";
@@ -108,10 +109,6 @@ impl Foreign {
             }
         }
     }
-}
-
-pub(super) fn has_extension(name: &Path, extensions: &[&str]) -> bool {
-    name.extension().is_some_and(|found| extensions.iter().any(|e| found.eq_ignore_ascii_case(e)))
 }
 
 /// What bytes are that are no photograph.

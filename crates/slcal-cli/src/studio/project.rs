@@ -11,11 +11,10 @@ use super::state::{CameraKind, ScanMethod, Step};
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::input_kind::read_input;
 use crate::io::{InputKind, write_whole};
+use crate::name::STUDIO_COMMANDS;
 
 /// The settings that photographs and results do not tell.
 const SETTINGS: &str = "studio.json";
-/// Commands that do the same, one per line.
-const COMMANDS: &str = "commands.txt";
 /// Held while a studio works in the folder.
 const LOCK: &str = ".slcal-studio.lock";
 /// Largest number of a photograph.
@@ -194,7 +193,7 @@ impl Project {
 
     /// Adds a command to the log.
     pub(super) fn log(&self, command: &str) -> Outcome {
-        let path = self.path(COMMANDS);
+        let path = self.path(STUDIO_COMMANDS);
         OpenOptions::new()
             .create(true)
             .append(true)

@@ -5,19 +5,23 @@ use std::env::consts::{ARCH, OS};
 use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
 
+use slcal_core::format::recognise;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::args::BugReportArgs;
 use crate::exit::{Exit, Failure, Outcome};
 use crate::io::{
-    Destination, InputKind, Samples, check_spares, files_of, is_named_photo, jpeg_bytes, load_observations,
-    load_pattern, load_photo, load_rig, read_bytes, write_all,
+    Destination, InputKind, Samples, check_spares, files_of, is_named_photo, jpeg_bytes, load_photo,
+    read_bytes, write_all,
 };
+use crate::name::{STUDIO_COMMANDS, has_extension};
 use crate::output::{Printer, Table, TextLayout, sanitized};
 
 /// The file that says what the others are.
 const ABOUT: &str = "about.txt";
+/// Schemas of what is packed. Other files of slcal, such as the studio's settings, tell more of their owner than of the result.
+const DESCRIPTIONS: [&str; 3] = ["slcal-rig/", "slcal-observations/", "slcal-pattern/"];
 /// More photographs than this are a recording; the first ones show what is wrong.
 const MOST_PHOTOGRAPHS: usize = 60;
 /// Quality of thumbnails, of 100.
@@ -58,7 +62,7 @@ pub(super) fn run(args: &BugReportArgs, printer: Printer) -> Outcome {
 }
 
 fn is_json(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"))
+    has_extension(path, &["json"])
 }
 
 /// What of the files is packed, and what is not.
@@ -76,31 +80,33 @@ fn collect(args: &BugReportArgs, files: &[PathBuf], printer: Printer) -> (Vec<Pa
             }
         } else if is_json(file) {
             description(file, &name)
+        } else if name == STUDIO_COMMANDS {
+            commands(file, &name)
         } else {
             Err("not needed".to_owned())
         };
         match found {
             Ok(file) if names.insert(file.name.clone()) => packed.push(file),
             Ok(_) => left_out.push(LeftOut { name, why: "another file has the same name".to_owned() }),
-            Err(why) => left_out.push(LeftOut { name, why }),
+            Err(why) => left_out.push(LeftOut { name, why: sanitized(&why) }),
         }
     }
     (packed, left_out)
 }
 
-/// A rig, observations or the description of a pattern, byte for byte.
+/// A rig, observations or the description of a pattern, byte for byte: also one that cannot be read, which may be what is wrong.
 fn description(file: &Path, name: &str) -> Result<Packed, String> {
-    let (what, kind) = if load_rig(file).is_ok() {
-        ("rig", InputKind::Rig)
-    } else if load_observations(file).is_ok() {
-        ("observations", InputKind::Observations)
-    } else if load_pattern(file).is_ok() {
-        ("pattern", InputKind::Pattern)
-    } else {
-        return Err("no rig, observations or pattern that can be read".to_owned());
-    };
-    let bytes = read_bytes(file, kind).map_err(|failure| failure.to_string())?;
-    Ok(Packed { name: name.to_owned(), what: what.to_owned(), bytes })
+    let bytes = read_bytes(file, InputKind::Rig).map_err(|failure| failure.to_string())?;
+    match recognise(&bytes).filter(|kind| DESCRIPTIONS.iter().any(|schema| kind.contains(schema))) {
+        Some(what) => Ok(Packed { name: name.to_owned(), what, bytes }),
+        None => Err("no rig, observations or pattern".to_owned()),
+    }
+}
+
+/// What the studio notes down of its commands.
+fn commands(file: &Path, name: &str) -> Result<Packed, String> {
+    let bytes = read_bytes(file, InputKind::Own).map_err(|failure| failure.to_string())?;
+    Ok(Packed { name: name.to_owned(), what: "commands of the studio".to_owned(), bytes })
 }
 
 /// A small copy of a photograph, without the tags of its file.
@@ -122,7 +128,7 @@ fn about(args: &BugReportArgs, packed: &[Packed], left_out: &[LeftOut]) -> Packe
     );
     let commands = args.command.iter().map(|command| sanitized(command));
     let of_packed = packed.iter().map(|p| format!("{}: {}, {} bytes", p.name, p.what, p.bytes.len()));
-    let of_left_out = left_out.iter().map(|l| format!("{}: {}", l.name, sanitized(&l.why)));
+    let of_left_out = left_out.iter().map(|l| format!("{}: {}", l.name, l.why));
     let lists: [(&str, Vec<String>); 3] = [
         (
             "commands",
@@ -165,7 +171,7 @@ fn shown(packed: &[Packed], left_out: &[LeftOut], output: Option<&Destination>) 
     }
     layout.table(&table);
     for (i, LeftOut { name, why }) in left_out.iter().enumerate() {
-        layout.line(if i == 0 { "left out" } else { "" }, format!("{name}: {}", sanitized(why)));
+        layout.line(if i == 0 { "left out" } else { "" }, format!("{name}: {why}"));
     }
     layout.gap();
     layout.paragraph(
